@@ -19,7 +19,7 @@ from crackgrow.direct.dissection import Places
 from crackgrow.direct.fronts import fronts_of
 from crackgrow.direct.matrix import SymmetricMatrix, bordered
 from crackgrow.direct.multifrontal import NOTHING, Kept, Multifrontal
-from crackgrow.direct.panels import fill_upper, lower_panels
+from crackgrow.direct.panels import lower_panels
 from crackgrow.errors import SolveError
 
 YIELDING = 1e-7
@@ -116,9 +116,10 @@ class Factorization:
 def _add_symmetric_part(compliance: Floats, multipliers: Floats, pulls: Floats) -> None:
     """Add the mean of M' P and its transpose to a matrix (k, k), M and P (m, k), that is symmetric to the last bit."""
     for rows, columns in lower_panels(len(compliance)):
-        more = multipliers[:, rows].T @ pulls[:, columns] + (multipliers[:, columns].T @ pulls[:, rows]).T
-        compliance[rows, columns] += 0.5 * more
-    fill_upper(compliance)
+        more = 0.5 * (multipliers[:, rows].T @ pulls[:, columns] + (multipliers[:, columns].T @ pulls[:, rows]).T)
+        compliance[rows, columns] += more
+        if rows != columns:
+            compliance[columns, rows] += more.T
 
 
 def factorize(

@@ -57,7 +57,9 @@ class TipField:
 
     direction: float  # rad from +x: outward direction of a tip
     angles: Floats  # (n,) rad, of the rays
-    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, so that a singular field is that over all of it
+    rays: (
+        Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, a singular field as over all of it; or nan
+    )
     mean: Floats  # (3,) Pa: Shepard average over the disc
     half_width: float = LARGEST_KINK  # rad: no crack goes further to either side
     radius: float | None = None  # m, of the average; None: that of the criterion
@@ -99,11 +101,6 @@ class _Points:
     def sums(self) -> Floats:
         """The part of each ray that is averaged over, and all of the disc (rays + 1,)."""
         return np.append(np.bincount(self.ray, self.averaged, N_RAYS), self.weight.sum())
-
-    def summed(self, values: Floats) -> Floats:
-        """Sums (rays + 1, k) along each ray, and over the disc, of `values` (n, k)."""
-        rays = [np.bincount(self.ray, self.averaged * column, N_RAYS) for column in values.T]
-        return np.concatenate([np.stack(rays, axis=1), (self.weight @ values)[None]])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -207,9 +204,10 @@ def _on_rays(cover: Cover, site: Site, rule: Rule) -> _Points:
         length = (end - begin)[some, None]
         parts.append((some, begin[some, None] + length * x, length * w))
     ray, r, weight = (np.concatenate(part) for part in zip(*parts, strict=True))  # area / distance = dr dt
-    averaged = np.where(np.arange(len(ray)) < N_RAYS, weight.T, 0.0).T
+    averaged = weight.ravel().copy()
+    averaged[N_RAYS * N_RADIAL :] = 0.0
     places = site.point + rule.reach * r[:, :, None] * rule.toward[ray, None]
-    return _Points(places.reshape(-1, 2), ray.repeat(N_RADIAL), weight.ravel(), averaged.ravel())
+    return _Points(places.reshape(-1, 2), ray.repeat(N_RADIAL), weight.ravel(), averaged)
 
 
 def _met(cover: Cover, site: Site, rule: Rule) -> tuple[Floats, Floats]:
@@ -276,7 +274,7 @@ def _averaged(
         sums[number] = strain[number] @ material.matrix
         sums[number] += seen[number, :, None] * np.array(material.initial.uniform)
         if material.initial.varying:
-            sums[number] += points.summed(material.initial.more_at(cover.lattice.to_metres(points.places)))
+            sums[number] += _summing([points]) @ material.initial.more_at(cover.lattice.to_metres(points.places))
     # over a part R_c of R alone a singular field is larger by sqrt(R / R_c)
     least = np.sqrt(seen[:, :-1])[:, :, None]
     rays = np.divide(sums[:, :-1], least, out=np.full((len(readings), N_RAYS, 3), np.nan), where=least > 0.0)

@@ -96,9 +96,7 @@ def stated(seed: int) -> Iterator[Stated]:
         if not any(tip.criticality - 1.0 > Cause.JUMP.limit for tip in truth.tips):  # elsewhere bonds hold at that load
             yield from (Stated(name, setting, "K", *of) for of in of_K(step, truth))
         yield from (Stated(name, setting, "direction", *of) for of in of_directions(critical, truth))
-        bounds = (critical.load_factor_error, truth.load_factor_error)
-        if np.isfinite(bounds).all():
-            yield Stated(name, setting, "load", 100.0 * abs(critical.load_factor / truth.load_factor - 1.0), *bounds)
+        yield from (Stated(name, setting, "load", *of) for of in of_load(critical, truth))
 
 
 Errors = Iterator[tuple[float, float, float]]
@@ -119,6 +117,13 @@ def of_directions(step: StepResult, truth: StepResult) -> Errors:
     for tip, true in zip(step.tips, truth.tips, strict=True):
         if tip.criticality > NEAR and true.criterion == tip.criterion:
             yield abs(tip.kink_deg - true.kink_deg), tip.kink_error_deg, true.kink_error_deg
+
+
+def of_load(step: StepResult, truth: StepResult) -> Errors:
+    """Of the critical load, percent, where both state an error."""
+    bounds = (step.load_factor_error, truth.load_factor_error)
+    if np.isfinite(bounds).all():
+        yield 100.0 * abs(step.load_factor / truth.load_factor - 1.0), *bounds
 
 
 def _bound(tip: TipResult) -> float:

@@ -23,7 +23,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from tests.benchmarks.paths import HERE, ROOT
-from tests.benchmarks.random_errors import QUIET, TRUTH, Stated, of_directions, of_K
+from tests.benchmarks.random_errors import QUIET, TRUTH, Stated, of_directions, of_K, of_load
 from tests.benchmarks.tables import number, table
 
 SCENES: Final = {
@@ -127,9 +127,7 @@ def of_loads(name: str, run: Grown) -> Iterator[Stated]:
     """The critical load of each step, if there is any."""
     for result, step in zip(run.results, run.steps, strict=True):
         if isinstance(step.scene.case.loading, CriticalLoad):
-            truth = true(name, step)
-            error = 100.0 * abs(result.load_factor / truth.load_factor - 1.0)
-            yield Stated(name, TARGET, "load", error, result.load_factor_error, truth.load_factor_error)
+            yield from (Stated(name, TARGET, "load", *each) for each in of_load(result, true(name, step)))
 
 
 def row_of(name: str, n_steps: int) -> list[str]:
