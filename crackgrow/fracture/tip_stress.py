@@ -57,9 +57,7 @@ class TipField:
 
     direction: float  # rad from +x: outward direction of a tip
     angles: Floats  # (n,) rad, of the rays
-    rays: (
-        Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, a singular field as over all of it; or nan
-    )
+    rays: Floats  # (n, 3) Pa: xx, yy, xy averaged along each ray, a singular field as over all of it; or nan
     mean: Floats  # (3,) Pa: Shepard average over the disc
     half_width: float = LARGEST_KINK  # rad: no crack goes further to either side
     radius: float | None = None  # m, of the average; None: that of the criterion
