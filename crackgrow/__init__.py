@@ -6,7 +6,6 @@ file. Each room imports only from those before it.
 
 from __future__ import annotations
 
-import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING
 
@@ -69,40 +68,12 @@ _HOMES = {
     "study.sweep.plan": "plan_sweep",
     "study.sweep.runner": "sweep",
 }
-# Names that were public, and are still found here, with a warning that says where they are.
-_MOVED = {
-    "case": "dump_case",
-    "case.json_schema": "case_schema",
-    "plan.overview": "overview",
-    "plan.picture": "draw_scene",
-    "plan.text": "plan_text",
-    "results.render": "find_ffmpeg render write_gif write_mp4",
-    "results.report": "write_report",
-    "results.resume": "find_resumption",
-    "results.view": "view",
-    "results.writer": "RunWriter complete_run",
-    "run.result": "RunEnd StepResult",
-    "study.compare": "Comparison",
-    "study.comparison_text": "comparison_csv comparison_text",
-    "study.uniqueness": "unique_text",
-    "study.sweep.runner": "sweep_line",
-    "study.trade.plan": "plan_trade",
-    "study.trade.row": "trade_line",
-    "study.trade.runner": "trade",
-}
-_AS_THEY_WERE = ("plan_trade", "render")  # of these, what takes other arguments now: `moved` calls it in the old form
 
 
 def __getattr__(name: str) -> object:
-    for homes in (_HOMES, _MOVED):
-        for home, names in homes.items():
-            if name in names.split():
-                if homes is _MOVED:
-                    told = f"crackgrow.{name} is now in crackgrow.{home}, and will not be found here in a later version"
-                    warnings.warn(told, DeprecationWarning, stacklevel=2)
-                if name in _AS_THEY_WERE:
-                    home = "moved"
-                return getattr(import_module(f"crackgrow.{home}"), name)
+    for home, names in _HOMES.items():
+        if name in names.split():
+            return getattr(import_module(f"crackgrow.{home}"), name)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

@@ -30,10 +30,6 @@ GROUPS: Final = {
 """Commands by what one wants: those of a group are in the module of its name, each with the function `add_COMMAND`."""
 
 
-GONE: Final = {"stability": "check CASE.yaml --invariance"}
-"""Commands of earlier versions, and what does the same."""
-
-
 class Parser(argparse.ArgumentParser):
     """A parser that says what may have been meant; those of its commands are such, too. Its help keeps its lines."""
 
@@ -92,8 +88,7 @@ class Parser(argparse.ArgumentParser):
         if action.choices is None or value in action.choices:
             return
         near = difflib.get_close_matches(str(value), [str(choice) for choice in action.choices], n=1)
-        meant = GONE.get(str(value)) or (near[0] if near else "")
-        hint = f"; did you mean {meant}?" if meant else ""
+        hint = f"; did you mean {near[0]}?" if near else ""
         allowed = ", ".join(str(choice) for choice in action.choices)
         raise argparse.ArgumentError(action, f"{str(value)!r} is none of {allowed}{hint}")
 

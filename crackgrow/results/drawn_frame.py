@@ -85,7 +85,7 @@ def _cells(grid: pyvista.UnstructuredGrid, kind: int, n_corners: int) -> Ints:
 def _fields(grid: pyvista.UnstructuredGrid) -> dict[str, tuple[bool, Floats]]:
     """Whether a field is one of points, and its values: the size of vectors, the components of stress one by one.
 
-    What both points and cells have is taken from the points; earlier versions wrote stress for cells alone.
+    What both points and cells have is taken from the points.
     """
     found: dict[str, tuple[bool, Floats]] = {}
     for by_point, data in ((True, grid.point_data), (False, grid.cell_data)):

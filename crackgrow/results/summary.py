@@ -88,7 +88,7 @@ class Tally:
 
     @classmethod
     def of(cls, record: Mapping[str, Any]) -> Tally:
-        """The tally of a `record`; those of earlier versions have less in them."""
+        """The tally of a `record`."""
         worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
         events = [event_of(event) for event in record["events"]]
         return cls(**{**record, "worst": worst, "events": events, "cautions": Gathered.of(record["cautions"])})

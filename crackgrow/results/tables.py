@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-import io
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -64,28 +62,17 @@ class Table:
         self.mark = (before[0] + len(data), crc32(data, before[1]))
 
     def cut(self, mark: Sequence[int]) -> None:
-        """Take over what the file has up to a mark that fits, and drop the rest; raises OutputError.
-
-        In columns that have come since, which are the last, rows of an earlier version are nan.
-        """
-        text, header = self.path.read_bytes()[: mark[0]].decode(), self._lines[0]
-        self._lines = text.removesuffix("\n").split("\n")
-        if header.startswith(f"{self._lines[0]},"):
-            since = [float("nan")] * (header.count(",") - self._lines[0].count(","))
-            _, *rows = csv.reader(io.StringIO(text, newline=""))
-            self._lines = [header]
-            self.extend([*row, *since] for row in rows)
+        """Take over what the file has up to a mark that fits, and drop the rest; raises OutputError."""
+        self._lines = self.path.read_bytes()[: mark[0]].decode().removesuffix("\n").split("\n")
         self._n_written = 0
         self.write()
 
 
 def goes_on(path: Path) -> bool:
-    """Whether this version can go on with a table: it knows all of its columns, in their order."""
-    if path.name == declarations.HISTORY.name:
-        return True  # its columns are those of the case
+    """Whether this version can go on with a table: it has the same columns, which of `history.csv` the case tells."""
     with path.open(encoding="utf-8") as file:
         then = file.readline().rstrip("\n").split(",")
-    return then == list(HEADERS[path.stem][: len(then)])
+    return path.name == declarations.HISTORY.name or then == list(HEADERS[path.stem])
 
 
 def fits(path: Path, mark: Sequence[int]) -> bool:

@@ -235,31 +235,11 @@ def test_errors_can_be_caught_by_the_names_in_the_docstrings(name: str) -> None:
     assert name in dir(crackgrow)
 
 
-def test_a_name_that_has_moved_is_found_and_its_home_told() -> None:
-    for names in crackgrow._MOVED.values():
-        for name in names.split():
-            with pytest.warns(DeprecationWarning, match=f"crackgrow.{name} is now in crackgrow."):
-                assert getattr(crackgrow, name).__name__ == name
-    with pytest.raises(AttributeError, match="has no attribute 'rendered'"):
-        crackgrow.rendered  # noqa: B018
-
-
-@pytest.mark.filterwarnings("ignore:crackgrow.* is now in:DeprecationWarning")
-def test_what_has_moved_is_called_as_before(tmp_path: Path) -> None:
-    run = crackgrow.run_case(case("compression30", "growth.steps=0", "numerics.spacing=3"), tmp_path / "run")
-    assert run.status == "completed"
-    pictures = list(crackgrow.render(tmp_path / "run", "sigma_1", 20.0, [0], (200, 300), tmp_path / "pictures"))
-    assert [picture.name for picture in pictures] == ["step_0000.png"]
-    named = crackgrow.render(tmp_path / "run", warp=20.0, size=(200, 300), out=tmp_path / "named")
-    assert next(named).read_bytes() == pictures[0].read_bytes()
-    path = ROOT / "cases" / "compression30.yaml"
-    plan = crackgrow.plan_trade(path, tmp_path, overrides=["growth.steps=1"], presets=False)
-    assert plan.file.overrides == ("growth.steps=1",)
-
-
 def test_public_names_are_few_and_there() -> None:
     assert len(crackgrow.__all__) <= 23
     assert all(getattr(crackgrow, name) for name in crackgrow.__all__)
+    with pytest.raises(AttributeError, match="has no attribute 'rendered'"):
+        crackgrow.rendered  # noqa: B018
 
 
 def test_importing_the_package_loads_no_numpy() -> None:

@@ -23,7 +23,6 @@ def refused(words: list[str], capsys: pytest.CaptureFixture[str]) -> str:
 @pytest.mark.parametrize(("words", "hint"), [
     (["rnu", CASE], "did you mean run?"),
     (["chek"], "did you mean check?"),
-    (["stability", CASE], "did you mean check CASE.yaml --invariance?"),
     (["run", CASE, "--ressume"], "did you mean --resume?"),
     (["run", "--hlep"], "CASE.yaml; unknown: --hlep; did you mean --help?"),
     (["run", CASE, "--spacing", "3"], "did you mean --set numerics.spacing=3?"),
