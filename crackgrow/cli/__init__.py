@@ -1,8 +1,8 @@
 """The command line: the only place that prints.
 
 Exit codes: 0 done, 1 a bug (which shows its traceback), 2 the case is wrong, 3 it can't be solved or written as asked,
-4 paths that `compare` finds further apart than the tolerance, a setting that `converge` finds not good enough, or a NO
-of `check --invariance`, 130 interrupted.
+4 paths that `compare` finds further apart than the tolerance, or a setting that `converge` finds not good enough,
+130 interrupted.
 """
 
 from __future__ import annotations

@@ -11,7 +11,7 @@ from typing import Final, TextIO
 
 import yaml
 
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE, hand_out, hand_out_json, say
+from crackgrow.cli.console import EXIT_DONE, hand_out, hand_out_json, say
 from crackgrow.cli.parser import Commands, add_command, load_case_file, path, takes_case
 from crackgrow.errors import CaseError
 from crackgrow.results.units import aligned
@@ -151,19 +151,16 @@ def add_new(commands: Commands) -> None:
 CHECK_HELP = """\
 Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
 first step, counted on its cover, what a step costs in seconds and memory, and what to beware of. Nothing is solved
-unless --unique asks whether friction leaves the contact one solution at every load factor, or --invariance whether the
-first step is in balance and the same in other units, on another lattice, turned, mirrored and moved.
+unless --unique asks whether friction leaves the contact one solution at every load factor.
 """
 CHECK_EXAMPLES = """\
 exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its cracks cannot be covered, or with
---unique its loads not be solved; 4 with --invariance: something changes that must not, and no warning says so (a NO).
-verdicts of --invariance: yes: within the tolerance; said: no good, or refused, and the program says so; NO: neither.
+--unique its loads not be solved.
 
 examples:
   crackgrow check cases/compression30.yaml
   crackgrow check cases/two_flaws.yaml --set numerics.spacing=1 --picture two_flaws.svg
   crackgrow check cases/confined30.yaml --unique
-  crackgrow check cases/junction_static.yaml --invariance
 """
 
 
@@ -186,19 +183,9 @@ def check(arguments: argparse.Namespace) -> int:
 
         tell("\nsolutions of the contact")
         record["unique"] = list(_told(unique_text(case), tell))
-    rows = []
-    if arguments.invariance:
-        # only now: they load the solver
-        from crackgrow.study.invariance.axes import invariance, line_of, record_of
-
-        tell("\nwhat must not change")
-        for row in invariance(case):
-            rows.append(row)
-            tell(line_of(row))
-        record["invariance"] = [record_of(row) for row in rows]
     if arguments.json:
         hand_out_json(record)
-    return EXIT_DIFFERENT if any(row.verdict == "NO" for row in rows) else EXIT_DONE
+    return EXIT_DONE
 
 
 def _told(lines: Iterable[str], tell: Callable[[str], None]) -> Iterator[str]:
@@ -215,11 +202,6 @@ def add_check(commands: Commands) -> None:
     command.add_argument("--json", action="store_true", help="print the plan as JSON")
     command.add_argument(
         "--unique", action="store_true", help="solve the first step: does friction leave one solution?"
-    )
-    command.add_argument(
-        "--invariance",
-        action="store_true",
-        help="solve it in other units, on other lattices, turned, mirrored, moved: is it the same?",
     )
 
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.study.invariance.solved import Solved, balanced, solved
 from tests.stability.extremes.measures import contact_tractions
+from tests.stability.solved import Solved, balanced, solved
 
 CASES = Path(__file__).parents[2] / "cases"
 BLOCK = 1e3  # Pa, Young's modulus of the block

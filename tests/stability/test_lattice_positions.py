@@ -8,7 +8,7 @@ import pytest
 from crackgrow.case.model import Case
 from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
-from crackgrow.study.invariance.condition import condition_estimate
+from tests.stability.condition import condition_estimate
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, offset_with, solve, tip_of
 
 SPREAD = 5e-3

@@ -17,8 +17,8 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
-from crackgrow.study.invariance.placed import placed, scaled
-from crackgrow.study.invariance.solved import everything, solved
+from tests.stability.placed import placed, scaled
+from tests.stability.solved import everything, solved
 
 CASES = Path(__file__).parents[2] / "cases"
 

@@ -8,7 +8,7 @@ from scipy.special import ellipe, ellipk
 
 from crackgrow.case.model import Case
 from crackgrow.run import grow
-from crackgrow.study.invariance.condition import condition_estimate
+from tests.stability.condition import condition_estimate
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, solve
 
 SHORT = "below 3 the cover does not resolve a crack"

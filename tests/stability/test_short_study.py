@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
-from crackgrow.study.invariance.axes import Row
 from tests.stability.extremes import study
 from tests.stability.extremes.table import COLUMNS, csv_text, summary_text
+from tests.stability.extremes.trial import Row
 
 
 def row(

@@ -11,7 +11,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
 from crackgrow.run.result import StepResult
-from crackgrow.study.invariance.placed import Placement, placed, scaled, turned
+from tests.stability.placed import Placement, placed, scaled, turned
 from tests.verification.solutions import solve_case
 from tests.whole_run import whole_run
 

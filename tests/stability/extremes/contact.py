@@ -9,10 +9,10 @@ from math import radians, tan
 import numpy as np
 
 from crackgrow.case.checks import STIFFEST_GAUSS
-from crackgrow.study.invariance.axes import Trial
-from crackgrow.study.invariance.solved import Measure, Solved, against
 from tests.stability.extremes.measures import K_II_against, uniform
 from tests.stability.extremes.scenes import Scenes
+from tests.stability.extremes.trial import Trial
+from tests.stability.solved import Measure, Solved, against
 
 STRESS = 100e6
 """Pa: the flaw's load."""

@@ -6,10 +6,10 @@ from collections.abc import Iterator
 from itertools import product
 
 from crackgrow.case.checks import LARGEST_POISSON
-from crackgrow.study.invariance.axes import Trial
-from crackgrow.study.invariance.solved import against, balanced, stress_intensity
 from tests.stability.extremes.measures import contact_tractions
 from tests.stability.extremes.scenes import FOUNDATION, RIGID, Scenes
+from tests.stability.extremes.trial import Trial
+from tests.stability.solved import against, balanced, stress_intensity
 
 K_TOLERANCE = 1e-2
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.study.invariance.solved import Measure, Solved, difference
+from tests.stability.solved import Measure, Solved, difference
 
 
 def contact_tractions(found: Solved, plain: Solved) -> float:

@@ -14,7 +14,7 @@ from matplotlib.lines import Line2D
 
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.style import own_style
-from crackgrow.study.invariance.axes import Row
+from tests.stability.extremes.trial import Row
 
 COLOURS = {"yes": "tab:green", "said": "tab:orange", "NO": "tab:red"}
 LABELS = {"yes": "good", "said": "no good, and the program says so", "NO": "NO"}

@@ -10,7 +10,7 @@ from typing import TypeVar
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.study.invariance.solved import Solved, solved
+from tests.stability.solved import Solved, solved
 
 T = TypeVar("T")
 

@@ -14,11 +14,11 @@ from pathlib import Path
 
 from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.results.atomic import write_text
-from crackgrow.study.invariance.axes import Row, Trial, evaluate, line_of
 from tests.stability.extremes import contact, material, place, units
 from tests.stability.extremes.picture import draw
 from tests.stability.extremes.scenes import Scenes
 from tests.stability.extremes.table import csv_text, markdown_text
+from tests.stability.extremes.trial import Row, Trial, evaluate, line_of
 
 Axis = Callable[[Scenes], Iterator[Trial]]
 

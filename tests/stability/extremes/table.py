@@ -10,7 +10,7 @@ from typing import Final
 
 from crackgrow.results import tables
 from crackgrow.results.declarations import Column, File
-from crackgrow.study.invariance.axes import Row, number
+from tests.stability.extremes.trial import Row, number
 
 FILE: Final = File(
     "stability.csv",

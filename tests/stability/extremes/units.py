@@ -5,13 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import product
 
-from crackgrow.study.invariance.axes import COMPARED, TOLERANCE, Trial
-from crackgrow.study.invariance.placed import Placement, scaled
-from crackgrow.study.invariance.solved import against, everything, solved_placed
 from tests.stability.extremes.scenes import Scenes
+from tests.stability.extremes.trial import Trial
+from tests.stability.placed import Placement, scaled
+from tests.stability.solved import against, everything, solved_placed
 
 YOUNG, STRESS, WIDTH = 10e9, 100e6, 31e-3
 """Pa, Pa, m: modulus, load and width of the flaw's specimen as they are."""
+
+TOLERANCE = 1e-8
+"""Of the same scene in other units."""
+
+COMPARED = "K, tractions, jumps, states, tip stress, criticality, energies over their units"
 
 FRICTION = "cracks.flaw.contact.friction=0.3"
 

@@ -19,7 +19,6 @@ from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.study.invariance.solved import solved as solved_scene
 from crackgrow.study.uniqueness import (
     SecondSolution,
     friction_limit,
@@ -29,6 +28,7 @@ from crackgrow.study.uniqueness import (
 )
 from tests.contact_problems import contact_law, smooth
 from tests.solving import solve_contact
+from tests.stability.solved import solved as solved_scene
 
 ONE = np.ones(1)
 C = 0.5

@@ -1,8 +1,7 @@
-"""What must not change: one bad row ends itself alone, verdicts, what the command line says."""
+"""What must not change where a case is placed otherwise; of trials: one bad row ends itself alone, verdicts."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -10,17 +9,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.case.model import Case, ContactSupport, EdgeTraction
-from crackgrow.cli.console import EXIT_DIFFERENT, EXIT_DONE
 from crackgrow.errors import SolveError
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.study.invariance.axes import Row, Trial, evaluate, invariance, record_of
-from crackgrow.study.invariance.placed import mirrored, moved, placed, scaled, turned
-from crackgrow.study.invariance.solved import Solved, everything, overall, solved
+from tests.stability.extremes.trial import Row, Trial, evaluate
+from tests.stability.placed import mirrored, moved, placed, scaled, turned
+from tests.stability.solved import Solved, everything, overall, solved
 
-ROOT = Path(__file__).parents[3]
+ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases"
 
 
@@ -95,29 +92,6 @@ def test_what_is_raised_ends_its_own_row_alone(flaw: Solved) -> None:
     )
     crashed = evaluate(trial(crashes, 0.0, flaw))
     assert (crashed.status, crashed.reason, crashed.verdict) == ("crashed", "ZeroDivisionError: a bug", "NO")
-
-
-def test_a_NO_is_the_exit_code(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    case = str(CASES / "compression30.yaml")
-    for rows, code in (([row()], EXIT_DONE), ([row(), row(2e-3)], EXIT_DIFFERENT)):
-        monkeypatch.setattr("crackgrow.study.invariance.axes.invariance", lambda case, rows=rows: iter(rows))
-        assert cli.main(["check", case, "--set", "numerics.spacing=3", "--invariance"]) == code
-        assert capsys.readouterr().out.count("deviation 0.00") == len(rows)
-        assert cli.main(["check", case, "--set", "numerics.spacing=3", "--invariance", "--json"]) == code
-        told = json.loads(capsys.readouterr().out)["invariance"]
-        assert [line["verdict"] for line in told] == [one.verdict for one in rows]
-
-
-def test_a_row_in_JSON_has_no_nan() -> None:
-    assert record_of(row(float("nan"), "refused"))["deviation"] is None
-    assert record_of(row())["deviation"] == 1e-4
-
-
-@pytest.mark.parametrize(("name", "spacing"), [("interface_friction01", 0.2), ("block_rigid", 0.25)])
-def test_shipped_cases_are_the_same_in_other_units_and_places(name: str, spacing: float) -> None:
-    rows = list(invariance(load_case(CASES / f"{name}.yaml", [f"numerics.spacing={spacing}"])))
-    assert {found.axis for found in rows} == {"balance", "units", "lattice", "scene"}
-    assert {found.verdict for found in rows} == {"yes"}
 
 
 @pytest.mark.parametrize("name", ["compression30", "block_rigid", "interface_friction01", "junction_static"])

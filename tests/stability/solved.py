@@ -21,8 +21,8 @@ from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.linear_solver import displacement_size
-from crackgrow.study.invariance.placed import Placement, placed, scaled
 from crackgrow.study.setting import under_its_loads
+from tests.stability.placed import Placement, placed, scaled
 
 
 @dataclass(frozen=True, slots=True, eq=False)

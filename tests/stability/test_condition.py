@@ -11,8 +11,8 @@ from crackgrow.case.model import EdgeSupport
 from crackgrow.errors import SolveError
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.supports import constraints
-from crackgrow.study.invariance.condition import condition_estimate
 from tests.conftest import Build, Sample
+from tests.stability.condition import condition_estimate
 
 
 def held_sample(build: type[Build], support: float) -> tuple[Sample, csr_array]:
