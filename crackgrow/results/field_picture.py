@@ -18,38 +18,41 @@ from matplotlib.collections import LineCollection, PolyCollection, TriMesh
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
-from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
 from crackgrow.errors import CaseError
+from crackgrow.results.displaced import (
+    INCHES,
+    LINE,
+    Displaced,
+    above,
+    areas,
+    areas_of,
+    boundary_edges,
+    cell_groups,
+    displayed_magnification,
+    off_mean,
+    percentiles,
+)
 from crackgrow.results.drawn_frame import DrawnFrame, field_kind, field_unit
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of
-from crackgrow.run.result import Frame
 
 LONG_SIDE = 1000  # pixels, where no size is given
-INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width or height, by the specimen's longer side
 LEAST_SHARE = 0.33  # of the longer side that the shorter one has room for: words are wider than a thin specimen
 BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
 NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
          "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
-DISPLACED_SHARE = 0.04  # of the specimen's size: how far the most displaced point is drawn from its place
-LARGEST_STRAIN = 0.15  # that is drawn: beyond it holes lose their shape
-STRAIN_PERCENTILE = 98.0  # of the length of all sides of cells: what is left lies at tips
 WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
 COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a singular tip doesn't wash out the rest
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 DRAWING = 32 * 2**20  # bytes that have to be free for a picture
 COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth colours, and saves a fifth of the bytes
 THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
-
-
-Displaced = Frame | DrawnFrame
-"""A mesh of triangles (t, 3) and quads (q, 4) whose points (n, 2) m are displaced."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,9 +85,8 @@ class FieldPictures:
         self.title, self.field, self.loads = title, field, loads
         self.warp = min(displayed_magnification(frame) for frame in frames) if look.warp is None else look.warp
         values = np.concatenate([frame.values for frame in frames])
-        self.unit = field_unit(field, values)
         weights = np.concatenate([areas(frame, by_point=frame.by_point) for frame in frames])
-        self.norm, self.colormap = colours_of(values / self.unit[0], weights)
+        self.unit, self.norm, self.colormap = colours_of(field, values, weights)
         if look.limits is not None:
             low, high = limits_of(field, look.limits, self.unit)
             self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
@@ -108,11 +110,13 @@ class FieldPictures:
         if frame.by_point:
             shade(axes, frame, points, values, self.norm, self.colormap)
         else:
-            polygons = [*points[frame.triangles], *points[frame.quads]]
-            cells = PolyCollection(polygons, array=values, cmap=self.colormap, norm=self.norm, antialiaseds=False)
+            upper = np.concatenate([above(frame)[cells].any(axis=1) for cells in cell_groups(frame)])
+            polygons, order = [*points[frame.triangles], *points[frame.quads]], np.argsort(upper, kind="stable")
+            cells = PolyCollection([polygons[cell] for cell in order], array=values[order], antialiaseds=False)
+            cells.set(cmap=self.colormap, norm=self.norm)
             axes.add_collection(cells)
         edges = points[boundary_edges(frame)]
-        axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=0.8))
+        axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
         axes.set(xlabel=f"x [{self.length[1]}]", ylabel=f"y [{self.length[1]}]")
         colours, place = ScalarMappable(self.norm, self.colormap), bar_place(self.high - self.low)
@@ -148,83 +152,24 @@ def png_of(figure: Figure) -> bytes:
     return data.getvalue()
 
 
-def displayed_magnification(frame: Displaced) -> float:
-    """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
-
-    It is less where LARGEST_STRAIN would be drawn, and 1 where nothing is displaced.
-    """
-    largest = np.linalg.norm(off_mean(frame), axis=1).max()
-    size = np.ptp(frame.points, axis=0).max()
-    if not largest > 0:
-        return 1.0
-    strain = max(_usual_strain(frame, sides) for sides in (np.concatenate(_all_sides(frame)), boundary_edges(frame)))
-    return float(f"{min(DISPLACED_SHARE * size / largest, LARGEST_STRAIN / max(strain, 1e-300)):.1e}")
-
-
-def _usual_strain(frame: Displaced, sides: NDArray[np.int64]) -> float:
-    """Size of the strain along sides of cells, given by their ends (n, 2), that little of their length exceeds."""
-    x, u = (values[sides[:, 1]] - values[sides[:, 0]] for values in (frame.points, frame.displacement))
-    squares = (x * x).sum(axis=1)
-    kept = squares > 0.0
-    strains = np.abs((x * u).sum(axis=1)[kept]) / squares[kept]
-    return float(_percentiles(strains, np.sqrt(squares[kept]), STRAIN_PERCENTILE)) if len(strains) else 0.0
-
-
-def boundary_edges(frame: Displaced) -> NDArray[np.int64]:
-    """Edges (n, 2) that one cell alone has: the outline and both faces of the cracks."""
-    unique, counts = np.unique(np.sort(np.concatenate(_all_sides(frame)), axis=1), axis=0, return_counts=True)
-    outer: NDArray[np.int64] = unique[counts == 1]
-    return outer
-
-
-def _all_sides(frame: Displaced) -> list[NDArray[np.int64]]:
-    """Ends (n, 2) of the sides of triangles and of quads, a side of two cells twice."""
-    return [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in _cell_groups(frame)]
-
-
 def bar_place(extent: Floats) -> Literal["right", "bottom"]:
     """The side of a picture of something of this width and height (2,) on which its colour bar has room."""
     return "bottom" if extent[0] > WIDE * extent[1] else "right"
 
 
-def _cell_groups(frame: Displaced) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
-
-
-def off_mean(frame: Displaced) -> Floats:
-    """Displacement (n, 2) m less its mean over the specimen."""
-    return np.asarray(frame.displacement - np.average(frame.displacement, axis=0, weights=areas(frame, by_point=True)))
-
-
-def areas(frame: Displaced, *, by_point: bool) -> Floats:
-    """Area m^2 of each cell (c,), or that each point (n,) stands for: equal parts of those of its cells."""
-    groups = _cell_groups(frame)
-    of_cells = [_areas(frame.points, cells) for cells in groups]
-    if not by_point:
-        return np.concatenate(of_cells)
-    corners = np.concatenate([cells.ravel() for cells in groups])
-    parts = [np.repeat(some / cells.shape[1], cells.shape[1]) for some, cells in zip(of_cells, groups, strict=True)]
-    return np.asarray(np.bincount(corners, np.concatenate(parts), len(frame.points)), dtype=float)
-
-
-def _areas(points: Floats, cells: NDArray[np.int64]) -> Floats:
-    """Areas (c,) of cells with corners (c, k) among points (n, 2)."""
-    x, y = points[cells].transpose(2, 0, 1)
-    return np.asarray(0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)))
-
-
 def shade(axes: Axes, frame: Displaced, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
     """Fill a frame's cells, its points drawn at `points` (n, 2), with the colours between those of its points (n,)."""
-    triangles, quads = _cell_groups(frame)
+    triangles, quads = cell_groups(frame)
     middle = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)
     fans = np.stack([quads, np.roll(quads, -1, axis=1), middle], axis=2).reshape(-1, 3)
     corners = np.concatenate([triangles, fans])
+    last = np.append(above(frame), np.zeros(len(quads), dtype=bool))[corners].any(axis=1)
     points, values = (np.concatenate([field, field[quads].mean(axis=1)]) for field in (points, values))
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
     longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
-    thin = 2.0 * _areas(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
-    corners = np.concatenate([corners[thin], corners[~thin]])
-    mesh = Triangulation(points[:, 0], points[:, 1], corners)
+    thin = 2.0 * areas_of(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
+    order = np.lexsort([~thin, last])
+    mesh = Triangulation(points[:, 0], points[:, 1], corners[order])
     return axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
 
 
@@ -245,16 +190,16 @@ def limits_of(field: str, texts: tuple[str, str], unit: Unit) -> tuple[float, fl
     return found[0], found[1]
 
 
-def colours_of(values: Floats, weights: Floats) -> tuple[Normalize, str]:
-    """Limits that values of little weight, such as area, don't move; symmetrical where both signs matter."""
-    low, high = (float(limit) for limit in _percentiles(values, weights, COLOUR_PERCENTILES))
+def colours_of(field: str, values: Floats, weights: Floats) -> tuple[Unit, Normalize, str]:
+    """The unit of a field for its values, limits in it that values of little weight, such as area, don't move, colours.
+
+    The limits are symmetrical where both signs matter.
+    """
+    low, high = (float(limit) for limit in percentiles(values, weights, COLOUR_PERCENTILES))
     largest = max(abs(low), abs(high))
-    if min(-low, high) > ONE_SIGN_SHARE * largest:
-        return Normalize(-largest, largest), "RdBu_r"
-    if high - low <= 1e-9 * largest:  # one value: any width shows it
-        low, high = low - 0.5 * (largest or 1.0), high + 0.5 * (largest or 1.0)
-    return Normalize(low, high), "viridis"
-
-
-def _percentiles(values: Floats, weights: Floats, percentiles: float | tuple[float, float]) -> Floats:
-    return np.asarray(np.percentile(values, percentiles, weights=weights, method="inverted_cdf"))
+    unit, both = field_unit(field, np.array([low, high])), min(-low, high) > ONE_SIGN_SHARE * largest
+    if both:
+        low, high = -largest, largest
+    elif high - low <= 1e-9 * largest:  # one value: any width shows it
+        low, high = low - 0.5 * (largest or unit[0]), high + 0.5 * (largest or unit[0])
+    return unit, Normalize(low / unit[0], high / unit[0]), "RdBu_r" if both else "viridis"

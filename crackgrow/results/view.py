@@ -10,8 +10,9 @@ from typing import Any
 import pyvista
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.drawn_frame import drawn_frame, field_unit
-from crackgrow.results.field_picture import areas, colours_of, displayed_magnification
+from crackgrow.results.displaced import areas, displayed_magnification
+from crackgrow.results.drawn_frame import drawn_frame
+from crackgrow.results.field_picture import colours_of
 from crackgrow.results.folder import open_run
 from crackgrow.results.units import factor_text
 
@@ -49,8 +50,7 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
     steps = run.frames_of()
     last = drawn_frame(run, steps[-1], field)
     factor = displayed_magnification(last) if warp is None else warp
-    size, name = field_unit(field, last.values)
-    norm, colour_map = colours_of(last.values / size, areas(last, by_point=last.by_point))
+    (size, name), norm, colour_map = colours_of(field, last.values, areas(last, by_point=last.by_point))
     label = f"{field} [{name}]" if name else field
 
     untyped: Any = plotter  # the declared types of some methods are not those of what they wrap

@@ -7,13 +7,16 @@ from itertools import pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
+import matplotlib as mpl
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from crackgrow.results import field_picture, figures
+from crackgrow.results import displaced, field_picture, figures
+from crackgrow.results.drawn_frame import DrawnFrame
+from crackgrow.results.field_picture import Look
 from crackgrow.results.summary import LoadPoint
 from crackgrow.run.result import STICK
 from tests.unit.results.synthetic import HEIGHT, N_X, N_Y, WIDTH, make_case, make_frame, make_paths, make_result
@@ -53,11 +56,11 @@ def test_sigma_1_figure_of_a_body_at_rest(tmp_path: Path) -> None:
     assert inked_share(tmp_path / "a.png") > 0.3
 
 
-@pytest.mark.parametrize("scale", [1e-6, 1.0, 40.0])
+@pytest.mark.parametrize("scale", [1e-6, 1e-3, 1.0])
 def test_magnification_draws_the_largest_displacement_as_four_percent(scale: float) -> None:
     frame = make_frame(scale)
     moved = frame.displacement + np.array([3.0, -1.0])  # a translation changes nothing
-    factor = field_picture.displayed_magnification(replace(frame, displacement=moved))
+    factor = displaced.displayed_magnification(replace(frame, displacement=moved))
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
 
@@ -71,9 +74,53 @@ def test_magnification_leaves_holes_their_shape() -> None:
     points, c = np.column_stack([x, y]), 1e-3
     closing = -c * points / np.maximum((points**2).sum(axis=1), 0.5)[:, None]
     frame = SimpleNamespace(points=points, displacement=closing, triangles=np.empty((0, 3), dtype=int), quads=quads)
-    factor = field_picture.displayed_magnification(frame)
+    factor = displaced.displayed_magnification(frame)
     at_corners = factor * c / 2
-    assert field_picture.LARGEST_STRAIN / 2 < at_corners < field_picture.LARGEST_STRAIN * 1.5
+    assert displaced.LARGEST_STRAIN / 2 < at_corners < displaced.LARGEST_STRAIN * 1.5
+
+
+def two_blocks(slip: float, turn: float, apart: float = 0.0) -> DrawnFrame:
+    """A block (value 1) on another one (value 0), 2 x 1 each, whose faces are double: it slips; the faces turn.
+
+    Cells of both come in turn.
+    """
+    x, y = np.meshgrid(np.linspace(-1.0, 1.0, 21), np.linspace(0.0, 1.0, 11))
+    upper, corners = np.column_stack([x.ravel(), y.ravel()]), np.arange(11 * 21).reshape(11, 21)
+    quads = np.stack([corners[:-1, :-1], corners[:-1, 1:], corners[1:, 1:], corners[1:, :-1]], axis=-1).reshape(-1, 4)
+    points = np.concatenate([upper, upper - [0.0, 1.0]])
+    points[len(upper) :][np.abs(points[len(upper) :, 1]) < 1e-12, 1] = 0.0
+    above = (np.arange(len(points)) < len(upper)).astype(float)
+    u = turn * np.column_stack([np.zeros(len(points)), points[:, 0]]) + above[:, None] * [slip, apart]
+    both = np.stack([quads, quads + len(upper)], axis=1).reshape(-1, 4)
+    return DrawnFrame(0, points, np.empty((0, 3), dtype=np.int64), both, u, above, by_point=True)
+
+
+def test_magnification_keeps_faces_together_that_slip_and_turn() -> None:
+    """A face that has turned by w is left by the slip w along where it was, by w^2 slip turn."""
+    factor = displaced.displayed_magnification(two_blocks(slip=0.02, turn=-0.01))
+    assert factor**2 * 0.02 * 0.01 == pytest.approx(displaced.TOGETHER * 2.0, rel=0.03)  # two digits of the factor
+    assert displaced.displayed_magnification(two_blocks(slip=0.0, turn=-0.01)) > 1.2 * factor
+    assert displaced.displayed_magnification(two_blocks(slip=0.02, turn=-0.01, apart=0.002)) > 1.05 * factor
+
+
+def test_displacements_are_never_drawn_less_than_they_are() -> None:
+    assert displaced.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0
+
+
+@pytest.mark.parametrize("by_point", [True, False])
+def test_one_of_two_sides_that_are_drawn_in_each_other_covers_the_other(by_point: bool, tmp_path: Path) -> None:
+    frame = two_blocks(slip=0.0, turn=0.0, apart=-0.25)
+    values = frame.values if by_point else np.tile([1.0, 0.0], len(frame.quads) // 2)
+    frame = replace(frame, values=values, by_point=by_point)
+    pictures = field_picture.FieldPictures("blocks", "body", [frame], {}, Look(warp=1.0))
+    (tmp_path / "a.png").write_bytes(pictures.png(frame))
+    image = imread(tmp_path / "a.png")[..., :3]
+    high, low = (np.abs(image - mpl.colormaps["viridis"](value)[:3]).max(axis=2) < 0.02 for value in (1.0, 0.0))
+    columns = np.flatnonzero(high.sum(axis=0) > 0.2 * len(image))[5:-40]
+    columns = columns[low[:, columns].any(axis=0)]
+    assert len(columns) > 300
+    for column in columns:
+        assert np.flatnonzero(low[:, column]).min() > np.flatnonzero(high[:, column]).max()
 
 
 def white_rim(path: Path) -> bool:
@@ -127,27 +174,27 @@ def test_a_load_curve_is_in_units_that_suit_its_values(
 
 def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
     frame = make_frame()
-    edges = field_picture.boundary_edges(frame)
+    edges = displaced.boundary_edges(frame)
     # three inner nodes of the crack are double: four edges on either face
     assert len(edges) == 2 * (N_X + N_Y) + 2 * 4
 
 
 def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
     values = np.concatenate([np.linspace(-1.0, 2.0, 1000), [1e9]])
-    norm, _ = field_picture.colours_of(values, np.ones(1001))
+    _, norm, _ = field_picture.colours_of("body", values, np.ones(1001))
     assert norm.vmin == -norm.vmax
     assert norm.vmax == pytest.approx(1.94, rel=1e-2)
-    norm, _ = field_picture.colours_of(np.linspace(1.0, 2.0, 101), np.ones(101))
+    _, norm, _ = field_picture.colours_of("body", np.linspace(1.0, 2.0, 101), np.ones(101))
     assert (norm.vmin, norm.vmax) == (pytest.approx(1.02, abs=0.011), pytest.approx(1.98, abs=0.011))
 
 
 def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
     values = np.concatenate([np.linspace(1.0, 2.0, 1000), np.full(1000, 50.0)])
-    norm, _ = field_picture.colours_of(values, np.repeat([1.0, 1e-3], 1000))
+    _, norm, _ = field_picture.colours_of("body", values, np.repeat([1.0, 1e-3], 1000))
     assert norm.vmax == pytest.approx(1.98, rel=1e-2)
     frame = make_frame()
     for by_point in (False, True):
-        areas = field_picture.areas(frame, by_point=by_point)
+        areas = displaced.areas(frame, by_point=by_point)
         assert len(areas) == len(frame.point_stress if by_point else frame.stress)
         assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 
