@@ -26,7 +26,8 @@ help:
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
-	@echo "make docs [ARGS=--measured]    write the parts of the READMEs that are made of declarations or measured"
+	@echo "make docs [ARGS=--measured]    write the parts of the READMEs that are made of declarations or measured;"
+	@echo "                               with ARGS=--pictures the pictures of README.md, too"
 	@echo "make clean | distclean         remove caches | and .venv"
 	@echo "make clean-outputs             remove all results in outputs, after asking"
 

@@ -1,9 +1,9 @@
 """The parts of the READMEs that are made of declarations, or of what a command has measured; never written by hand.
 
-python -m tests.readme.generated [--measured]
+python -m tests.readme.generated [--measured] [--pictures]
 
 A part lies between `<!-- generated: NAME -->` and `<!-- end -->`. With --measured also the tables that `make verify`
-and `make stability` have written to outputs/.
+and `make stability` have written to outputs/, with --pictures the pictures of README.md.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
 from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
 from crackgrow.results.declarations import File
+from tests.readme.pictures import draw_all
 from tests.stability.extremes.table import FILE as EXTREMES
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -138,12 +139,16 @@ def main(argv: Sequence[str] | None = None) -> int:
     """Write all parts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--measured", action="store_true", help="what make verify and stability wrote, too")
+    parser.add_argument("--pictures", action="store_true", help="the pictures of README.md, too: it takes a minute")
     made = {place: make() for place, make in PARTS.items()}
-    if parser.parse_args(argv).measured:
+    arguments = parser.parse_args(argv)
+    if arguments.measured:
         made |= {place: measured(ROOT / at) for place, at in MEASURED.items() if (ROOT / at).is_file()}
     for (file, name), part in made.items():
         path = ROOT / file
         path.write_text(with_part(path.read_text(encoding="utf-8"), name, part), encoding="utf-8")
+    if arguments.pictures:
+        draw_all()
     return 0
 
 

@@ -1,0 +1,67 @@
+"""The pictures of README.md, drawn anew from runs of its commands: part of `make docs ARGS=--pictures`.
+
+The one of the tutorial is drawn by VTK as ParaView draws it, with the filter, the factor and the colours that the
+tutorial names. Without a display VTK needs a driver that draws into memory: EGL or OSMesa.
+"""
+
+from __future__ import annotations
+
+import re
+import shutil
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+import pyvista
+
+from crackgrow.api import run_case
+from crackgrow.case import load_case
+from crackgrow.cli.start import template_text
+from crackgrow.results.render import render
+
+ROOT = Path(__file__).resolve().parents[2]
+PICTURES = ROOT / ".readme"
+TUTORIAL: Final = re.compile(r"\*Scale Factor\* of (\S+),.*?rescale its range to (\S+) to (\S+) Pa", re.DOTALL)
+"""What the tutorial says of its picture: factor of the displacements, limits of the colours."""
+
+SIZE: Final = (800, 800)
+BACKGROUND: Final = "#525870"  # ParaView's
+
+
+def draw_all() -> None:
+    """Run the cases of README.md in a folder that goes again, and draw its pictures."""
+    with tempfile.TemporaryDirectory() as folder:
+        runs = Path(folder)
+        run_case(load_case(ROOT / "cases" / "compression30.yaml"), runs / "compression30")
+        *_, last = render(runs / "compression30")
+        shutil.copy(last, PICTURES / "compression30.png")
+        (runs / "my_rock.yaml").write_text(template_text("compression"), encoding="utf-8")
+        run_case(load_case(runs / "my_rock.yaml"), runs / "my_rock")
+        draw_series(runs / "my_rock" / "my_rock.pvd", PICTURES / "paraview.png")
+
+
+def tutorial_settings() -> tuple[float, float, float]:
+    """Factor of the displacements and limits of the colours (Pa) in the tutorial; raises ValueError without them."""
+    found = TUTORIAL.search((ROOT / "README.md").read_text(encoding="utf-8"))
+    if found is None:
+        raise ValueError(f"README.md says nowhere: {TUTORIAL.pattern}")
+    factor, low, high = map(float, found.groups())
+    return factor, low, high
+
+
+def draw_series(series: Path, picture: Path) -> None:
+    """Draw the last frame of a .pvd file with `sigma_1` of its points, displaced, as the tutorial says."""
+    factor, low, high = tutorial_settings()
+    reader = pyvista.PVDReader(str(series))
+    reader.set_active_time_value(reader.time_values[-1])
+    (grid,) = reader.read()
+    plotter: Any = pyvista.Plotter(off_screen=True, window_size=SIZE)
+    plotter.set_background(BACKGROUND)
+    bar = {"title": "sigma_1", "vertical": True, "position_x": 0.82, "position_y": 0.3, "height": 0.4, "color": "w"}
+    warped = grid.warp_by_vector("displacement", factor=factor)
+    looks = {"cmap": "coolwarm", "clim": (low, high), "lighting": False, "scalar_bar_args": bar}
+    plotter.add_mesh(warped, scalars="sigma_1", preference="point", **looks)
+    plotter.enable_parallel_projection()
+    plotter.view_xy()
+    plotter.screenshot(picture)
+    plotter.close()
