@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -75,8 +74,7 @@ def page(run: RunFolder) -> str:
         badge=status_badge(run.summary["status"]),
         facts=_facts(run),
         scene=draw_scene(run),
-        n_steps=int(run.table("paths").steps().max(initial=0)),
-        colours=", ".join(step_colour(step, 9) for step in range(1, 10)),
+        legend=Markup("; ").join(_legend(run)),
         checks=list(check_rows(run)),
         estimates=estimate_rows(run.summary),
         phases=_phase_rows(run.summary),
@@ -95,6 +93,21 @@ def _own_file(name: str) -> str:
 def _in_script(data: object) -> str:
     """Data for the scripts of the page; no text in it can end their element."""
     return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
+
+
+def _legend(run: RunFolder) -> Iterator[str]:
+    """What the lines of the scene mean, those that are there."""
+    last = int(run.table("paths").steps().max(initial=0))
+    if run.case.cracks:
+        yield "black: the given cracks"
+    if last:
+        colours = ", ".join(step_colour(step, 9) for step in range(1, 10))
+        ramp = tag("span", class_="ramp", style=f"background: linear-gradient(to right, {colours})")
+        yield Markup("grown in step 1 {} {}").format(ramp, last)
+    if len(run.table("tips")):
+        yield "circles: tips, filled where they advance"
+    if run.case.interfaces:
+        yield "dashed: interfaces"
 
 
 def _facts(run: RunFolder) -> list[str]:
@@ -138,7 +151,7 @@ def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
 
 
 def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Rows of what the run estimates of its own error, the worst of all steps: any numbers that the summary has."""
+    """Rows of what the run estimates of its own error, the worst of all steps: any values that the summary has."""
     known = dict(_flat(summary.get("error_estimate") or {}, ""))
     order = [*(name for name in ESTIMATES if name in known), *(name for name in known if name not in ESTIMATES)]
     return [(ESTIMATES.get(name, name), known[name]) for name in order]
@@ -148,8 +161,8 @@ def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
     for key, value in values.items():
         if isinstance(value, dict):
             yield from _flat(value, f"{before}{key}, ")
-        else:
-            yield f"{before}{key}", value if isinstance(value, str) else shown(math.nan if value is None else value)
+        elif value is not None:
+            yield f"{before}{key}", value if isinstance(value, str) else shown(value)
 
 
 def _largest_jumps(run: RunFolder) -> Floats:

@@ -19,6 +19,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from crackgrow.api import run_case
 from crackgrow.case import load_case
 from crackgrow.errors import SolveError
 from crackgrow.results.folder import FolderError, open_run
@@ -328,13 +329,27 @@ def test_estimates_of_error_are_shown_where_the_run_makes_some(folder: Path, tmp
     write_report(tmp_path)
     cells = re.findall(r"<td[^>]*>([^<]*)</td>", (tmp_path / "report.html").read_text())
     at = cells.index("energy norm, first step [%]")
-    assert cells[at : at + 10] == [
+    assert cells[at : at + 8] == [
         "energy norm, first step [%]", "4.25",
-        "energy norm, last step [%]", "\N{EN DASH}",
         "K, error that is expected, over the largest K of its step [%]", "0.25",
         "K, error at most, over the largest K of its step [%]", "0.75",
         "of_another_version", "7",
     ]  # fmt: skip
+
+
+def test_the_legend_of_a_scene_names_what_is_there_and_nothing_else(folder: Path, tmp_path: Path) -> None:
+    assert "black: the given cracks; grown in step 1 <span" in (folder / "report.html").read_text()
+
+    def page(name: str) -> str:
+        case = load_case(
+            CASES / f"{name}.yaml", ["output.frames=none", "output.figures=false", "numerics.spacing=0.25"]
+        )
+        run_case(case, tmp_path / name)
+        return (tmp_path / name / "report.html").read_text()
+
+    assert 'class="legend"' not in page("block_rigid")
+    assert "K, error" not in page("block_rigid")
+    assert '<p class="legend">dashed: interfaces</p>' in page("interface_friction01")
 
 
 def test_estimates_of_error_of_a_run_have_words(folder: Path) -> None:
