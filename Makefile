@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-physics test-all browser verify stability lint check bench wheel readme docs clean clean-outputs distclean
+.PHONY: help run case-exists test test-physics test-all browser verify stability lint check bench wheel lock readme docs clean clean-outputs distclean
 .DELETE_ON_ERROR:
 
 help:
@@ -25,6 +25,7 @@ help:
 	@echo "make check                     lint, test and test-physics"
 	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
 	@echo "make wheel                     the package as a wheel, in dist"
+	@echo "make lock                      renew the pinned versions: .requirements.lock"
 	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
 	@echo "make docs [ARGS=--measured]    write the parts of the READMEs that are made of declarations or measured;"
 	@echo "                               with ARGS=--pictures the pictures of README.md, too"
@@ -91,6 +92,13 @@ wheel: $(STAMP)
 	@rm -rf build dist
 	@$(PY) -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
 	@ls dist/*.whl
+
+# In an environment of its own, with the newest versions that fit pyproject.toml.
+lock:
+	@folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && $(PYTHON) -m venv "$$folder" && \
+		"$$folder/bin/python" -m pip install --quiet setuptools wheel ".[dev,sweep]" && \
+		"$$folder/bin/python" -m pip freeze --all --exclude pip --exclude crackgrow > "$$folder/found" && \
+		LC_ALL=C sort -f "$$folder/found" > .requirements.lock
 
 readme: $(STAMP)
 	@$(PY) -m tests.readme.run $(ARGS)

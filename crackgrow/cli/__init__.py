@@ -7,15 +7,16 @@ Exit codes: 0 done, 1 a bug (which shows its traceback), 2 the case is wrong, 3 
 
 from __future__ import annotations
 
-import resource
 import sys
 from collections.abc import Sequence
 from typing import Final
 
+from crackgrow.limits import allowed
+
 LEAST: Final = (
-    (resource.RLIMIT_NOFILE, 10, "open files", 1, "ulimit -n"),
-    (resource.RLIMIT_AS, 400 * 2**20, "KiB of addresses", 2**10, "ulimit -v"),
-    (resource.RLIMIT_DATA, 200 * 2**20, "KiB of data", 2**10, "ulimit -d"),
+    ("NOFILE", 10, "open files", 1, "ulimit -n"),
+    ("AS", 400 * 2**20, "KiB of addresses", 2**10, "ulimit -v"),
+    ("DATA", 200 * 2**20, "KiB of data", 2**10, "ulimit -d"),
 )
 """Limits of the system: the least with which the program and its libraries load, in words, unit, how to set it."""
 
@@ -23,8 +24,8 @@ LEAST: Final = (
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
     for kind, least, what, unit, command in LEAST:
-        limit, _ = resource.getrlimit(kind)
-        if limit != resource.RLIM_INFINITY and limit < least:
+        limit = allowed(kind)
+        if limit < least:
             told = f"{limit // unit} {what} are allowed (`{command}`), the program takes at least {least // unit}"
             sys.stderr.write(f"crackgrow: {told}\n")
             return 3

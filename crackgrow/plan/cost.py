@@ -12,7 +12,6 @@ from __future__ import annotations
 
 import json
 import os
-import resource
 import time
 from dataclasses import dataclass
 from functools import cache
@@ -27,6 +26,7 @@ from crackgrow.case.accuracy import AUTO, preset_of
 from crackgrow.case.features import line_length
 from crackgrow.case.model import Case, Crack, CriticalLoad, LoadHistory, Stages
 from crackgrow.cover.gathered import RADIUS
+from crackgrow.limits import allowed
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes
 from crackgrow.results.units import duration, memory_text
@@ -170,9 +170,9 @@ def _singular(sizes: Sizes) -> float:
 
 def machine_memory() -> float:
     """MiB that a program on this machine can have: what is built in, or allowed to it or to its container."""
-    most = [os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")]
-    limits = (resource.getrlimit(kind)[0] for kind in (resource.RLIMIT_AS, resource.RLIMIT_DATA))
-    most += [limit for limit in limits if limit != resource.RLIM_INFINITY]
+    most = [allowed("AS"), allowed("DATA")]
+    if hasattr(os, "sysconf"):
+        most.append(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     texts = (path.read_text(encoding="ascii").strip() for path in CONTAINER_MEMORY if path.is_file())
     most += [int(text) for text in texts if text.isdigit()]  # "max" where there is no limit
     return min(most) / 2**20

@@ -4,23 +4,23 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import fcntl
 import json
 import os
 import socket
-import weakref
 from collections.abc import Iterator
 from datetime import datetime
 from pathlib import Path
 from typing import Final
 
+from filelock import FileLock, Timeout
+
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OccupiedError, OutputError, refused
 
 LOCK: Final = ".crackgrow.lock"
-TAKEN: Final = (errno.EAGAIN, errno.EACCES)  # of a file that somebody else holds
+PATIENCE: Final = 0.2  # s: whoever holds the lock may be about to go
+NO_LOCKS: Final = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)  # of a file system
 NOT_WRITABLE: Final = (errno.EACCES, errno.EPERM, errno.EROFS)  # of a folder: nobody here can write into it
-MOST_WORDS: Final = 4096  # bytes that a holder leaves of itself
 
 
 class LockedError(CrackgrowError):
@@ -67,8 +67,10 @@ class FolderLock:
     def __init__(self, folder: Path, what: str) -> None:
         """`what` is about to write, such as "case slope"."""
         self._path = folder / LOCK
+        self._lock = FileLock(self._path, timeout=PATIENCE, fallback_to_soft=False, thread_local=False)
+        self._is_new = False  # the folder
         self._what = what
-        self._release: weakref.finalize[..., FolderLock] | None = None
+        self._words = ""
         self.remark = ""  # what the user should know of the lock
 
     def take(self) -> None:
@@ -77,24 +79,39 @@ class FolderLock:
         Raises LockedError, and OutputError and OccupiedError as `check_place`. Where the file system knows no locks,
         `remark` says so. A folder that can't be written needs none.
         """
-        if self._release is not None:
+        folder = self._path.parent
+        if self._lock.is_locked:
             return
-        check_place(self._path.parent)
-        is_new = not self._path.parent.exists()
+        check_place(folder)
+        self._is_new = not folder.exists()
+        since = datetime.now().astimezone().isoformat(timespec="seconds")
+        holder = {"what": self._what, "process": os.getpid(), "host": socket.gethostname(), "since": since}
         try:
-            self._path.parent.mkdir(parents=True, exist_ok=True)
-            file = self._open()
+            folder.mkdir(parents=True, exist_ok=True)
+            self._lock.acquire()
+            self._words = json.dumps(holder)
+            self._path.write_text(self._words, encoding="utf-8")
+        except Timeout:
+            raise LockedError(self._told()) from None
         except OSError as error:
-            if error.errno in NOT_WRITABLE:
-                return
-            raise refused(self._path, error) from error
-        self._release = weakref.finalize(self, _release, self._path, file, is_new)
+            self._lock.release()
+            if error.errno in NO_LOCKS:
+                self.remark = (
+                    f"the file system of {folder} knows no locks ({error.strerror}): see to it that no other run "
+                    "writes into this folder"
+                )
+            elif error.errno not in NOT_WRITABLE:
+                raise refused(self._path, error) from error
 
     def release(self) -> None:
-        """Give the lock back, if it is held."""
-        if self._release is not None:
-            self._release()
-            self._release = None
+        """Give the lock back, if it is held; the file goes before, and a new folder into which nothing has come."""
+        if self._lock.is_locked:
+            with contextlib.suppress(OSError):
+                if self._path.read_text(encoding="utf-8") == self._words:  # else somebody has removed the folder
+                    self._path.unlink()
+                if self._is_new:
+                    self._path.parent.rmdir()
+            self._lock.release()
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
@@ -105,67 +122,14 @@ class FolderLock:
         finally:
             self.release()
 
-    def _open(self) -> int:
-        """The locked file: not one that its holder has removed since it was opened."""
-        while True:
-            file = os.open(self._path, os.O_RDWR | os.O_CREAT, 0o666)
-            try:
-                self._lock(file)
-                if _is(self._path, file):
-                    os.ftruncate(file, 0)
-                    os.write(file, _words(self._what))
-                    return file
-            except BaseException:
-                os.close(file)
-                raise
-            os.close(file)
-
-    def _lock(self, file: int) -> None:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as error:
-            if error.errno in TAKEN:
-                raise LockedError(self._told(os.pread(file, MOST_WORDS, 0))) from None
-            self.remark = (
-                f"the file system of {self._path.parent} knows no locks ({error.strerror}): see to it that no other "
-                "run writes into this folder"
-            )
-
-    def _told(self, words: bytes) -> str:
+    def _told(self) -> str:
         """What to say of another holder, by what it has left in the file."""
         try:
-            found = json.loads(words)
+            found = json.loads(self._path.read_bytes())
             which = "{what}, process {process} on {host}, since {since}".format(**found)
-        except (ValueError, KeyError, TypeError):  # it has not written it yet
+        except (OSError, ValueError, KeyError, TypeError):  # it has not written it yet
             which = "it has not said which"
         return (
             f"another run is writing into {self._path.parent} ({which}); wait until it has ended, end it, or choose "
             "another folder"
         )
-
-
-def _words(what: str) -> bytes:
-    """What a holder leaves of itself."""
-    since = datetime.now().astimezone().isoformat(timespec="seconds")
-    return json.dumps({"what": what, "process": os.getpid(), "host": socket.gethostname(), "since": since}).encode()
-
-
-def _is(path: Path, file: int) -> bool:
-    """Whether an open file is still the one of a path."""
-    try:
-        return os.path.samestat(path.stat(), os.fstat(file))
-    except FileNotFoundError:
-        return False
-
-
-def _release(path: Path, file: int, is_new: bool) -> None:
-    """Remove the file as long as it is locked: nobody takes it for free who opens it later.
-
-    A new folder goes, too, where nothing has come into it.
-    """
-    with contextlib.suppress(OSError):
-        if _is(path, file):
-            path.unlink()
-            if is_new:
-                path.parent.rmdir()
-    os.close(file)

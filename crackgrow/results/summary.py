@@ -5,7 +5,6 @@ from __future__ import annotations
 import functools
 import json
 import math
-import resource
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
@@ -230,6 +229,8 @@ def peak_memory_mb() -> float:
     if MEMORY_FILE.is_file():
         lines = MEMORY_FILE.read_text(encoding="utf-8").splitlines()
         return next(float(line.split()[1]) / 1e3 for line in lines if line.startswith("VmHWM:"))
+    import resource  # here: of POSIX alone
+
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss  # kB, but bytes on macOS
     return peak / 1e6 if sys.platform == "darwin" else peak / 1e3
 

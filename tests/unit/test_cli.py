@@ -26,6 +26,8 @@ from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.result import RunEnd, StepResult
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
+ROOT = Path(__file__).resolve().parents[2]
+
 Grow = Callable[[Case, object], Generator[StepResult, None, RunEnd]]
 
 
@@ -392,3 +394,17 @@ def test_what_a_command_prints_is_not_lost_without_a_word(command: list[str]) ->
         )
     assert done.returncode == 3
     assert done.stderr == "crackgrow: cannot write standard output: No space left on device\n"
+
+
+def test_nothing_is_loaded_that_posix_alone_has(tmp_path: Path) -> None:
+    code = (
+        "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource')); from crackgrow.cli import main; "
+        "sys.exit(main(sys.argv[1:]))"
+    )
+    case = [str(ROOT / "cases" / "compression30.yaml"), "--set", "numerics.spacing=4", "--set", "growth.steps=0"]
+    for words in (["check", *case], ["run", *case, "--out", str(tmp_path), "--quiet"]):
+        done = subprocess.run(
+            [sys.executable, "-c", code, *words], cwd=ROOT, capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 0, done.stderr
+    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "completed"

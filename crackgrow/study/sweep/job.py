@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import resource
 import sys
 import threading
 from collections.abc import Iterator
@@ -82,6 +81,8 @@ def bounded_memory(memory: int | None) -> Iterator[None]:
     if memory is None or sys.platform != "linux":
         yield
         return
+    import resource  # here: of POSIX alone
+
     soft, hard = resource.getrlimit(resource.RLIMIT_DATA)
     wanted = int(DATA_PART * memory)
     resource.setrlimit(resource.RLIMIT_DATA, (wanted if hard == resource.RLIM_INFINITY else min(wanted, hard), hard))

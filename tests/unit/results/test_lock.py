@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import fcntl
 import json
 import os
 import signal
@@ -13,7 +14,6 @@ from pathlib import Path
 
 import pytest
 
-from crackgrow.results import lock
 from crackgrow.results.lock import LOCK, FolderLock, LockedError
 from crackgrow.results.writer import RunWriter
 from tests.properties.broken_off import ENVIRONMENT, command, contents, finished, started, wait_for
@@ -81,7 +81,7 @@ def test_a_holder_that_has_not_told_its_name_yet_holds(tmp_path: Path) -> None:
 
 def test_a_lock_that_its_holder_has_removed_is_taken_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Between the opening of the file and its locking, the holder goes and a third one comes."""
-    flock, opened = lock.fcntl.flock, []
+    flock, opened = fcntl.flock, []
 
     def late(file: int, operation: int) -> None:
         opened.append(file)
@@ -89,7 +89,7 @@ def test_a_lock_that_its_holder_has_removed_is_taken_anew(tmp_path: Path, monkey
             (tmp_path / LOCK).unlink()
         flock(file, operation)
 
-    monkeypatch.setattr(lock.fcntl, "flock", late)
+    monkeypatch.setattr(fcntl, "flock", late)
     second = FolderLock(tmp_path, "second")
     second.take()
     assert len(opened) == 2
@@ -101,7 +101,7 @@ def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch: pytest
     def refuse(file: int, operation: int) -> None:
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
-    monkeypatch.setattr(lock.fcntl, "flock", refuse)
+    monkeypatch.setattr(fcntl, "flock", refuse)
     monkeypatch.setattr("crackgrow.results.writer.dump_case", lambda case: f"title: {case.title}\n")
     writer = RunWriter(make_case(), tmp_path)
     writer.begin()
