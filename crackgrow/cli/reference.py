@@ -7,11 +7,11 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
+from textwrap import TextWrapper
 from typing import Final
 
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
 from crackgrow.results.declarations import RUN, Column, File
-from crackgrow.results.units import aligned
 from crackgrow.study.comparison_text import CSV as COMPARE
 from crackgrow.study.converge.columns import FILES as CONVERGE
 from crackgrow.study.sweep.columns import FILES as SWEEP
@@ -28,9 +28,17 @@ class Entry:
     name: str
     facts: dict[str, str]  # label to words; those that are empty are left out
 
-    def lines(self) -> list[str]:
-        """The entry for a terminal."""
-        return [self.name, *aligned(self.facts.items(), 2, "  ")]
+    def lines(self, width: int, most: int | None = None) -> list[str]:
+        """The entry for a terminal of a width: its name, below it the facts, wrapped, in `most` lines each."""
+        indent = max(map(len, self.facts), default=0) + 4
+        filled = TextWrapper(max(width, indent + 20), break_long_words=False, break_on_hyphens=False, max_lines=most)
+        filled.placeholder = " ..."
+        filled.subsequent_indent = " " * indent
+        found = [self.name]
+        for label, words in self.facts.items():
+            filled.initial_indent = f"  {label}".ljust(indent)
+            found += filled.wrap(words)
+        return found
 
 
 def key_entry(key: Key) -> Entry:
@@ -57,8 +65,9 @@ def file_entry(file: File, command: str) -> Entry:
 
 
 def first_entries() -> list[Entry]:
-    """The keys that a case begins with, and the files of a run."""
-    return [*(key_entry(key) for key in case_keys() if "." not in key.name), *(file_entry(f, "run") for f in RUN)]
+    """The keys that a case begins with, and the files of a run: a fact each."""
+    keys = {key.name: key.doc for key in case_keys() if "." not in key.name}
+    return [Entry("keys of a case", keys), Entry("files of a run", {file.name: file.doc for file in RUN})]
 
 
 def explain(name: str) -> list[Entry]:

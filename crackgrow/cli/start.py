@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import shlex
+import shutil
 from collections.abc import Callable, Iterable, Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -214,7 +215,7 @@ def _picture(text: str) -> Path:
 
 EXPLAIN_HELP = """\
 Say what a key of a case means, its type, unit, default and what is allowed; or what a word means that a key takes; or
-what is in a file or column of the results. Without a name: the first keys of a case, and the files of a run.
+what is in a file or column of the results. Without a name: the first keys of a case and the files of a run.
 """
 EXPLAIN_EXAMPLES = """\
 examples:
@@ -237,7 +238,8 @@ def explain_name(arguments: argparse.Namespace) -> int:
         near = nearest(name)
         hint = f"; did you mean {' or '.join(near)}?" if near else "; `crackgrow explain` lists what there is"
         raise CaseError.at("explain", f"is no key of a case, file or column of results{hint}", name)
-    hand_out("\n".join(line for entry in found for line in entry.lines()) + "\n")
+    width = shutil.get_terminal_size().columns
+    hand_out("\n".join(line for entry in found for line in entry.lines(width, None if name else 1)) + "\n")
     return EXIT_DONE
 
 

@@ -45,9 +45,26 @@ def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixt
     assert name == "output" or len(found) == len(heads)
 
 
-def test_without_a_name_the_first_keys_and_the_files_are_told(capsys: pytest.CaptureFixture[str]) -> None:
-    heads = [line for line in explained("", capsys).splitlines() if not line.startswith(" ")]
-    assert {"title", "numerics", "tips.csv", "report.html"} <= set(heads)
+def test_without_a_name_the_first_keys_and_the_files_are_told_a_line_each(capsys: pytest.CaptureFixture[str]) -> None:
+    lines = explained("", capsys).splitlines()
+    assert [line for line in lines if not line.startswith("  ")] == ["keys of a case", "files of a run"]
+    names = [line.split()[0] for line in lines if line.startswith("  ")]
+    assert len(set(names)) == len(names)
+    assert {"title", "numerics", "tips.csv", "report.html"} <= set(names)
+
+
+@pytest.mark.parametrize("columns", [50, 80, 140])
+@pytest.mark.parametrize("name", ["", "growth.criterion", "tips.csv"])
+def test_lines_are_as_long_as_the_terminal_is_wide_and_lose_no_word(
+    name: str, columns: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "10000")
+    whole = explained(name, capsys)
+    monkeypatch.setenv("COLUMNS", str(columns))
+    wrapped = explained(name, capsys)
+    assert max(map(len, whole.splitlines())) > columns
+    assert max(map(len, wrapped.splitlines())) <= columns
+    assert not name or wrapped.split() == whole.split()
 
 
 def test_an_unknown_name_is_a_fault_with_what_may_be_meant(capsys: pytest.CaptureFixture[str]) -> None:
