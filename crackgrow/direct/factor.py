@@ -17,13 +17,13 @@ class Factor:
 
     diagonal: Floats  # (p, p) lower triangle
     below: Floats  # (b, p)
-    packed: Floats | None  # (b (b + 1) / 2,) rows of the lower triangle of `update`; None: it is made again when needed
+    packed: Floats  # (b (b + 1) / 2,) rows of the lower triangle of `update`
     sizes: Floats  # (b,) what the front and those below it have put on the diagonal
 
     @property
-    def update(self) -> Floats | None:
-        """What the front leaves to its parent, (b, b) lower triangle, if it is kept."""
-        return None if self.packed is None else np.asarray(dtpttr(len(self.sizes), self.packed, uplo="U")[0].T)
+    def update(self) -> Floats:
+        """What the front leaves to its parent, (b, b) lower triangle."""
+        return np.asarray(dtpttr(len(self.sizes), self.packed, uplo="U")[0].T)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

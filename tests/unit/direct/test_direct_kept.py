@@ -9,7 +9,6 @@ import pytest
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from crackgrow.direct import multifrontal as module
 from crackgrow.direct.fronts import Fronts
 from crackgrow.direct.matrix import SymmetricMatrix
 from crackgrow.direct.multifrontal import Multifrontal
@@ -112,32 +111,6 @@ def test_products_of_the_last_matrix_alone_are_kept(rock: tuple[SymmetricMatrix,
         last.products(right)
         counts.append(len(last.kept.reduced))
     assert max(counts) <= fronts.n - 1
-
-
-@pytest.mark.parametrize("few", [0, 3, 10**6])
-def test_what_fronts_leave_is_the_same_whether_kept_or_made_again(
-    rock: tuple[SymmetricMatrix, Fronts], few: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """None of it kept, that of few, that of all."""
-    matrix, fronts = rock
-    n = matrix.shape[0]
-    right = np.random.default_rng(63).normal(size=(n, 2))
-    expected = Multifrontal(changed(matrix, n // 3), fronts).solve(right)
-    monkeypatch.setattr(module, "FEW_FRONTS", few)
-    before = Multifrontal(matrix, fronts)
-    after = Multifrontal(changed(matrix, n // 3), fronts, before.kept)
-    assert 0 < after.n_factorized < 0.3 * fronts.n
-    np.testing.assert_array_equal(after.solve(right), expected)
-    n_kept = sum(factor.packed is not None for factor in before.factors.values())
-    assert (n_kept == 0) == (few > fronts.n)
-
-
-def test_small_subtrees_do_not_keep_what_they_leave(rock: tuple[SymmetricMatrix, Fronts]) -> None:
-    """It is more than half of it all."""
-    factors = Multifrontal(*rock).factors.values()
-    all_of_it = sum(len(factor.sizes) * (len(factor.sizes) + 1) // 2 for factor in factors)
-    kept = sum(factor.packed.size for factor in factors if factor.packed is not None)
-    assert 0 < kept < 0.5 * all_of_it
 
 
 def test_one_load_is_solved_for_as_many_are(rock: tuple[SymmetricMatrix, Fronts]) -> None:
