@@ -7,18 +7,16 @@ some functions each; of their sum one half is formed, part by part: a part whose
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Generic, TypeVar
 
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.direct.assembly import HalfMatrix, half, half_sum_of, mirrored, sum_of
-
-Answer = TypeVar("Answer")
+from crackgrow.ragged import starts_of
 
 AT_ONCE = 4_000_000
 """Numbers that a product or a sum holds at once."""
@@ -41,32 +39,11 @@ class EqualElements:
         return half(k, pairs, by_component[:, :, pairs])
 
 
-@dataclass(slots=True, eq=False)
-class _Last(Generic[Answer]):
-    """The last answer, which is given again while the question is the same; not to be changed."""
-
-    last: tuple[Floats | Ints, Answer] | None = None  # the question (k,) and what it was answered
-
-    def to(self, question: Floats | Ints, find: Callable[[], Answer]) -> Answer:
-        """The answer to a question, which `find` finds."""
-        last = self.last
-        if last is None or not np.array_equal(last[0], question):
-            last = self.last = (question.copy(), find())
-        return last[1]
-
-
 @dataclass(frozen=True, eq=False)
 class Summed:
     """A symmetric matrix (k, k) by its half, and what is asked of it again and again."""
 
     half: csr_array  # H (k, k) with H + H' the matrix
-    _met: _Last[Floats] = field(default_factory=_Last, init=False, repr=False)
-    _among: _Last[tuple[Floats, Ints, Ints]] = field(default_factory=_Last, init=False, repr=False)
-
-    @cached_property
-    def transposed(self) -> csc_array:
-        """H', of the same numbers."""
-        return csc_array(self.half.T)
 
     @cached_property
     def diagonal(self) -> Floats:
@@ -78,42 +55,6 @@ class Summed:
         """The largest absolute value of a term; nan where a value is none."""
         return _largest((self.half.data, self.diagonal))
 
-    def met(self, sizes: Floats, share: float) -> Floats:
-        """(k,) the largest of `sizes` (k,) that unknowns meet whose own is below `share` of all; zero for the others.
-
-        An unknown meets those that it has an entry with. Not to be changed: what was found last is kept.
-        """
-        return self._met.to(np.append(sizes, share), lambda: self._largest_met(sizes, share))
-
-    def _largest_met(self, sizes: Floats, share: float) -> Floats:
-        found, some = np.zeros(len(sizes)), sizes < share * sizes.max()
-        if some.any():
-            row, column = np.repeat(np.arange(len(sizes)), np.diff(self.half.indptr)), self.half.indices
-            for one, other in ((row, column), (column, row)):
-                at = np.flatnonzero(some[one])
-                np.maximum.at(found, one[at], sizes[other[at]])
-        return found
-
-    def among(self, some: Ints) -> tuple[Floats, Ints, Ints]:
-        """Entries (e,) of H between `some` (m,) of the unknowns, their rows and columns among these.
-
-        Not to be changed: what was found last is kept.
-        """
-        return self._among.to(some, lambda: self._entries_among(some))
-
-    def _entries_among(self, some: Ints) -> tuple[Floats, Ints, Ints]:
-        found = self.half[some][:, some].tocoo()
-        return found.data, found.row, found.col
-
-    def __matmul__(self, vectors: Floats) -> Floats:
-        """The product with vectors (k,) or (k, m)."""
-        return np.asarray(self.half @ vectors + self.transposed @ vectors)
-
-    def sizes(self, vectors: Floats) -> Floats:
-        """The product of the absolute values with vectors (k,) or (k, m)."""
-        half = csr_array((np.abs(self.half.data), self.half.indices, self.half.indptr), shape=self.half.shape)
-        return np.asarray(half @ vectors + half.T @ vectors)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
@@ -123,11 +64,6 @@ class Part:
     dofs: Ints  # (k,) the unknowns
     sum: Summed
 
-    @property
-    def half(self) -> csr_array:
-        """H (k, k) with H + H' the sum."""
-        return self.sum.half
-
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
@@ -136,28 +72,36 @@ class Blocks:
     functions: tuple[Ints, ...] = ()  # block by block (k,)
     halves: tuple[HalfMatrix, ...] = ()  # block by block
     parts: tuple[Part, ...] = ()  # the sum, in parts
-    _weighed: _Last[tuple[Floats, Floats]] = field(default_factory=_Last, init=False, repr=False)
 
-    def weighed(self, vector: Floats) -> tuple[Floats, Floats]:
-        """The product of the sum with a vector (n,), and that of absolute values; not to be changed.
+    @cached_property
+    def stacked(self) -> tuple[Ints, csr_array]:
+        """The unknown of each row (r,), and the halves of all parts one below the other (r, unknowns).
 
-        Those of the last vector are kept: a solution is held against its loads by the solver and by the step.
+        With P (r, unknowns) that has a 1 at the unknown of each row, and this H, the sum is P' H + H' P.
         """
-        return self._weighed.to(vector, lambda: (self @ vector, self.sizes(np.abs(vector))))
+        dofs = np.concatenate([np.empty(0, dtype=np.int64), *(part.dofs for part in self.parts)])
+        halves = [part.sum.half for part in self.parts]
+        data = np.concatenate([np.empty(0), *(each.data for each in halves)])
+        columns = np.concatenate([dofs[:0], *(part.dofs[part.sum.half.indices] for part in self.parts)])
+        counts = np.concatenate([dofs[:0], *(np.diff(each.indptr) for each in halves)])
+        return dofs, csr_array((data, columns, starts_of(counts)), shape=(len(dofs), int(dofs.max(initial=-1)) + 1))
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product of the sum with vectors (n,) or (n, m)."""
-        total = np.zeros(vectors.shape)
-        for part in self.parts:
-            total[part.dofs] += part.sum @ vectors[part.dofs]
-        return total
+        return _summed(*self.stacked, vectors)
 
     def sizes(self, vectors: Floats) -> Floats:
         """The product of the absolute values with vectors (n,) or (n, m)."""
-        total = np.zeros(vectors.shape)
-        for part in self.parts:
-            total[part.dofs] += part.sum.sizes(vectors[part.dofs])
-        return total
+        dofs, half = self.stacked
+        return _summed(dofs, csr_array((np.abs(half.data), half.indices, half.indptr), shape=half.shape), vectors)
+
+
+def _summed(dofs: Ints, half: csr_array, vectors: Floats) -> Floats:
+    """The product of P' H + H' P, as of `Blocks.stacked`, with vectors (n,) or (n, m)."""
+    total, (r, n) = np.zeros(vectors.shape), half.shape
+    places = csr_array((np.ones(r), dofs, np.arange(r + 1)), shape=(r, n))
+    total[:n] = places.T @ (half @ vectors[:n]) + half.T @ vectors[dofs]
+    return total
 
 
 def blocks_of(
@@ -202,12 +146,6 @@ class SymmetricMatrix:
         """The product of the absolute values of all terms with those of vectors (n,) or (n, m)."""
         return self.blocks.sizes(np.abs(vectors)) + _product(*self._absolute, np.abs(vectors))
 
-    def weighed(self, vector: Floats) -> tuple[Floats, Floats]:
-        """The product with a vector (n,), and its `sizes`."""
-        product, sizes = self.blocks.weighed(vector)
-        others = _product(self.elements, self.rest, vector), _product(*self._absolute, np.abs(vector))
-        return product + others[0], sizes + others[1]
-
     def diagonal(self) -> Floats:
         """The diagonal (n,)."""
         total = self.rest.diagonal()
@@ -234,7 +172,7 @@ class SymmetricMatrix:
         """The sum as one sparse matrix."""
         total = self.rest
         for block in self.blocks.parts:
-            entries = mirrored(block.half).tocoo()
+            entries = mirrored(block.sum.half).tocoo()
             places = (block.dofs[entries.row], block.dofs[entries.col])
             total = total + csc_array((entries.data, places), shape=self.shape)
         for part in self.elements:

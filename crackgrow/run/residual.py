@@ -49,7 +49,7 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
 
     Where nothing is stressed all parts are round-off, and the terms give the size.
     """
-    internal, terms = matrix.weighed(outcome.u)
+    internal, terms = matrix @ outcome.u, matrix.sizes(outcome.u)
     reactions = contact.system.constraints.T @ outcome.multipliers
     tractions = contact.gap_of.T @ (contact.weights * outcome.points.normal)
     tractions = tractions + contact.slip_of.T @ (contact.weights * outcome.points.tangential)

@@ -20,7 +20,7 @@ from scipy.sparse.csgraph import connected_components
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.direct import SymmetricMatrix, mirrored
-from crackgrow.ragged import starts_of
+from crackgrow.ragged import numbered, starts_of
 
 SMALL = 1e-3
 """Functions with less than this part of the largest stiffness of those that they meet see a corner of their patch
@@ -35,34 +35,21 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
 
     Only the blocks of the matrix are looked at: small functions are those of cut patches.
     """
-    diagonal = matrix.diagonal()
-    met = np.zeros(len(diagonal))
-    for part in matrix.blocks.parts:
-        met[part.dofs] = np.maximum(met[part.dofs], part.sum.met(diagonal[part.dofs], SMALL))
-    small = np.flatnonzero(diagonal < SMALL * met)
-    if len(small) == 0:
+    diagonal, (dofs, half) = matrix.diagonal(), matrix.blocks.stacked
+    least = diagonal < SMALL * diagonal.max(initial=0.0)  # the others are large whatever they meet
+    if not least.any():
         return matrix
-    scale = 1.0 / np.sqrt(np.maximum(diagonal[small], np.finfo(float).tiny))
-    block = _among(matrix, small)
-    held = small[_dependent(block, scale)]
+    row, column = dofs.repeat(np.diff(half.indptr)), half.indices
+    met = np.zeros(len(diagonal))
+    for one, other in ((row, column), (column, row)):
+        at = np.flatnonzero(least[one])
+        np.maximum.at(met, one[at], diagonal[other[at]])
+    small = diagonal < SMALL * met
+    between = np.flatnonzero(small[row] & small[column])
+    some, places = numbered(np.concatenate([row[between], column[between]]), len(small))
+    block = mirrored(csr_array((half.data[between], np.split(places, 2)), shape=(len(some), len(some))))
+    held = some[_dependent(block, 1.0 / np.sqrt(np.maximum(diagonal[some], np.finfo(float).tiny)))]
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
-
-
-def _among(matrix: SymmetricMatrix, some: Ints) -> csc_array:
-    """What the blocks of a matrix (n, n) have between some unknowns (k,): (k, k)."""
-    number = np.full(matrix.shape[0], -1)
-    number[some] = np.arange(len(some))
-    entries, rows, columns = [np.empty(0)], [some[:0]], [some[:0]]
-    for part in matrix.blocks.parts:
-        mine = number[part.dofs]
-        local = np.flatnonzero(mine >= 0)
-        if len(local):
-            found, row, column = part.sum.among(local)
-            entries.append(found)
-            rows.append(mine[local[row]])
-            columns.append(mine[local[column]])
-    places = (np.concatenate(rows), np.concatenate(columns))
-    return mirrored(csr_array((np.concatenate(entries), places), shape=(len(some), len(some))))
 
 
 def _dependent(block: csc_array, scale: Floats) -> Ints:

@@ -131,9 +131,8 @@ class ConstrainedSystem:
 
     def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
         """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
-        internal, sizes = self.stiffness.weighed(u)
-        residual = loads - internal - self.constraints.T @ multipliers
-        terms = np.abs(loads) + sizes + self._share.T @ np.abs(multipliers)
+        residual = self._residual(loads, u, multipliers)
+        terms = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
         return float(np.max(np.abs(residual[terms > 0.0]) / terms[terms > 0.0], initial=0.0))
 
 
