@@ -17,8 +17,8 @@ STANDARD: Final = "standard"
 MOST_ASKED_FOR: Final = 11
 """How often a case can ask for cells to be halved; a run can halve them more often."""
 
-LEVELS_OF_PRESETS: Final = 9
-"""How often presets count on halving them; the rest is for targets, whose runs halve cells further."""
+LEVELS_OF_PRESETS: Final = 12
+"""How often presets count on halving them; the rest is for kinks, and for runs that halve cells further."""
 
 REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
     "tips": ("crack", "increment", "radius"),

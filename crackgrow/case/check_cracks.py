@@ -10,7 +10,7 @@ from shapely import LineString, Point, Polygon
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.features import line_length
-from crackgrow.case.layout import SHORTEST, Scene
+from crackgrow.case.layout import SMALLEST, Scene
 from crackgrow.case.segments import MOST_PAIRS, Segments, close_segments, common_parts, places_between, segments_of
 from crackgrow.case.shapes import BodyShape
 
@@ -107,8 +107,8 @@ def check_cracks(scene: Scene) -> None:
             _refuse(scene, name, "has no length: at least two different points are wanted")
             continue
         length = line_length(points)
-        if spacing is not None and length < SHORTEST * spacing:
-            limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
+        if spacing is not None and length < SMALLEST * spacing:
+            limit = f"{SMALLEST:g} of the lattice spacing, {scene.length(SMALLEST * spacing)}"
             _refuse(scene, name, f"length {scene.length(length)} is less than {limit}")
         if name in scene.hosts and not meets_itself(scene, name):
             around = surroundings[scene.hosts[name]]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 
-from crackgrow.case.layout import SHORTEST, Scene, named
+from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
 
@@ -45,8 +45,8 @@ def check_numerics(scene: Scene) -> None:
     if spacing is not None:
         _check_spacing(scene, spacing)
         increment = scene.get("growth", "increment")
-        if increment is not None and increment < SHORTEST * spacing:
-            limit = f"{SHORTEST:g} of the lattice spacing, {scene.length(SHORTEST * spacing)}"
+        if increment is not None and increment < SMALLEST * spacing:
+            limit = f"{SMALLEST:g} of the lattice spacing, {scene.length(SMALLEST * spacing)}"
             report.fault(("growth", "increment"), f"{scene.length(increment)} is less than {limit}")
     stiffness = scene.get("numerics", "contact", "stiffness")
     rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)

@@ -26,7 +26,8 @@ ENDS_WITH_TIP: Final[dict[str | None, tuple[str, ...]]] = {
     "both": ("start", "end"), "start": ("start",), "end": ("end",), "none": (), None: (),
 }  # fmt: skip
 
-SHORTEST = 1e-3  # least crack length and increment, in lattice spacings; least segment, also in crack lengths
+SHORTEST = 1e-3  # least segment, in lattice spacings and in crack lengths
+SMALLEST = 1e-4  # least crack length and increment, in lattice spacings: some of the smallest cells
 
 ON_OUTLINE = 1e-9  # points nearer to an outline than this part of the scene's size lie on it
 FARTHEST = 1e5  # largest distance of a scene from the origin, in sizes: coordinates must resolve ON_OUTLINE

@@ -18,7 +18,7 @@ from crackgrow.cover.lattice import Lattice, lattice_of
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.geometry.tolerance import TOUCH
 
-MOST_LEVELS = 14
+MOST_LEVELS = 16
 """Halvings of the largest cells: `QUANTA` leaves room for them and for quarters of supports."""
 
 

@@ -19,11 +19,11 @@ from crackgrow.ragged import spans
 WITHIN = 1 << 12
 """More than the unknowns at one place."""
 
-ACROSS = 1 << 20
+ACROSS = 1 << 25
 """More than the places along an axis."""
 
-MULTIPLIER = 1 << 60
-"""The code of multipliers, which have no place."""
+MULTIPLIER = 1 << 62
+"""The code of multipliers, which have no place: above ACROSS^2 WITHIN, within 64 bits."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

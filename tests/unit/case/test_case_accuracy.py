@@ -66,9 +66,9 @@ def test_smallest_length_rules_where_no_cells_are_halved(lengths: list[Length], 
 def test_lengths_at_which_cells_are_halved_count_by_the_smallest_cells():
     lengths = [WIDE, Length("crack", 0.05, "crack"), Length("width", 10.0, "thin")]
     assert automatic_spacing(SIMPLE, lengths, REFINED_AT["tips"]) == (1.0, "thin / 10")
-    tiny = [*lengths, Length("crack", 0.005, "tiny")]
-    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["tips"]) == (0.512, "tiny / 5 x 2^9")
-    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["corners"]) == (0.001, "tiny / 5")
+    tiny = [*lengths, Length("crack", 0.0005, "tiny")]
+    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["tips"]) == (0.4096, "tiny / 5 x 2^12")
+    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["corners"]) == (0.0001, "tiny / 5")
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -121,7 +121,7 @@ def test_fault_of_the_format(old: str, new: str, key: str, words: str, at: str, 
 # as above, for what only a look at several parts can tell
 SCENE_FAULTS = [
     ("length: 10 ", "length: 40 ", "cracks.flaw.path", "lies outside the outline of body 'rock'", "path:"),
-    ("length: 10 ", "length: 0.001 ", "cracks.flaw.path", "less than 0.001 of the lattice spacing", "path:"),
+    ("length: 10 ", "length: 0.0001 ", "cracks.flaw.path", "less than 0.0001 of the lattice spacing", "path:"),
     (
         "0.0                # cohesion",
         "0\n  low: {path: {points: [[0, 5], [0, 0]]}, contact: none} #",
@@ -129,7 +129,7 @@ SCENE_FAULTS = [
         "the tip at the end (0 mm, 0 mm) lies on crack 'flaw'",
         "low",
     ),
-    ("increment: 2 ", "increment: 0.0014 ", "growth.increment", "0.0015 mm", "increment"),
+    ("increment: 2 ", "increment: 0.00014 ", "growth.increment", "0.00015 mm", "increment"),
     ("spacing: 1.5", "spacing: 16", "numerics.spacing", "too coarse; at most half the smaller side", "spacing: 16"),
     ("spacing: 1.5", "spacing: 0.02", "numerics.spacing", "lattice nodes", "spacing: 0.02"),
     ("at: [-15.5, -27.5] ", "at: [-15.6, -27.5] ", "supports.0.at", "neither in nor on body 'rock'", "-15.6"),
@@ -181,7 +181,7 @@ def test_all_faults_at_once_in_file_order(tmp_path: Path):
         ("young: 10000 ", "young: -1 "),
         ("friction: 0.0", "friction: no"),
         ("steps: 22", "step: 22"),
-        ("increment: 2 ", "increment: 0.001 "),
+        ("increment: 2 ", "increment: 0.0001 "),
         ("edge: top}", "edge: topp}"),
         ("numerics:", "nonsense: 1\nnumerics:"),
     )

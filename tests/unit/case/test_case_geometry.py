@@ -47,7 +47,7 @@ def message(*overrides: str) -> str:
         ("[[1, 1], [1, 1]]", "both", "at least two different points"),
         ("[[1, 1]]", "both", "at least two different points"),
         ("[]", "both", "at least two different points"),
-        ("[[0, 0], [0.001, 0]]", "both", "less than 0.001 of the lattice spacing"),
+        ("[[0, 0], [0.0001, 0]]", "both", "less than 0.0001 of the lattice spacing"),
     ],
 )
 def test_crack_refused(points: str, tips: str, words: str):

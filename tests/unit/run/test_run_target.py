@@ -529,7 +529,7 @@ def test_loads_go_on_with_their_cells_where_smaller_ones_have_no_solution(monkey
 
 
 def test_a_target_that_cells_halved_to_the_least_miss_ends_and_says_so() -> None:
-    points = "[[-1 mm, 0], [1 mm, 0], [1.2 mm, 0.8 mm]]"
+    points = "[[-0.1 mm, 0], [0.1 mm, 0], [0.12 mm, 0.08 mm]]"
     step = next(grow(case("compression30", "0.1 %", "numerics.spacing=15", f"cracks.flaw.path={{points: {points}}}")))
     (words,) = told(step)
     assert f"{MOST_LEVELS} times" in words

@@ -121,12 +121,12 @@ def test_table_of_another_version_is_not_gone_on_with(tmp_path: Path):
 
 
 def test_failing_settings_are_rows_and_do_not_stop_the_rest(study: tuple[Plan, list[Row]], tmp_path: Path):
-    """An increment of less than a thousandth of the spacing is refused; it fits the case's own spacing."""
+    """An increment of less than 1e-4 of the spacing is refused; it fits the case's own spacing."""
     plan, _ = study
-    axes = ["increment=0.0045 mm", "spacing=5,4"]
+    axes = ["increment=0.00045 mm", "spacing=5,4"]
     refused, solved = trade(small(tmp_path, axes, steps=0, reference=[str(plan.reference_folder)]))
     assert (refused.cells["status"], solved.cells["status"]) == ("refused", "completed")
-    assert "growth.increment: 0.0045 mm is less than 0.001 of the lattice spacing" in refused.cells["reason"]
+    assert "growth.increment: 0.00045 mm is less than 0.0001 of the lattice spacing" in refused.cells["reason"]
     assert refused.cells["K_error"] == refused.cells["cpu_step"] == ""
     assert solved.number("K_error") < 0.1
     assert len(read_rows(tmp_path / "trade.csv")) == 2
