@@ -23,7 +23,7 @@ AT_ONCE = 256
 """Right-hand sides that are solved for together."""
 
 INCONSISTENT = 1e-6
-"""Repeated constraints that contradict each other by more than this fraction of the displacements are refused."""
+"""Constraints that contradict each other by more than this fraction of what they prescribe are refused."""
 
 
 def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
@@ -78,13 +78,18 @@ class ConstrainedSystem:
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
             u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block], with_pulls)
-        if given is not None and m:
-            left = np.abs(self.constraints @ u - wanted).max(axis=0)
-            round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0)  # where loads act on what is held
-            size = np.array([displacement_size(*column) for column in zip(columns.T, u.T, wanted.T, strict=True)])
-            if np.any(left > np.maximum(INCONSISTENT * size, round_off)):
-                raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
+        given_in = wanted.any(axis=0)
+        if given_in.any():
+            self._check_agreement(wanted[:, given_in])
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
+
+    def _check_agreement(self, wanted: Floats) -> None:
+        """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
+        u, _ = self._refined(np.zeros((self.constraints.shape[1], wanted.shape[1])), wanted, with_pulls=False)
+        left = np.abs(self.constraints @ u - wanted).max(axis=0)
+        round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0)
+        if np.any(left > np.maximum(INCONSISTENT * np.abs(wanted).max(axis=0), round_off)):
+            raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
 
     def compliance(self, rows: csr_array) -> Floats | None:
         """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; None where it is not cheap.

@@ -97,10 +97,31 @@ def test_repeated_constraints_that_agree_are_fine() -> None:
     np.testing.assert_allclose(chain() @ u + constraints.T @ m, loads, atol=1e-10)
 
 
-def test_constraints_that_contradict_are_refused() -> None:
-    system = ConstrainedSystem(chain(), rows({0: 1.0}, {0: 1.0}))
+def dependent(seed: int) -> csr_array:
+    """Three constraints, and a fourth that is the sum of two."""
+    own = np.random.default_rng(seed).normal(size=(3, N))
+    return csr_array(np.vstack([own, own[0] + own[1]]))
+
+
+@pytest.mark.parametrize("scale", [1e-30, 1.0, 1e9])
+@pytest.mark.parametrize("load", [0.0, 1.0, 1e12])
+def test_constraints_that_contradict_are_refused_whatever_acts_besides(load: float, scale: float) -> None:
+    """The size of loads, and what they displace, does not hide it."""
+    system = ConstrainedSystem(definite(45), dependent(7))
     with pytest.raises(SolveError, match="contradict each other"):
-        system.solve(np.zeros(N), np.array([0.0, 1e-3]))
+        system.solve(np.full(N, load * scale), scale * np.array([1.0, 2.0, 0.0, 3.0 + 1e-5]))
+    u, _ = system.solve(np.full(N, load * scale), scale * np.array([1.0, 2.0, 0.0, 3.0]))
+    assert np.isfinite(u).all()
+
+
+@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("given", [0.0, 1e-12])
+def test_constraints_that_take_all_loads_do_not_contradict(given: float, seed: int) -> None:
+    """Rock at rest on rollers: what is left of displacements is round-off of the loads, not of itself."""
+    constraints = dependent(seed)
+    loads = constraints.T @ (1e7 * np.random.default_rng(seed).normal(size=4))
+    u, _ = ConstrainedSystem(definite(45), constraints).solve(loads, given * np.array([1.0, 2.0, 0.0, 3.0]))
+    assert np.abs(u).max() < 1e-7
 
 
 @pytest.mark.parametrize("size", [0.0, 5e-324, 1e-310, 1e-290])
