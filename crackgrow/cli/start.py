@@ -160,7 +160,7 @@ exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its c
 
 examples:
   crackgrow check cases/compression30.yaml
-  crackgrow check cases/two_flaws.yaml --set numerics.spacing=1 --picture two_flaws.svg
+  crackgrow check cases/two_flaws.yaml --set numerics.accuracy=fine --picture two_flaws.svg
   crackgrow check cases/confined30.yaml --unique
 """
 

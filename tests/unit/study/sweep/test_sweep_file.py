@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.case.model import PointSupport
 from crackgrow.errors import CaseError
 from crackgrow.study.sweep.plan import combinations, plan_sweep, short_names
@@ -197,5 +196,4 @@ def test_shipped_sweep_has_24_runs_that_are_cases():
     plan = plan_sweep(CASES / "sweeps" / "angle_friction.yaml")
     assert len(plan.runs) == len({run.folder for run in plan.runs}) == 24
     assert all(run.case is not None and run.case.growth is not None for run in plan.runs)
-    assert load_case(FLAW).numerics.auto_rule is not None
-    assert {run.case.numerics.spacing for run in plan.runs if run.case} == {0.002}
+    assert all(run.case.numerics.auto_rule is not None for run in plan.runs if run.case)
