@@ -153,10 +153,12 @@ FORMATS = {
     "inp": "Abaqus: nodes, elements (CPS3, CPS4) and sets of them by body; it has no fields",
     "vtk": "legacy VTK, with all fields",
     "xdmf": "XDMF, with all fields",
+    "geojson": "the crack paths for maps, in m: lines and tips with step, length, slip, opening, K_I, K_II",
+    "dxf": "the same for drawings, attributes as extended data; needs ezdxf: pip install 'crackgrow[maps]'",
 }
 EXPORT_HELP = """\
 Write a frame of a result folder as a mesh file of another program: the cells of the specimen, with points double along
-cracks and between bodies, displacement and stress at points and in cells, in m and Pa.
+cracks and between bodies, displacement and stress at points and in cells, in m and Pa; or its crack paths as lines.
 """
 EXPORT_EXAMPLES = """\
 Stress is written component by component: stress_xx, stress_yy, stress_zz, stress_xy, with sigma_1 and sigma_3.
@@ -164,22 +166,23 @@ Stress is written component by component: stress_xx, stress_yy, stress_zz, stres
 examples:
   crackgrow export outputs/compression30 --to msh
   crackgrow export outputs/compression30 --to xdmf --step 12 --out wing.xdmf
+  crackgrow export outputs/compression30 --to geojson
 """
 
 
 def export(arguments: argparse.Namespace) -> int:
-    """`crackgrow export`: a frame as a mesh file."""
+    """`crackgrow export`: a frame as a mesh file, or crack paths."""
     say(str(crackgrow.export(arguments.folder, arguments.to, arguments.step, arguments.out)))
     return EXIT_DONE
 
 
 def add_export(commands: Commands) -> None:
     formats = "\n".join(aligned(FORMATS.items(), 2, "  "))
-    what = "write a frame of a run as a mesh file of another program"
+    what = "write a frame or the crack paths of a run for another program"
     texts = EXPORT_HELP, f"formats:\n{formats}\n\n{EXPORT_EXAMPLES}"
     command = takes_results(add_command(commands, export, "export", what, texts))
     command.add_argument("--to", choices=tuple(FORMATS), required=True, help="the format")
-    command.add_argument("--step", type=_step, metavar="N", help="the frame of this step (default: the last one)")
+    command.add_argument("--step", type=_step, metavar="N", help="this step (default: the last one)")
     command.add_argument("--out", type=path, metavar="FILE", help="the file (default DIR/export/step_NNNN.FORMAT)")
 
 

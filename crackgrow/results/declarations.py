@@ -303,7 +303,10 @@ RUN: Final = (
     File("figures/load_curve.png", "load factor over displacement and length, where it varies"),
     File("render/FIELD/step_NNNN.png", "a picture for each frame, by `crackgrow render`"),
     File("render/FIELD/animation.gif", "all of them, one after the other; `animation.mp4` with `--mp4`"),
-    File("export/step_NNNN.msh", "a frame for other programs, by `crackgrow export`; also `.inp`, `.vtk`, `.xdmf`"),
+    File(
+        "export/step_NNNN.msh",
+        "a frame for other programs, by `crackgrow export`; also `.inp`, `.vtk`, `.xdmf`; paths as `.geojson`, `.dxf`",
+    ),
     File("case.yaml", "the case as it ran, in SI units, every default filled in"),
     File("run.log", "a line a step with unknowns, iterations and seconds; warnings; how the run ended"),
     File("checkpoint/step_NNNN.npz", "what an interrupted run goes on from"),

@@ -1,4 +1,4 @@
-"""A frame as a mesh file of other programs, written by meshio."""
+"""A frame as a mesh file of other programs, written by meshio; crack paths as lines of maps and drawings."""
 
 from __future__ import annotations
 
@@ -13,25 +13,35 @@ import pyvista
 from crackgrow.arrays import Floats, Ints
 from crackgrow.results.atomic import OutputError, write_atomically
 from crackgrow.results.drawn_frame import COMPONENTS
-from crackgrow.results.folder import open_run
+from crackgrow.results.export_paths import FORMATS as PATHS
+from crackgrow.results.export_paths import export_paths
+from crackgrow.results.folder import FolderError, open_run
+from crackgrow.results.units import spans_text
 
-FORMATS: Final = ("msh", "inp", "vtk", "xdmf")
+FORMATS: Final = ("msh", "inp", "vtk", "xdmf", *PATHS)
 KINDS: Final = {"triangle": pyvista.CellType.TRIANGLE, "quad": pyvista.CellType.QUAD}
 ABAQUS: Final = {"triangle": "CPS3", "quad": "CPS4"}
 """Elements of the plane that meshio reads; what it would write by itself are rigid and axisymmetric ones."""
 
 
 def export(folder: Path, to: str, step: int | None = None, out: Path | None = None) -> Path:
-    """Write the frame of a step, of the last one where none is named, as a mesh file, one of FORMATS; return its path.
+    """Write a step, the last one where none is named, in one of FORMATS: its frame or its crack paths; return the path.
 
     Without `out` it is export/step_NNNN.FORMAT in the run's folder.
-    Raises FolderError where there is no such frame, CaseError where case.yaml is not of this version, OutputError, also
-    where `out` ends as another of the formats does: programs go by that.
+    Raises FolderError where there is no such frame or step, CaseError where case.yaml is not of this version,
+    OutputError, also where `out` ends as another of the formats does: programs go by that.
     """
     ending = "" if out is None else out.suffix.lower().removeprefix(".")
     if ending != to and ending in FORMATS:
         raise OutputError(f"{out}: the name ends in .{ending}, and the format that is asked for is {to}")
     run = open_run(folder)
+    if to in PATHS:
+        if not run.solved or (step is not None and step not in run.solved):
+            there = spans_text(range(number, number + 1) for number in run.solved) or "none"
+            raise FolderError(f"{folder} has no solved step{'' if step is None else f' {step}'}; it has {there}")
+        path = folder / "export" / f"step_{run.solved[-1] if step is None else step:04d}.{to}" if out is None else out
+        export_paths(run, to, step, path)
+        return path
     number = run.frames_of(None if step is None else [step])[-1]
     path = folder / "export" / f"step_{number:04d}.{to}" if out is None else out
     mesh = frame_mesh(run.mesh(number), [body.name for body in run.case.bodies])

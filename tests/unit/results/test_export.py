@@ -13,12 +13,13 @@ import pyvista
 from crackgrow import cli
 from crackgrow.cli.look import FORMATS as TOLD
 from crackgrow.results.export import FORMATS, _write, export, frame_mesh
+from crackgrow.results.export_paths import FORMATS as PATHS
 from crackgrow.results.folder import FolderError, RunFolder
 from crackgrow.results.vtk_frames import write_frame
 from tests.report_runs import make_run
 from tests.unit.results.synthetic import make_frame
 
-WITH_FIELDS = [to for to in FORMATS if to != "inp"]  # Abaqus' format has none
+WITH_FIELDS = [to for to in FORMATS if to not in ("inp", *PATHS)]  # Abaqus' format has none
 NAMES = ("stress_xx", "stress_yy", "stress_zz", "stress_xy", "sigma_1", "sigma_3")
 
 LAYERS = """
@@ -140,7 +141,7 @@ def test_a_name_that_ends_as_another_format_is_refused(
 
 
 @pytest.mark.parametrize(("arguments", "wanted"), [
-    (["--to", "stl"], "'stl' is none of msh, inp, vtk, xdmf"),
+    (["--to", "stl"], "'stl' is none of msh, inp, vtk, xdmf, geojson, dxf"),
     (["--to", "msh", "--step", "last"], "'last': the number of a step is wanted, from 0 on"),
     ([], "the following arguments are required: --to"),
 ])  # fmt: skip
