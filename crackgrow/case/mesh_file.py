@@ -25,6 +25,9 @@ SAME: Final = 1e-9  # points nearer than this part of the mesh's extent are one,
 MOST_TAGS: Final = 100  # of cell data with more different values none is a group
 SHOWN: Final = 12  # longer lists of groups are cut in messages
 
+SAVE: Final = "save it without Mesh.SaveAll (-save_all)"
+OF_GMSH_4_0: Final = re.compile(rb"\s*\$MeshFormat\s+4(\.0)?\s")
+
 SURFACES: Final = {
     "triangle": (0, 1, 2), "triangle6": (0, 3, 1, 4, 2, 5), "quad": (0, 1, 2, 3), "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
     "quad9": (0, 4, 1, 5, 2, 6, 3, 7),
@@ -33,7 +36,7 @@ SURFACES: Final = {
 CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}
 """Nodes along a cell."""
 
-Side = frozenset[int]  # the two nodes of a side
+Side = frozenset[int]  # the two nodes of a side, or all of a cell
 
 
 class ContentError(ValueError):
@@ -54,11 +57,12 @@ class PlaneMesh:
         """The outline (n, 2) of a region, or of all, and its holes; and the numbers of sides by name of an edge.
 
         The outline runs counter-clockwise from its lowest corner, the leftmost of these. A curve that is several parts
-        of it gives as many edges: NAME-1, NAME-2 and so on. Signs that a name of a case lacks become _.
-        Raises ContentError.
+        of it gives as many edges: NAME-1, NAME-2 and so on; of two on a side the one of fewer sides names it. Signs
+        that a name of a case lacks become _. Raises ContentError.
         """
         sides = self._rim(_group(self.regions, region, "region") if region is not None else range(len(self.surfaces)))
         named = [(_edge_name(name), found) for name, found in self.curves.items() if "=" not in name]
+        named.sort(key=lambda curve: -len(curve[1]))
         names = {frozenset(side): name for name, found in named for side in found}
         rings = [self._corners(ring, names) for ring in _rings(sides, self.points)]
         areas = [shapely.Polygon(self.points[ring]).area for ring in rings]
@@ -180,6 +184,12 @@ def _read(file: FilePath, changed: int, size: int) -> PlaneMesh:
         with contextlib.redirect_stdout(told), contextlib.redirect_stderr(told):
             mesh = meshio.read(file)
     except (Exception, SystemExit) as error:  # of a damaged file meshio may raise anything, or end the program
+        if OF_GMSH_4_0.match(file.read_bytes()[:80]):
+            raise ContentError(
+                "is of Gmsh's format 4.0, which cannot be read: save it as 4.1 (-format msh41)"
+            ) from None
+        if "Incompatible cell data 'gmsh:physical'" in str(error):
+            raise ContentError(f"has elements with and without a physical group: {SAVE}") from None
         words = "" if isinstance(error, SystemExit) else f": {clean(' '.join(str(error).split()))}"
         raise ContentError(f"cannot be read as {file.suffix.lower()[1:]}{words}") from None
     return _plane(mesh)
@@ -199,15 +209,18 @@ def _plane(mesh: Any) -> PlaneMesh:
     if strange:
         raise ContentError(f"has cells of the kind {', '.join(strange)}; wanted: {', '.join((*SURFACES, *CURVES))}")
     points, one = _merged(places[:, :2])
-    surfaces: list[Ints] = []
+    surfaces: dict[Side, Ints] = {}  # by their nodes: format 2.2 of Gmsh has a cell once for each group that it is in
     regions: dict[str, list[int]] = {}
     curves: dict[str, list[tuple[int, int]]] = {}
     for number, block in enumerate(mesh.cells):
         groups = list(_groups(mesh, number))
         if block.type in SURFACES:
+            found = [(frozenset(cell.tolist()), cell) for cell in one[np.asarray(block.data)[:, SURFACES[block.type]]]]
+            for nodes, cell in found:
+                surfaces.setdefault(nodes, cell)
+            place = {nodes: k for k, nodes in enumerate(surfaces)}
             for name, cells in groups:
-                regions.setdefault(name, []).extend((np.asarray(cells) + len(surfaces)).tolist())
-            surfaces += list(one[np.asarray(block.data)[:, SURFACES[block.type]]])
+                regions.setdefault(name, []).extend(place[found[cell][0]] for cell in cells)
         elif block.type in CURVES:
             nodes = one[np.asarray(block.data)[:, CURVES[block.type]]]
             for name, cells in groups:
@@ -215,7 +228,10 @@ def _plane(mesh: Any) -> PlaneMesh:
                 curves.setdefault(name, []).extend(side for line in lines for side in pairwise(line))
     if not surfaces:
         raise ContentError(f"has no cells of surfaces ({', '.join(SURFACES)})")
-    return PlaneMesh(points, _extent(points), tuple(surfaces), regions, curves)
+    physical = [name for name, (_, dimension) in mesh.field_data.items() if dimension in (1, 2)]
+    if physical and not any(name in regions or name in curves for name in physical):
+        raise ContentError(f"has no cells in its physical groups ({', '.join(map(clean, physical))}): {SAVE}")
+    return PlaneMesh(points, _extent(points), tuple(surfaces.values()), regions, curves)
 
 
 def _merged(points: Floats) -> tuple[Floats, Ints]:
@@ -233,7 +249,7 @@ def _groups(mesh: Any, number: int) -> Iterator[tuple[str, Ints]]:
             found[name] = np.asarray(sets[number], dtype=np.int64)
     tags = mesh.cell_data.get("gmsh:physical")
     for name, (tag, dimension) in mesh.field_data.items() if tags is not None else ():
-        if dimension == block.dim:
+        if dimension == block.dim and name not in found:  # of several groups of an entity the tags are the first one
             found[name] = np.flatnonzero(np.asarray(tags[number]) == tag)
     for key, blocks in mesh.cell_data.items():
         values = np.asarray(blocks[number])

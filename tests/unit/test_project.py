@@ -34,7 +34,8 @@ def imported() -> set[str]:
 
 
 def test_all_that_is_imported_is_declared_with_the_oldest_version_that_will_do() -> None:
-    declared = [*PROJECT["dependencies"], *PROJECT["optional-dependencies"]["sweep"]]
+    optional = PROJECT["optional-dependencies"]
+    declared = [*PROJECT["dependencies"], *optional["sweep"], *optional["maps"]]
     assert all(re.fullmatch(r"[a-z][a-z0-9]*>=[\d.]+", text) for text in declared)
     assert {text.split(">=")[0] for text in declared} == imported() | THROUGH_OTHERS
     pinned = (ROOT / ".requirements.lock").read_text(encoding="utf-8").lower()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -211,3 +212,41 @@ def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path) -> None:
     write(moved(mesh, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}), tmp_path / "a.msh")
     with pytest.raises(ContentError, match="has a curve 'bottom' that branches, closes or is in several parts"):
         read_mesh(tmp_path / "a.msh").path("bottom")
+
+
+GMSH = Path(__file__).parent / "gmsh"
+"""A triangle as Gmsh 4.15 writes it: `rock`, its curve `bottom`, and `outer` with that and another one."""
+
+
+@pytest.mark.parametrize("name", ["ov22", "ov41"])
+def test_groups_that_overlap_are_read_and_the_smaller_one_names_a_side(name: str) -> None:
+    (outline,), edges = read_mesh(GMSH / f"{name}.msh").outline("rock")
+    assert outline.tolist() == [[0, 0], [1, 0], [0, 1]]
+    assert edges == {"bottom": [0], "outer": [1]}
+    assert read_mesh(GMSH / f"{name}.msh").path("outer").tolist() == [[0, 0], [1, 0], [0, 1]]
+
+
+@pytest.mark.parametrize("both", [["rock", "all"], ["all", "rock"]])
+def test_a_cell_that_two_groups_have_is_one(both: list[str], tmp_path: Path) -> None:
+    """Format 2.2 has it twice."""
+    mesh = meshio.read(GMSH / "ov22.msh")
+    triangle = mesh.cells_dict["triangle"]
+    twice = meshio.Mesh(
+        mesh.points,
+        [("triangle", triangle), ("triangle", triangle)],
+        cell_data={"gmsh:physical": [np.array([1]), np.array([2])], "gmsh:geometrical": [np.array([1]), np.array([1])]},
+        field_data={name: np.array([tag, 2]) for tag, name in enumerate(both, 1)},
+    )
+    write(twice, tmp_path / "a.msh")
+    for region in (*both, None):
+        assert len(read_mesh(tmp_path / "a.msh").outline(region)[0][0]) == 3
+
+
+@pytest.mark.parametrize(("name", "told"), [
+    ("v40", "is of Gmsh's format 4.0, which cannot be read: save it as 4.1 (-format msh41)"),
+    ("all41", "has elements with and without a physical group: save it without Mesh.SaveAll (-save_all)"),
+    ("all22", "has no cells in its physical groups (bottom, outer, rock): save it without Mesh.SaveAll (-save_all)"),
+])  # fmt: skip
+def test_how_to_save_is_told_of_what_cannot_be_read(name: str, told: str) -> None:
+    with pytest.raises(ContentError, match=re.escape(told)):
+        read_mesh(GMSH / f"{name}.msh")
