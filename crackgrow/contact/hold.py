@@ -28,6 +28,8 @@ BROKEN = (
     "with all of it contact could hold it"
 )
 
+SHOWN_PIECES = 3  # of more their number is told
+
 TURNS = 0.05
 """Motions in which the rim of a piece turns by less than this fraction of how far it moves are translations."""
 
@@ -58,6 +60,16 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
         where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
         what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"
     raise FreePieceError(what, "it needs supports, friction or another load")
+
+
+def alone(pieces: Sequence[FreePiece]) -> str:
+    """What to say of pieces that contact alone holds where it is not solved."""
+    named = [str(piece) for piece in pieces[:SHOWN_PIECES]]
+    more = f" and {len(pieces) - len(named)} more pieces" if len(pieces) > len(named) else ""
+    return (
+        f"contact alone holds {', '.join(named)}{more}, perhaps only just: they need supports, friction, or loads that "
+        "press their faces together"
+    )
 
 
 def _unbalanced(contact: ContactSystem, loads: Floats, friction: Floats, cohesion: Floats) -> tuple[float, Floats]:

@@ -191,7 +191,8 @@ class RunWriter:
         Returns what goes wrong with that, which is a note to the error, too; empty if nothing does.
         """
         interrupted = isinstance(error, KeyboardInterrupt)
-        reason = reason or ("interrupted" if interrupted else reason_of(error))
+        when = f"after step {self._tally.steps[-1]}" if self._tally.steps else "before the first step was solved"
+        reason = reason or (f"by Ctrl-C, {when}" if interrupted else reason_of(error))
         cracks = self._last.cracks if self._last is not None else ()
         end = RunEnd("interrupted" if interrupted else "failed", reason, cracks)
         self._spare = b""

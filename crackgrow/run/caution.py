@@ -103,8 +103,7 @@ class Cause(Enum):
     RIPPLE = (
         0.1, "mean pressure", "waves of contact tractions that no rock makes, and K_I with them",
         "contact tractions on {place} oscillate by {percent:.2g} % of their mean pressure within two spacings, and K_I "
-        "with them: contact points are closer than the displacement can follow; use numerics.contact.discretization "
-        "mortar (with a spacing of 1.25 or more), or a softer contact",
+        "with them: {why}; use {remedy}, or a softer contact",
     )  # fmt: skip
     SOFT_CONTACT = (
         0.1, "what a crack of its length would open under the pressure",

@@ -75,11 +75,18 @@ def _all_cautions(
 
 def ripples(solution: StepSolution) -> Iterator[Caution]:
     """Contact tractions that oscillate as no rock makes them."""
-    outcome, cover = solution.outcome, solution.cover
+    outcome, cover, contact = solution.outcome, solution.cover, solution.scene.case.numerics.contact
     worst = worst_ripple(cover, solution.faces, outcome.points.normal, outcome.points.tangential)
     if worst is not None and worst.part > Cause.RIPPLE.limit:
         place = f"'{cover.surfaces[worst.surface].name}'"
-        yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part)
+        why, remedy = "contact points are closer than the displacement can follow", "numerics.contact."
+        if contact.discretization != "mortar":
+            remedy += "discretization mortar"
+        elif contact.spacing < Cause.CONTACT_SPACING.limit:
+            remedy += f"spacing {Cause.CONTACT_SPACING.limit:g} or more"
+        else:
+            why, remedy = "the pressure changes within less than two cells", "smaller cells there"
+        yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part, why=why, remedy=remedy)
 
 
 def _unstable(solution: StepSolution) -> Iterator[Caution]:

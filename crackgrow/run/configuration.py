@@ -16,7 +16,7 @@ from crackgrow.case.model import Load
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces
-from crackgrow.contact.hold import check_can_hold
+from crackgrow.contact.hold import alone, check_can_hold
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
@@ -178,8 +178,7 @@ class Configuration:
             if self.contact.loose is None:
                 raise
             self.check_can_hold(level, error.trial)
-            pieces = ", ".join(str(piece) for piece in self.contact.loose.pieces)
-            raise NotSolvedError(f"contact alone holds {pieces}, perhaps only just: {error}") from error
+            raise NotSolvedError(f"{alone(self.contact.loose.pieces)}; {error}") from error
         check_magnitude("contact tractions", found.tractions, LARGEST, "Pa")
         return found
 

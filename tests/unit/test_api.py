@@ -191,7 +191,7 @@ def test_mistakes_at_a_prompt_are_told(run: crackgrow.Run) -> None:
     ("error", "status", "reason"),
     [
         (SolveError("too soft"), "failed", "too soft"),
-        (KeyboardInterrupt(), "interrupted", "interrupted"),
+        (KeyboardInterrupt(), "interrupted", "by Ctrl-C, after step 0"),
         (ZeroDivisionError("by zero"), "failed", "internal error: ZeroDivisionError: by zero"),
     ],
 )

@@ -213,7 +213,11 @@ def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
     monkeypatch.setattr(crackgrow, "grow", breaking(KeyboardInterrupt()))
     assert cli.main(["run", "block.yaml", "--set", "plane=strain", "--out", "my results"]) == 130
     written = summary(scene / "my results")
-    assert (written["status"], written["stop_reason"], written["n_solves"]) == ("interrupted", "interrupted", 2)
+    assert (written["status"], written["stop_reason"], written["n_solves"]) == (
+        "interrupted",
+        "by Ctrl-C, after step 1",
+        2,
+    )
     command = "run block.yaml --out 'my results' --set plane=strain --resume"
     assert capsys.readouterr().err.endswith(f"crackgrow {command}\n")
 

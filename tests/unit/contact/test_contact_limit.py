@@ -10,9 +10,11 @@ import pytest
 import crackgrow.contact.solve as module
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import complementarity_residual
+from crackgrow.contact.hold import alone
 from crackgrow.contact.limit import least_unbalanced
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+from crackgrow.solid.rigid_modes import FreePiece
 
 WEIGHT, LENGTH = 3.0, 2.0
 
@@ -144,3 +146,16 @@ def test_a_motion_that_nothing_sees_stays_where_it_is() -> None:
     assert found.status == "solved"
     assert found.traction.sum() * 0.4 == pytest.approx(-3.0)
     assert abs(found.motion[1]) < 1e-12
+
+
+def test_of_many_pieces_that_contact_alone_holds_three_are_named_and_the_remedy_comes_before_numbers() -> None:
+    def piece(number: int) -> FreePiece:
+        return FreePiece(number, np.arange(2), "rock", False, np.eye(3), np.array([float(number), 2.0]), 1.0)
+
+    told = alone([piece(number) for number in range(13)])
+    assert told.startswith("contact alone holds the piece of body 'rock' round (0 m, 2 m), ")
+    assert told.count("round (") == 3
+    assert told.endswith(
+        " and 10 more pieces, perhaps only just: they need supports, friction, or loads that press their faces together"
+    )
+    assert "more" not in alone([piece(0)])

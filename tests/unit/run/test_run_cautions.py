@@ -13,11 +13,12 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.case.features import line_length
 from crackgrow.contact.coulomb import OPEN
+from crackgrow.contact.ripple import Ripple
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.cautions import _overlapping, cautions
+from crackgrow.run.cautions import _overlapping, cautions, ripples
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import misfits
 from crackgrow.run.result import StepResult
@@ -80,6 +81,27 @@ def test_what_elastic_contact_does_not_resolve_is_said(settings: str, words: lis
     warnings = first_step("compression30", f"numerics.contact={settings}").warnings
     assert len(warnings) == len(words)
     assert all(any(word in warning for warning in warnings) for word in words)
+
+
+@pytest.mark.parametrize(
+    ("settings", "remedy"),
+    [
+        (
+            "{discretization: gauss, stiffness: 1000}",
+            "; use numerics.contact.discretization mortar, or a softer contact",
+        ),
+        ("{spacing: 0.7}", "; use numerics.contact.spacing 1.25 or more, or a softer contact"),
+        ("{spacing: 1.25}", ": the pressure changes within less than two cells; use smaller cells there, or a softer"),
+    ],
+)
+def test_what_is_used_already_is_no_remedy_for_tractions_that_oscillate(
+    settings: str, remedy: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("crackgrow.run.cautions.worst_ripple", lambda *_: Ripple(0, 0.17))
+    case = load_case(CASES / "compression30.yaml", [f"numerics.contact={settings}", "growth.steps=0"])
+    (told,) = ripples(solve_first(make_scene(case)))
+    assert remedy in told.words
+    assert "oscillate by 17 %" in told.words
 
 
 def crack(points: str, tips: str) -> str:
