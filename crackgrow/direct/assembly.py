@@ -25,10 +25,36 @@ class HalfMatrix:
     second: NDArray[np.int32]  # (p,) the second function of each pair, those of the first function first
     entries: Floats  # (2, p, 2) component of the first function, pair, component of the second function
 
+    @property
+    def first(self) -> Ints:
+        """The first function (p,) of each pair."""
+        return np.arange(len(self.counts)).repeat(self.counts)
+
     @cached_property
     def key(self) -> bytes:
         """A hash of all of it."""
         return key_of((self.counts, self.second, self.entries))
+
+    @cached_property
+    def diagonal(self) -> Floats:
+        """The diagonal (2 k,) of the matrix."""
+        own = np.flatnonzero(self.first == self.second)
+        found = np.zeros((len(self.counts), 2))
+        for component in (0, 1):
+            found[self.second[own], component] = 2.0 * self.entries[component, own, component]
+        return found.ravel()
+
+    @cached_property
+    def largest(self) -> float:
+        """The largest absolute value of a term; nan where a value is none."""
+        return float(np.max([np.abs(some).max(initial=0.0) for some in (self.entries, self.diagonal)]))
+
+    def tocsc(self) -> csc_array:
+        """The matrix (2 k, 2 k)."""
+        n, component = 2 * len(self.counts), np.arange(2)
+        rows = np.broadcast_to(2 * self.first[:, None] + component[:, None, None], self.entries.shape)
+        columns = np.broadcast_to(2 * self.second[:, None] + component, self.entries.shape)
+        return mirrored(csr_array((self.entries.ravel(), (rows.ravel(), columns.ravel())), shape=(n, n)))
 
 
 def half(n: int, pairs: Ints, matrix: Floats) -> HalfMatrix:
@@ -42,13 +68,8 @@ def half(n: int, pairs: Ints, matrix: Floats) -> HalfMatrix:
     return HalfMatrix(np.bincount(first, minlength=n), second.astype(np.int32), np.ascontiguousarray(entries))
 
 
-def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csc_array:
-    """Sum (2 n_functions, 2 n_functions) of matrices; each stands at all of its places, functions (m, k)."""
-    return mirrored(half_sum_of(parts, n_functions))
-
-
-def half_sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> csr_array:
-    """H (2 n_functions, 2 n_functions) with H + H' the sum of matrices, as `sum_of` has them."""
+def sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> HalfMatrix:
+    """The sum of matrices; each stands at all of its places, functions (m, k) of `n_functions`."""
     none = np.empty(0, dtype=np.int32)
     functions, counts, seconds, entries = [none], [none], [none], [np.empty((2, 0, 2))]
     for places, part in parts:
@@ -62,12 +83,12 @@ def half_sum_of(parts: Iterable[tuple[Ints, HalfMatrix]], n_functions: int) -> c
     ends = ends.astype(get_index_dtype(maxval=2 * int(ends[-1])))
     pairs = np.concatenate(entries, axis=1).view(np.complex128).ravel()  # both components of the second function
     halves = csr_array((pairs, np.tile(second, 2), ends), shape=(2 * len(row), n_functions))
-    rows = np.concatenate([2 * row, 2 * row + 1])
+    rows = np.concatenate([row, n_functions + row])
     each = np.arange(len(rows) + 1, dtype=rows.dtype)
     place = csr_array((np.ones(len(rows)), rows, each), shape=(len(rows), 2 * n_functions))
-    total = csr_array(place.T @ halves)
-    columns = (2 * total.indices[:, None] + np.arange(2, dtype=total.indices.dtype)).ravel()
-    return csr_array((total.data.view(np.float64), columns, 2 * total.indptr), shape=(2 * n_functions, 2 * n_functions))
+    total = csr_array(place.T @ halves)  # rows of both components of a function have the same columns in one order
+    counts, second = np.diff(total.indptr[: n_functions + 1]), total.indices[: total.nnz // 2]
+    return HalfMatrix(counts, second, total.data.view(np.float64).reshape(2, -1, 2))
 
 
 def mirrored(one: csr_array) -> csc_array:

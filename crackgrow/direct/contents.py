@@ -16,12 +16,12 @@ from scipy.sparse import csc_array, csr_array
 from crackgrow.arrays import Floats, Ints
 from crackgrow.direct.fronts import MULTIPLIER, Fronts
 from crackgrow.direct.matrix import Blocks, EqualElements, SymmetricMatrix
-from crackgrow.ragged import Ragged, by_row, distinct, spans, starts_of
+from crackgrow.ragged import spans, starts_of
 
 Int32s = NDArray[np.int32]
 
-EARLIER, OUTSIDE = -1, -2
-"""In place of the number in a front of a function that is eliminated before, and of one that it has nothing of."""
+OUTSIDE = -1
+"""In place of the number in a front of a function that it has nothing of."""
 
 FAR_APART = "unknowns are coupled whose places are further apart than couplings reach"
 
@@ -34,18 +34,18 @@ class _Elements:
     kind: Ints  # (e,) which of the matrices
     starts: Ints  # (fronts + 1,)
     names: Ints  # (kinds, 4) hash of what each matrix was made from
-    terms: Floats  # (kinds, 4 q) what the unknowns have in common of each pair of functions,
+    terms: Floats  # (2, kinds, q, 2) what the unknowns have in common of each pair of functions,
     first: Ints  # (q,) the first one
     second: Ints  # (q,) and the second
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Blocks:
-    """The blocks, and the fronts that take some of their entries."""
+class _Pairs:
+    """The pairs of functions of all blocks, by the front that eliminates the first of both."""
 
-    blocks: Blocks
-    positions: tuple[Ints, ...]  # block by block (k,) of the first unknown of each function
-    of_front: Ragged  # fronts -> blocks with functions that they eliminate
+    starts: Ints  # (fronts + 1,)
+    positions: Int32s  # (2, p) of the first unknown of each function
+    entries: Floats  # (2, p, 2) of the half of the sum of all blocks, as in `HalfMatrix`
 
 
 class Contents:
@@ -56,8 +56,8 @@ class Contents:
         self._fronts = fronts
         self._elements = _sorted(matrix.elements, fronts)
         self._columns = _lower_columns(matrix.rest, fronts)
-        self._blocks = _at_fronts(matrix.blocks, fronts)
-        self._rows, self._functions, self._of_blocks = self._numbered()
+        self._pairs = _at_fronts(matrix.blocks, fronts)
+        self._rows, self._functions, self._of_pairs = self._numbered()
         self._constrained = bool(np.any(fronts.code == MULTIPLIER))
         self._children: list[list[int]] = [[] for _ in range(fronts.n)]
         for child, parent in enumerate(fronts.parent.tolist()):
@@ -84,35 +84,21 @@ class Contents:
         for part, functions in zip(self._elements, self._functions[front], strict=True):
             numbers = functions.astype(np.int64)
             places.append(_places(numbers[:, part.first], numbers[:, part.second], p, b).ravel())
-            terms.append(part.terms[part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
-        first, second, of_blocks = self._taken_of_blocks(front, p)
-        places.append(_places(first, second, p, b).transpose(1, 0, 2).ravel())
-        terms.append(of_blocks.ravel())
+            terms.append(part.terms[:, part.kind[part.starts[front] : part.starts[front + 1]]].ravel())
+        one, other = self._of_pairs[front].astype(np.int64)
+        of_pairs = self._entries(front).copy()
+        of_pairs[:, one == other] *= 2.0  # a function with itself has both halves
+        places.append(_places(one, other, p, b).ravel())
+        terms.append(of_pairs.ravel())
         at, total = np.concatenate(places), np.zeros((p + b) * p + b * b)
         if len(at):  # else the sums would be whole numbers
             total = np.bincount(at, np.concatenate(terms), len(total)).astype(np.float64, copy=False)
         own = total[: (p + b) * p].reshape(p + b, p).copy()  # it is kept, the rest is not
         return own, total[(p + b) * p :].reshape(b, b)
 
-    def _taken_of_blocks(self, front: int, p: int) -> tuple[Ints, Ints, Floats]:
-        """What a front with p columns takes of blocks: numbers in it of pairs of functions (q,), and terms (2, q, 2).
-
-        It takes the pairs of which it eliminates the first one; a function with itself has both halves. Raises
-        ValueError where it has no place for the second one.
-        """
-        pairs, entries = [np.empty((2, 0), dtype=np.int32)], [np.empty((2, 0, 2))]
-        for block, numbers in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
-            half = self._blocks.blocks.halves[block]
-            role = np.where(numbers == EARLIER, -2, (numbers >= 0) & (numbers < p)).astype(np.int8)
-            mine = np.flatnonzero(role.repeat(half.counts) + role[half.second] > 0)
-            pairs.append(np.stack([numbers.repeat(half.counts)[mine], numbers[half.second[mine]]]))
-            entries.append(half.entries.take(mine, axis=1))
-        one, other = np.concatenate(pairs, axis=1).astype(np.int64)
-        if min(one.min(initial=0), other.min(initial=0)) < 0:
-            raise ValueError(FAR_APART)
-        terms = np.concatenate(entries, axis=1)
-        terms[:, np.flatnonzero(one == other)] *= 2.0
-        return one, other, terms
+    def _entries(self, front: int) -> Floats:
+        """The entries (2, q, 2) of the pairs of a front."""
+        return self._pairs.entries[:, slice(*self._pairs.starts[front : front + 2].tolist())]
 
     def keys(self) -> list[bytes]:
         """The key of every front."""
@@ -129,9 +115,7 @@ class Contents:
             for part, functions in zip(self._elements, self._functions[front], strict=True):
                 if len(functions):
                     parts += [part.names[part.kind[part.starts[front] : part.starts[front + 1]]], functions]
-            for block, numbers in zip(self._blocks.of_front.of(front).tolist(), self._of_blocks[front], strict=True):
-                digest.update(self._blocks.blocks.halves[block].key)
-                parts.append(numbers)
+            parts += [self._of_pairs[front], self._entries(front)]
             if end > begin:
                 parts += [per_column[own], self._rows[front], columns.data[begin:end]]
             for child in self._children[front]:
@@ -149,15 +133,15 @@ class Contents:
         """Codes of unknowns within a box; multipliers are not told apart."""
         return np.where(codes == MULTIPLIER, codes, codes - corner) if self._constrained else codes - corner
 
-    def _numbered(self) -> tuple[list[Int32s], list[list[Int32s]], list[list[Int32s]]]:
+    def _numbered(self) -> tuple[list[Int32s], list[list[Int32s]], list[Int32s]]:
         """Front by front, the numbers in it of the rows of all entries, and of functions.
 
-        These are those (e, k) of its elements, and those (k,) of its blocks.
+        These are those (e, k) of its elements, and those (2, q) of its pairs.
         """
-        fronts, columns, blocks = self._fronts, self._columns, self._blocks
+        fronts, columns, pairs = self._fronts, self._columns, self._pairs
         number = np.full(len(fronts.order), OUTSIDE, dtype=np.int32)  # in one front at a time
-        rows, functions, of_blocks = [], [], []
-        starts = fronts.starts.tolist()
+        rows, functions, of_pairs = [], [], []
+        starts, begins = fronts.starts.tolist(), pairs.starts.tolist()
         pointers = columns.indptr[fronts.starts].tolist()
         for front, boundary in enumerate(fronts.boundary):
             start, end = starts[front : front + 2]
@@ -165,24 +149,22 @@ class Contents:
             number[boundary] = np.arange(end - start, end - start + len(boundary))
             rows.append(number[columns.indices[pointers[front] : pointers[front + 1]]])
             functions.append([number[p.positions[p.starts[front] : p.starts[front + 1]]] for p in self._elements])
-            there = [blocks.positions[block] for block in blocks.of_front.of(front).tolist()]
-            of_blocks.append([np.where(at < start, np.int32(EARLIER), number[at]) for at in there])
+            of_pairs.append(number[pairs.positions[:, begins[front] : begins[front + 1]]])
             number[start:end], number[boundary] = OUTSIDE, OUTSIDE
-            if min(numbers.min(initial=0) for numbers in (rows[-1], *functions[-1])) < 0:
+            if min(numbers.min(initial=0) for numbers in (rows[-1], *functions[-1], of_pairs[-1])) < 0:
                 raise ValueError(FAR_APART)
-        return rows, functions, of_blocks
+        return rows, functions, of_pairs
 
 
-def _at_fronts(blocks: Blocks, fronts: Fronts) -> _Blocks:
-    """The blocks at the fronts that eliminate their functions."""
-    if not blocks.functions:
-        return _Blocks(blocks, (), by_row(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64), fronts.n))
-    counts = np.array([len(functions) for functions in blocks.functions])
-    position = fronts.position[2 * np.concatenate(blocks.functions)]
-    front = np.searchsorted(fronts.starts, position, side="right") - 1
-    n = len(counts)
-    at, block = np.divmod(distinct(front * n + np.repeat(np.arange(n), counts)), n)
-    return _Blocks(blocks, tuple(np.split(position, np.cumsum(counts)[:-1])), by_row(at, block, fronts.n))
+def _at_fronts(blocks: Blocks, fronts: Fronts) -> _Pairs:
+    """The pairs of blocks at the fronts that eliminate the first of both functions."""
+    first, second, entries = blocks.pairs
+    positions = fronts.position.astype(np.int32)[2 * np.stack([first, second])]
+    front = np.arange(fronts.n, dtype=np.min_scalar_type(fronts.n)).repeat(np.diff(fronts.starts))
+    front = front[positions.min(axis=0)]
+    order = np.argsort(front, kind="stable")  # short numbers: it takes no comparisons
+    starts = np.searchsorted(front[order], np.arange(fronts.n + 1))
+    return _Pairs(starts, positions.take(order, axis=1), entries.take(order, axis=1))
 
 
 def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements]:
@@ -197,13 +179,14 @@ def _sorted(elements: Sequence[EqualElements], fronts: Fronts) -> list[_Elements
         starts = np.searchsorted(front[order], np.arange(fronts.n + 1))
         names = np.array([np.frombuffer(sha256(part.key).digest(), dtype=np.int64) for part in alike])
         first, second = np.tril_indices(n)
-        terms = np.array([part.matrix.reshape(n, 2, n, 2)[first, :, second].ravel() for part in alike])
+        matrices = np.stack([part.matrix.reshape(n, 2, n, 2) for part in alike])
+        terms = np.stack([matrices[:, first, component, second] for component in (0, 1)])
         found.append(_Elements(positions[order], kind[order], starts, names, terms, first, second))
     return found
 
 
 def _places(first: Ints, second: Ints, p: int, b: int) -> Ints:
-    """Places (..., 2, 2) of the entries of pairs of functions in the two parts, (p + b, p) and (b, b), of a front.
+    """Places (2, ..., 2) of the entries of pairs of functions in the two parts, (p + b, p) and (b, b), of a front.
 
     The first unknowns of the functions have the numbers `first` and `second` (...) in it. Of entries that mirror each
     other it is that in the lower triangle; a function with itself has both.
@@ -212,11 +195,11 @@ def _places(first: Ints, second: Ints, p: int, b: int) -> Ints:
     own = column < p
     width = np.where(own, p, b)
     at = row * width + column + np.where(own, 0, p * p - p)
-    places = np.empty((*at.shape, 2, 2), dtype=np.int64)
+    places = np.empty((2, *at.shape, 2), dtype=np.int64)
     by_first, by_second = np.where(first >= second, width, 1), np.where(first >= second, 1, width)
     for a in (0, 1):
         for c in (0, 1):
-            places[..., a, c] = at + a * by_first + c * by_second
+            places[a, ..., c] = at + a * by_first + c * by_second
     return places
 
 

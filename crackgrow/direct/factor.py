@@ -11,18 +11,18 @@ from scipy.linalg.lapack import dtpttr
 from crackgrow.arrays import Floats, Ints
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(slots=True, eq=False)
 class Factor:
     """Columns of L that a front eliminates, and what it leaves to its parent."""
 
     diagonal: Floats  # (p, p) lower triangle
     below: Floats  # (b, p)
-    packed: Floats  # (b (b + 1) / 2,) rows of the lower triangle of `update`
+    packed: Floats | None  # (b (b + 1) / 2,) rows of the lower triangle of `update`; None until it is asked for again
     sizes: Floats  # (b,) what the front and those below it have put on the diagonal
 
     @property
     def update(self) -> Floats:
-        """What the front leaves to its parent, (b, b) lower triangle."""
+        """What the front leaves to its parent, (b, b) lower triangle, where it is kept."""
         return np.asarray(dtpttr(len(self.sizes), self.packed, uplo="U")[0].T)
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.sparse import csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
-from crackgrow.direct.assembly import HalfMatrix, half, half_sum_of, mirrored, sum_of
+from crackgrow.direct.assembly import HalfMatrix, half, sum_of
 from crackgrow.ragged import starts_of
 
 AT_ONCE = 4_000_000
@@ -39,75 +39,77 @@ class EqualElements:
         return half(k, pairs, by_component[:, :, pairs])
 
 
-@dataclass(frozen=True, eq=False)
-class Summed:
-    """A symmetric matrix (k, k) by its half, and what is asked of it again and again."""
-
-    half: csr_array  # H (k, k) with H + H' the matrix
-
-    @cached_property
-    def diagonal(self) -> Floats:
-        """The diagonal (k,) of the matrix."""
-        return np.asarray(2.0 * self.half.diagonal())
-
-    @cached_property
-    def largest(self) -> float:
-        """The largest absolute value of a term; nan where a value is none."""
-        return _largest((self.half.data, self.diagonal))
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Part:
     """The sum of some blocks."""
 
     key: bytes  # a hash of these blocks, and of which functions they have in common
-    dofs: Ints  # (k,) the unknowns
-    sum: Summed
+    functions: Ints  # (k,)
+    sum: HalfMatrix
+
+    @property
+    def dofs(self) -> Ints:
+        """The unknowns (2 k,)."""
+        return (2 * self.functions[:, None] + np.arange(2)).ravel()
 
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """The sum of symmetric matrices of some functions each."""
+    """The sum of symmetric matrices of some functions each, in parts."""
 
-    functions: tuple[Ints, ...] = ()  # block by block (k,)
-    halves: tuple[HalfMatrix, ...] = ()  # block by block
-    parts: tuple[Part, ...] = ()  # the sum, in parts
+    parts: tuple[Part, ...] = ()
 
     @cached_property
-    def stacked(self) -> tuple[Ints, csr_array]:
-        """The unknown of each row (r,), and the halves of all parts one below the other (r, unknowns).
+    def pairs(self) -> tuple[Ints, Ints, Floats]:
+        """First and second functions (p,) of the halves of all parts, and their entries (2, p, 2)."""
+        none = np.empty(0, dtype=np.int64)
+        first = [part.functions.repeat(part.sum.counts) for part in self.parts]
+        second = [part.functions[part.sum.second] for part in self.parts]
+        entries = [part.sum.entries for part in self.parts]
+        return (
+            np.concatenate([none, *first]),
+            np.concatenate([none, *second]),
+            np.concatenate([np.empty((2, 0, 2)), *entries], axis=1),
+        )
 
-        With P (r, unknowns) that has a 1 at the unknown of each row, and this H, the sum is P' H + H' P.
+    @cached_property
+    def _rows(self) -> tuple[Ints, csr_array]:
+        """The unknown of each row (r,) of the halves of all parts, one below the other, and these (r, unknowns).
+
+        With P (r, unknowns) that has a 1 at the unknown of each row, and these rows H, the sum is P' H + H' P.
         """
-        dofs = np.concatenate([np.empty(0, dtype=np.int64), *(part.dofs for part in self.parts)])
-        halves = [part.sum.half for part in self.parts]
-        data = np.concatenate([np.empty(0), *(each.data for each in halves)])
-        columns = np.concatenate([dofs[:0], *(part.dofs[part.sum.half.indices] for part in self.parts)])
-        counts = np.concatenate([dofs[:0], *(np.diff(each.indptr) for each in halves)])
-        return dofs, csr_array((data, columns, starts_of(counts)), shape=(len(dofs), int(dofs.max(initial=-1)) + 1))
+        (_, second, entries), none = self.pairs, np.empty(0, dtype=np.int64)
+        functions = 2 * np.concatenate([none, *(part.functions for part in self.parts)])
+        counts = 2 * np.concatenate([none, *(part.sum.counts for part in self.parts)])
+        columns, dofs = np.tile((2 * second[:, None] + np.arange(2)).ravel(), 2), np.append(functions, functions + 1)
+        shape = (len(dofs), int(dofs.max(initial=-1)) + 1)
+        return dofs, csr_array((entries.ravel(), columns, starts_of(np.tile(counts, 2))), shape=shape)
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product of the sum with vectors (n,) or (n, m)."""
-        return _summed(*self.stacked, vectors)
+        return _summed(*self._rows, vectors)
 
     def sizes(self, vectors: Floats) -> Floats:
         """The product of the absolute values with vectors (n,) or (n, m)."""
-        dofs, half = self.stacked
-        return _summed(dofs, csr_array((np.abs(half.data), half.indices, half.indptr), shape=half.shape), vectors)
+        dofs, rows = self._rows
+        return _summed(dofs, csr_array((np.abs(rows.data), rows.indices, rows.indptr), shape=rows.shape), vectors)
 
 
-def _summed(dofs: Ints, half: csr_array, vectors: Floats) -> Floats:
-    """The product of P' H + H' P, as of `Blocks.stacked`, with vectors (n,) or (n, m)."""
-    total, (r, n) = np.zeros(vectors.shape), half.shape
+def _summed(dofs: Ints, rows: csr_array, vectors: Floats) -> Floats:
+    """The product of P' H + H' P, as of `Blocks`, with vectors (n,) or (n, m)."""
+    total, (r, n) = np.zeros(vectors.shape), rows.shape
     places = csr_array((np.ones(r), dofs, np.arange(r + 1)), shape=(r, n))
-    total[:n] = places.T @ (half @ vectors[:n]) + half.T @ vectors[dofs]
+    total[:n] = places.T @ (rows @ vectors[:n]) + rows.T @ vectors[dofs]
     return total
 
 
 def blocks_of(
     functions: Sequence[Ints], halves: Sequence[HalfMatrix], group: Ints, before: Blocks | None = None
 ) -> Blocks:
-    """Blocks with their sum, a part for each `group` (blocks,); parts that the blocks `before` had are taken over."""
+    """The sum of the `halves` of matrices of some `functions` (k,) each, in parts: one for each `group` (blocks,).
+
+    Parts that the blocks `before` had are taken over.
+    """
     known = {} if before is None else {part.key: part.sum for part in before.parts}
     order = np.argsort(group, kind="stable")
     parts = []
@@ -120,9 +122,9 @@ def blocks_of(
         if total is None:
             local = np.split(place[None], np.cumsum([len(ids) for ids in own])[:-1], axis=1)
             own_halves = (halves[block] for block in some.tolist())
-            total = Summed(half_sum_of(zip(local, own_halves, strict=True), len(together)))
-        parts.append(Part(key, (2 * together[:, None] + np.arange(2)).ravel(), total))
-    return Blocks(tuple(functions), tuple(halves), tuple(parts))
+            total = sum_of(zip(local, own_halves, strict=True), len(together))
+        parts.append(Part(key, together, total))
+    return Blocks(tuple(parts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,14 +174,13 @@ class SymmetricMatrix:
         """The sum as one sparse matrix."""
         total = self.rest
         for block in self.blocks.parts:
-            entries = mirrored(block.sum.half).tocoo()
-            places = (block.dofs[entries.row], block.dofs[entries.col])
-            total = total + csc_array((entries.data, places), shape=self.shape)
+            entries = block.sum.tocsc().tocoo()
+            total = total + csc_array((entries.data, (block.dofs[entries.row], block.dofs[entries.col])), self.shape)
         for part in self.elements:
             own = part.half
             step = max(1, AT_ONCE // own.entries.size)
             for start in range(0, len(part.functions), step):
-                some = sum_of([(part.functions[start : start + step], own)], (self.shape[0] + 1) // 2)
+                some = sum_of([(part.functions[start : start + step], own)], (self.shape[0] + 1) // 2).tocsc()
                 some.resize(self.shape)  # there may be multipliers
                 total = total + some
         return csc_array(total)

@@ -37,6 +37,11 @@ the solution stays small instead of arbitrary. At 1e-12 such a wedge, with pivot
 -1e-6 and wrong loads; from 1e-9 to 1e-8 loads are the same to 1e-4, with residuals of 1e-10."""
 
 
+FEW_FRONTS = 15
+"""A subtree of at most so many fronts keeps what it leaves to its parent only once that is factorized anew, when it is
+made again from the factors. With 50 flaws 43 MB are kept at first; with all 370 MB, twice what the factors take."""
+
+
 class _NoPivotError(Exception):
     """A front has a pivot that must be replaced."""
 
@@ -149,15 +154,20 @@ class _Elimination:
         if known.handed_over:
             for key in known.factors.keys() - set(self._keys):
                 del known.factors[key]
+        self._updates: dict[int, Floats] = {}  # that fronts just eliminated leave to parents that come next
+        n_below = [1] * fronts.n  # fronts of each subtree
         for k, key in enumerate(self._keys):
             start, end = fronts.starts[k : k + 2].tolist()
             if start == end:
                 continue
+            n_below[k] += sum(n_below[child] for child in contents.children(k))
             factor = self.factors.get(key) or known.factors.get(key)
             if factor is None:
-                factor = self._eliminated(k)
+                factor = self._eliminated(k, n_below[k] > FEW_FRONTS)
                 self.n_factorized += 1
             self.factors[key] = factor
+            for child in contents.children(k):
+                self._updates.pop(child, None)
             signs, border = [(a, b) for a, b, sign in self._groups(k) if sign < 0.0], fronts.boundary[k]
             self.placed.append(Placed(factor, key, start, end, signs, border, runs(border, -1)))
 
@@ -167,8 +177,8 @@ class _Elimination:
         late = early + int(self._fronts.n_placed[front])
         return [(a, b, sign) for a, b, sign in ((0, early, -1.0), (early, late, 1.0), (late, end, -1.0)) if b > a]
 
-    def _eliminated(self, front: int) -> Factor:
-        """The factor of a front."""
+    def _eliminated(self, front: int, keeps: bool) -> Factor:
+        """The factor of a front; what it leaves to its parent is waiting there, and is kept if it `keeps` it."""
         groups = self._groups(front)
         own, rest, sizes = self._assembled(front)
         p = own.shape[1]
@@ -182,7 +192,10 @@ class _Elimination:
         for begin, end, sign in groups:
             if sign < 0.0:
                 below[:, begin:end] *= -1.0
-        return Factor(own[:p], below, dtrttp(rest.T, uplo="U")[0] if len(below) else np.empty(0), sizes[p:])
+        if len(below):
+            self._updates[front] = rest
+        packed = dtrttp(rest.T, uplo="U")[0] if len(below) and keeps else None
+        return Factor(own[:p], below, packed, sizes[p:])
 
     def _assembled(self, front: int) -> tuple[Floats, Floats, Floats]:
         """Columns (p + b, p) of a front, the rest (b, b), and what has been put on the diagonal (p + b,)."""
@@ -190,10 +203,20 @@ class _Elimination:
         sizes = np.abs(np.concatenate([own.diagonal(), rest.diagonal()]))
         for child in self._contents.children(front):
             at = self._contents.local(front, self._fronts.boundary[child])
-            factor = self.factors[self._keys[child]]
-            _extend_add(own, rest, at, factor.update)
-            sizes[at] += factor.sizes
+            _extend_add(own, rest, at, self._update(child))
+            sizes[at] += self.factors[self._keys[child]].sizes
         return own, rest, sizes
+
+    def _update(self, front: int) -> Floats:
+        """What a front leaves to its parent, (b, b) lower triangle."""
+        factor = self.factors[self._keys[front]]
+        if front in self._updates:
+            return self._updates[front]
+        if factor.packed is None:
+            _, made, _ = self._assembled(front)
+            _take_off(factor.below, made, self._groups(front))
+            factor.packed = dtrttp(made.T, uplo="U")[0]  # it will be asked for again as the same tip grows on
+        return factor.update
 
 
 def _extend_add(front: Floats, rest: Floats, at: Ints, update: Floats) -> None:

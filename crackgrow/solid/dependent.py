@@ -35,20 +35,25 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
 
     Only the blocks of the matrix are looked at: small functions are those of cut patches.
     """
-    diagonal, (dofs, half) = matrix.diagonal(), matrix.blocks.stacked
-    least = diagonal < SMALL * diagonal.max(initial=0.0)  # the others are large whatever they meet
-    if not least.any():
-        return matrix
-    row, column = dofs.repeat(np.diff(half.indptr)), half.indices
-    met = np.zeros(len(diagonal))
-    for one, other in ((row, column), (column, row)):
+    diagonal, (first, second, entries) = matrix.diagonal(), matrix.blocks.pairs
+    each = diagonal.reshape(-1, 2)
+    least = each.min(axis=1) < SMALL * each.max(initial=0.0)  # the others are large whatever they meet
+    met = np.zeros(len(each))
+    for one, other in ((first, second), (second, first)):
         at = np.flatnonzero(least[one])
-        np.maximum.at(met, one[at], diagonal[other[at]])
-    small = diagonal < SMALL * met
-    between = np.flatnonzero(small[row] & small[column])
-    some, places = numbered(np.concatenate([row[between], column[between]]), len(small))
-    block = mirrored(csr_array((half.data[between], np.split(places, 2)), shape=(len(some), len(some))))
-    held = some[_dependent(block, 1.0 / np.sqrt(np.maximum(diagonal[some], np.finfo(float).tiny)))]
+        np.maximum.at(met, one[at], each[other[at]].max(axis=1))
+    small = each < SMALL * met[:, None]
+    is_small = np.logical_or(*small.T)
+    if not is_small.any():
+        return matrix
+    between = np.flatnonzero(is_small[first] & is_small[second])
+    shape, component = (2, len(between), 2), np.arange(2)
+    row = np.broadcast_to(2 * first[between, None] + component[:, None, None], shape)
+    column = np.broadcast_to(2 * second[between, None] + component, shape)
+    kept = small.ravel()[row] & small.ravel()[column]
+    some, places = numbered(np.concatenate([row[kept], column[kept]]), small.size)
+    half = csr_array((entries[:, between][kept], np.split(places, 2)), shape=(len(some), len(some)))
+    held = some[_dependent(mirrored(half), 1.0 / np.sqrt(np.maximum(diagonal[some], np.finfo(float).tiny)))]
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
 
 

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from crackgrow.direct import multifrontal as module
 from crackgrow.direct.fronts import Fronts
 from crackgrow.direct.matrix import SymmetricMatrix
 from crackgrow.direct.multifrontal import Multifrontal
-from crackgrow.solid.stiffness import stiffness_after
 from tests.conftest import Build
 from tests.unit.direct.test_direct_multifrontal import plate
 
@@ -113,6 +111,35 @@ def test_products_of_the_last_matrix_alone_are_kept(rock: tuple[SymmetricMatrix,
     assert max(counts) <= fronts.n - 1
 
 
+@pytest.mark.parametrize("few", [0, 3, 10**6])
+def test_what_fronts_leave_is_the_same_whether_kept_or_made_again(
+    rock: tuple[SymmetricMatrix, Fronts], few: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All of it kept at first, that of most, that of none but twins; what was made again is kept from then on."""
+    matrix, fronts = rock
+    n = matrix.shape[0]
+    right = np.random.default_rng(63).normal(size=(n, 2))
+    expected = Multifrontal(changed(matrix, n // 3), fronts).solve(right)
+    monkeypatch.setattr(module, "FEW_FRONTS", few)
+    before = Multifrontal(matrix, fronts)
+    n_kept = []
+    for _ in range(3):
+        n_kept.append(sum(factor.packed is not None for factor in before.factors.values()))
+        after = Multifrontal(changed(matrix, n // 3), fronts, before.kept)
+        assert 0 < after.n_factorized < 0.3 * fronts.n
+        np.testing.assert_array_equal(after.solve(right), expected)
+    assert n_kept[0] < n_kept[1] == n_kept[2] or few == 0
+    assert n_kept[2] < 0.6 * len(before.factors) or few < fronts.n
+
+
+def test_small_subtrees_do_not_keep_what_they_leave(rock: tuple[SymmetricMatrix, Fronts]) -> None:
+    """It is more than half of it all."""
+    factors = Multifrontal(*rock).factors.values()
+    all_of_it = sum(len(factor.sizes) * (len(factor.sizes) + 1) // 2 for factor in factors)
+    kept = sum(factor.packed.size for factor in factors if factor.packed is not None)
+    assert 0 < kept < 0.5 * all_of_it
+
+
 def test_one_load_is_solved_for_as_many_are(rock: tuple[SymmetricMatrix, Fronts]) -> None:
     """Though by other kernels; also with multipliers."""
     matrix, fronts = rock
@@ -121,20 +148,3 @@ def test_one_load_is_solved_for_as_many_are(rock: tuple[SymmetricMatrix, Fronts]
     together = solver.solve(loads)
     for load, u in zip(loads.T, together.T, strict=True):
         np.testing.assert_allclose(solver.solve(load), u, atol=1e-12 * np.abs(u).max())
-
-
-def test_what_a_vector_weighs_is_of_that_vector(build: type[Build]) -> None:
-    """Also of one changed in place, and of a matrix with other springs on the same blocks."""
-    sample = build.field_of_cracks(3)
-    matrix = stiffness_after(sample.cover, [sample.material], 4).matrix
-    assert matrix.blocks.parts
-    stiffer = replace(matrix, rest=changed(matrix, 4).rest)
-    vector = np.random.default_rng(65).normal(size=matrix.shape[0])
-    for _ in range(2):
-        for one in (matrix, stiffer):
-            product, sizes = one.weighed(vector)
-            dense = one.tocsc()
-            np.testing.assert_allclose(product, dense @ vector, atol=1e-12 * np.abs(sizes).max())
-            np.testing.assert_array_equal(product, one @ vector)
-            np.testing.assert_array_equal(sizes, one.sizes(vector))
-        vector *= -0.5
