@@ -26,11 +26,10 @@ from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
 from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.ending import Ending
-from crackgrow.run.error import estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
-from crackgrow.run.loop import Steps, solved_steps
+from crackgrow.run.loop import Steps, solved_steps, through
+from crackgrow.run.report import estimated_error
 from crackgrow.run.result import CrackPath, Event, Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
 
@@ -277,12 +276,18 @@ def _solution(case: Case, steps: Steps) -> Solution:
 def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> Run:
     """The run with all its steps, each handed to `add` as it comes."""
     results: list[StepResult] = []
-    all_steps = Ending(steps)
-    for step in all_steps:
+    last: Solution | None = None
+
+    def collect(step: tuple[StepResult, StepSolution]) -> None:
+        nonlocal last
         result, solved = step
         add(result)
         results.append(replace(result, mesh=None))  # the mesh would keep the fields of every step
-    return Run(case, tuple(results), all_steps.end, Solution(case, (result,), solved))
+        last = Solution(case, (result,), solved)
+
+    end = through(steps, collect)
+    assert last is not None  # step 0 can be solved, or raises
+    return Run(case, tuple(results), end, last)
 
 
 def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.approximation.weight import cubic_spline
 from crackgrow.arrays import Floats, Ints
 
 
@@ -83,3 +82,18 @@ def _inverse(a00: Floats, a01: Floats, a02: Floats, a11: Floats, a12: Floats, a2
     c00, c01, c02 = a11 * a22 - a12 * a12, a02 * a12 - a01 * a22, a01 * a12 - a02 * a11
     c11, c12, c22 = a00 * a22 - a02 * a02, a01 * a02 - a00 * a12, a00 * a11 - a01 * a01
     return np.stack([c00, c01, c02, c11, c12, c22]) / (a00 * c00 + a01 * c01 + a02 * c02)
+
+
+def cubic_spline(q: Floats) -> tuple[Floats, Floats]:
+    """Cubic spline w(q) and its derivative dw/dq at q >= 0, zero from q = 1 on (Belytschko, Lu, Gu 1994, eq. 25)."""
+    whole, inner = np.maximum(1.0 - q, 0.0), np.maximum(0.5 - q, 0.0)
+    whole_squared, inner_squared = whole * whole, inner * inner
+    whole *= whole_squared
+    inner *= inner_squared
+    inner *= 4.0
+    whole -= inner
+    whole *= 4.0 / 3.0
+    inner_squared *= 4.0
+    inner_squared -= whole_squared
+    inner_squared *= 4.0
+    return whole, inner_squared

@@ -133,17 +133,18 @@ def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: s
 
 def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:
     """Write each step as it comes, then the end, and return it."""
-    from crackgrow.run.ending import Ending  # only now: the room loads numpy
+    from crackgrow.run.loop import through  # only now: the room loads numpy
 
-    all_steps = Ending(steps)
-    for result in all_steps:
+    def write(result: StepResult) -> None:
         with _uninterrupted():
             writer.add(result)
         progress.show(result)
-    progress.tell(all_steps.end.events)
+
+    end = through(steps, write)
+    progress.tell(end.events)
     with _uninterrupted(ends=True):
-        writer.finish(all_steps.end)
-    return all_steps.end
+        writer.finish(end)
+    return end
 
 
 @contextlib.contextmanager

@@ -175,7 +175,7 @@ examples:
 
 def converge(arguments: argparse.Namespace) -> int:
     """`crackgrow converge`: whether a case's own setting is good enough."""
-    from crackgrow.run.ending import Ending  # only now: they load numpy
+    from crackgrow.run.loop import through  # only now: they load numpy
     from crackgrow.study.converge.text import convergence_record, convergence_text, run_line
 
     case = load_case_file(arguments)
@@ -189,11 +189,9 @@ def converge(arguments: argparse.Namespace) -> int:
         increments=arguments.increments,
         steps=arguments.steps,
     )
-    runs = Ending(crackgrow.converge(plan, arguments.timeout))
-    for run in runs:
-        if not arguments.json:
-            say(run_line(run))
-    found = runs.end
+    found = through(
+        crackgrow.converge(plan, arguments.timeout), lambda run: None if arguments.json else say(run_line(run))
+    )
     if arguments.json:
         hand_out_json(convergence_record(found))
     else:

@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.quadrature.lines import on_edges_with_tips
 from crackgrow.quadrature.rules import gauss
 from crackgrow.ragged import starts_of
@@ -25,10 +26,6 @@ SHORTEST_STRETCH = 0.1
 """Cells: kinks leave no shorter stretch. A contact point of its own would say what its neighbours say already, and
 its traction could be anything: behind a kink of 30 degrees at 1e-3 cells 4000 times the pressure, and K_I 100 times
 K_II. From here on its K_I is no worse than without."""
-
-BESIDE_END = 1e-6
-"""Lattice units from the end of a stretch at which a place is on it for certain; edges begin there but for rounding,
-which is the same on cells of all sizes."""
 
 POINTS_PER_EDGE = 8
 """Gauss points between two neighbouring mortar nodes, lattice crossings or kinks."""
@@ -179,7 +176,7 @@ def _edges_at(cover: Cover, surface: int, s: Floats) -> Ints:
 
 def _nodes_at(cover: Cover, surface: int, s: Floats, stretch: Ints, ends: Floats) -> FacePoints:
     """Contact points at arc lengths s (n,) on their `stretch` (n,): at its end, too, with the normal that it has."""
-    inside = np.clip(s, ends[stretch] + BESIDE_END, ends[stretch + 1] - BESIDE_END)
+    inside = np.clip(s, ends[stretch] + SAME_PLACE, ends[stretch + 1] - SAME_PLACE)
     return _on_edges(cover, surface, _edges_at(cover, surface, inside), s)
 
 

@@ -34,9 +34,7 @@ from crackgrow.contact.faces import (
 )
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.polyline import arc_lengths
-
-TIE = 1e-6
-"""What a length may lack, in cells or pieces, and counts all the same: rounding never decides."""
+from crackgrow.geometry.tolerance import SAME_PLACE
 
 RIM, KINK, JUNCTION, TIP, BARE_KINK = range(5)
 """What a stretch can end at. A bare kink is one without a node; a junction that is a rim, and has room, is a rim."""
@@ -130,10 +128,10 @@ def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[byt
             goes_on = 0 < number < m and passed[line.points[vertex].tobytes()] == 1
             at_corner[number] = goes_on or not surface.name.is_crack
     both = np.arange(m)[:, None] + np.arange(2)
-    has_room = np.diff(in_cells)[:, None] >= CORNER_ROOM - TIE
+    has_room = np.diff(in_cells)[:, None] >= CORNER_ROOM - SAME_PLACE
     of_stretch = np.where(at_corner[both] & has_room, RIM, kind[both])
     neighbour = np.concatenate([[np.inf], np.diff(in_cells), [np.inf]])[np.arange(m)[:, None] + np.array([0, 2])]
-    return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - TIE), BARE_KINK, of_stretch)
+    return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - SAME_PLACE), BARE_KINK, of_stretch)
 
 
 def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
@@ -141,10 +139,10 @@ def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
     free, on_kink = END_PIECE[kinds], KINK in kinds
 
     def most(distance: float) -> int:
-        return int((end - start) / distance + TIE - free.sum()) + 1
+        return int((end - start) / distance + SAME_PLACE - free.sum()) + 1
 
     if on_kink:
-        least = 3 if end - start >= THREE_NODES - TIE else 1
+        least = 3 if end - start >= THREE_NODES - SAME_PLACE else 1
     else:
         least = 1 if JUNCTION in kinds else 3 - int(free.sum())  # on the rims, and in the middle
     n = max(most(spacing), least)

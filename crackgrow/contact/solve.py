@@ -27,6 +27,7 @@ from crackgrow.contact.newton import held_less_and_less, solve_active, solve_by_
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
+from crackgrow.geometry.tolerance import ROUND_OFF
 
 OVERLAP = 1e-10
 """A gap above minus this fraction of the displacement's size is no overlap but round-off."""
@@ -39,9 +40,6 @@ Not so if it coheres and its gap is below the same fraction of these jumps: the 
 
 AT_LIMIT = 1e-9
 """Shear closer to the cohesion of faces that touch than this fraction of it has reached it: they slip."""
-
-ROUND_OFF = 1e-12
-"""Jumps by the compliance that differ from those of the displacements by less than this fraction are the same."""
 
 SPOILT = 1e-2
 """If they differ by more, nothing can be made of the compliance."""

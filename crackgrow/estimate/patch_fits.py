@@ -1,9 +1,7 @@
 """Stress fitted by a quadratic polynomial on every physical patch: nothing is averaged across a crack.
 
 The fit P_i of patch i minimises the integral of phi_i |P_i - s|^2 for a field s, phi_i the patch's function of the
-partition of unity. Elements whose points lie alike in their cells share the monomials and the moments.
-
-Arrays inside run over the points last, so that every operation is one long loop.
+partition of unity. Arrays inside run over the points last, so that every operation is one long loop.
 """
 
 from __future__ import annotations
@@ -23,19 +21,7 @@ RIDGE = 1e-12
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class RegularSamples:
-    """Points at the same places in the cells of many elements."""
-
-    elements: Ints  # (e,)
-    patches: Ints  # (e, k), each at most once in a column
-    distance: Floats  # (q, k, 2) from the nodes to the points, in the largest cells at the nodes
-    weights: Floats  # (q, k) area, as a part of the cell, times phi_i
-    areas: Floats  # (e,) of the cells, squared spacings
-    values: Floats  # (q, e, 3)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class FreeSamples:
+class Samples:
     """Pairs of a point anywhere and a patch over it; values may differ from patch to patch."""
 
     elements: Ints  # (p,)
@@ -51,21 +37,11 @@ def monomials(d: Floats) -> Floats:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
 
 
-def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) -> Floats:
+def fit(n_patches: int, samples: list[Samples]) -> Floats:
     """Coefficients (n_patches, 6, 3) of the polynomials, round each patch's node."""
     sums = np.zeros((n_patches, N_MONOMIALS, N_MONOMIALS + 3))  # of monomials times monomials, then times values
-    for some in regular:
-        q, e, _ = some.values.shape
-        of_elements = np.empty((e, *sums.shape[1:]))
-        for slot, patch in enumerate(some.patches.T):
-            p = monomials(some.distance[:, slot])
-            weighted = p * some.weights[:, slot]
-            of_elements[..., :N_MONOMIALS] = weighted @ p.T
-            by_values = weighted @ some.values.reshape(q, 3 * e)
-            of_elements[..., N_MONOMIALS:] = by_values.reshape(-1, e, 3).transpose(1, 0, 2)
-            sums[patch] += some.areas[:, None, None] * of_elements
     number = np.zeros(n_patches, dtype=np.int64)
-    for block in free:
+    for block in samples:
         seen = np.flatnonzero(np.bincount(block.patches, minlength=n_patches))
         number[seen] = np.arange(len(seen))
         n, p = len(block.patches), np.ascontiguousarray(monomials(block.distance).T)
@@ -75,17 +51,11 @@ def fit(n_patches: int, regular: list[RegularSamples], free: list[FreeSamples]) 
     return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
 
 
-def misfits(coefficients: Floats, regular: list[RegularSamples], free: list[FreeSamples], n_elements: int) -> Floats:
+def misfits(coefficients: Floats, samples: list[Samples], n_elements: int) -> Floats:
     """The integrals of sum_i phi_i |P_i - s|^2 over each element (n_elements,), in squared spacings."""
     found = np.zeros(n_elements)
-    for some in regular:
-        for slot, patch in enumerate(some.patches.T):
-            own = coefficients[patch].transpose(1, 0, 2).reshape(N_MONOMIALS, -1)
-            fitted = monomials(some.distance[:, slot]).T @ own
-            squares = np.sum((fitted.reshape(some.values.shape) - some.values) ** 2, axis=2)
-            found[some.elements] += some.areas * (some.weights[:, slot] @ squares)
     by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))
-    for block in free:
+    for block in samples:
         fitted = np.sum(monomials(block.distance)[:, None] * by_patch.take(block.patches, axis=2), axis=0)
         squares = np.sum((fitted - block.values.T) ** 2, axis=0)
         found += np.bincount(block.elements, block.weights * squares, n_elements)

@@ -18,11 +18,9 @@ from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.cover.cover import Cover
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.ragged import Ragged, by_row, numbered
 from crackgrow.solid.clusters import Named
-
-BEYOND = 1e-6
-"""Spacings: elements this near to the box of a place count as near by."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -108,8 +106,8 @@ class Readings:
     def _elements_near(self, places: Sequence[Place]) -> Ragged:
         """The elements that touch the box of each place, ascending."""
         cover, elements = self.cover, self.cover.elements
-        low = np.array([place.low for place in places]).reshape(-1, 2) - BEYOND
-        high = np.array([place.high for place in places]).reshape(-1, 2) + BEYOND
+        low = np.array([place.low for place in places]).reshape(-1, 2) - SAME_PLACE
+        high = np.array([place.high for place in places]).reshape(-1, 2) + SAME_PLACE
         boxes = shapely.box(*low.T, *high.T)
         tile, size = elements.tile[: elements.n_whole], cover.lattice.tile_size
         corner = cover.lattice.tile_low[tile]

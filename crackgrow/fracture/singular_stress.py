@@ -20,6 +20,7 @@ import numpy as np
 from crackgrow.arrays import Bools, Complex, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip, TipView, crack_angle, reach_of_tips, tip_angle
+from crackgrow.geometry.tolerance import ROUND_OFF
 
 REACH = 6.0
 """Cells from a tip to the nodes of the patches in which its field is told apart from the rest. With 4, the two ends
@@ -27,9 +28,6 @@ of a crack of 7 cells spoil each other; more changes nothing."""
 
 ON_CUT = 1e-6
 """Radians: a place this near to the line on which both factors jump is on the side that the first one says."""
-
-LEAST_DISTANCE = 1e-12
-"""Spacings: at the tip itself the field of this distance is taken."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,7 +53,7 @@ class SingularStress:
         """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of elements (n,)."""
         tip, reference = self._tip, self.cover.elements.reference[elements]
         r, t = tip_angle(tip, points, reference)
-        r = np.maximum(r, LEAST_DISTANCE)
+        r = np.maximum(r, ROUND_OFF)  # at the tip itself the field of this distance
         z = r * np.exp(1.0j * t)
         g = np.exp(-0.5j * t) / np.sqrt(r)
         slope = -0.5 * g / z
@@ -94,7 +92,7 @@ def _far_factor(tip: TipView, points: Floats, reference: Floats) -> tuple[Comple
     side = np.where(~left & (side > 2.0 * np.pi - ON_CUT), side - 2.0 * np.pi, side)
     angle = np.angle(local) - cut
     angle += 2.0 * np.pi * np.round((side - angle) / (2.0 * np.pi))
-    distance = np.maximum(np.abs(local), LEAST_DISTANCE)
+    distance = np.maximum(np.abs(local), ROUND_OFF)
     at_tip = np.mod(np.angle(-far) - cut, 2.0 * np.pi)
     factor = (distance / abs(far)) ** 1.5 * np.exp(1.5j * (angle - at_tip))
     return factor, 1.5 * factor / (distance * np.exp(1.0j * (angle + cut)))

@@ -9,6 +9,7 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.cover.tips import TipView, crack_angle
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
+from crackgrow.geometry.tolerance import SAME_PART
 from crackgrow.quadrature.rules import gauss
 
 N_RADIAL = 6
@@ -31,9 +32,6 @@ FACE_PANEL = 0.1
 
 N_FACE = 5
 """Points per panel on the faces."""
-
-SAME = 1e-9
-"""Stops of panels closer than this are one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -119,7 +117,7 @@ def _stops(given: Floats, short: float, growth: float) -> Floats:
     """Ends (n,) of panels from 0 on, with the `given` ones (m,): at most `short`, or `growth` times the way, long."""
     stops = [0.0]
     for end in np.sort(given).tolist():
-        while end - stops[-1] > SAME:
+        while end - stops[-1] > SAME_PART:
             left = end - stops[-1]
             n = np.ceil(left / max(short, growth * stops[-1]))
             stops.append(end if n == 1.0 else stops[-1] + left / n)

@@ -30,7 +30,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.readings import Made, Place, Reading, Readings
 from crackgrow.fracture.sites import LARGEST_KINK, Site
-from crackgrow.geometry.tolerance import SAME_PLACE
+from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
 from crackgrow.ragged import distinct, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -38,14 +38,8 @@ from crackgrow.solid.elasticity import PlaneElasticity
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""
 
-NEXT_TO_SITE = 2.0 * SAME_PLACE
-"""Spacings: what a ray meets nearer than this is what the site itself lies on, its crack or a rim."""
-
 N_RADIAL = 6
 """Points on a ray, or on each of its parts."""
-
-ON_SEGMENT = 1e-12
-"""Parts of a segment of a crack or a rim: a ray that passes its end by less than this meets it."""
 
 SITES_AT_ONCE = 8
 """Sites whose points are evaluated together: a call costs as much as some hundred points."""
@@ -227,7 +221,8 @@ def _crossings(segments: Floats, rule: Rule) -> Floats:
     across = toward_x * step_y - toward_y * step_x
     across[across == 0.0] = np.nan
     distance, part = (x * step_y - y * step_x) / across, (x * toward_y - y * toward_x) / across
-    meets = (np.abs(part - 0.5) <= 0.5 + ON_SEGMENT) & (rule.reach * distance >= NEXT_TO_SITE)
+    # nearer is what the site itself lies on, its crack or a rim
+    meets = (np.abs(part - 0.5) <= 0.5 + ROUND_OFF) & (rule.reach * distance >= 2.0 * SAME_PLACE)
     return np.where(meets, distance, np.inf)
 
 

@@ -6,10 +6,8 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
+from crackgrow.geometry.tolerance import SAME_PART
 from crackgrow.vectors import cross
-
-BEGIN = 1e-9
-"""Lengths of a segment: closer than this to its start is at its start."""
 
 
 def arc_lengths(points: Floats) -> Floats:
@@ -44,5 +42,5 @@ def first_hit(line: shapely.Geometry, start: Floats, end: Floats) -> Floats | No
     segment = shapely.linestrings([start, end])
     hits = shapely.get_coordinates(shapely.intersection(segment, line))
     distances = np.hypot(*(hits - start).T)
-    hits, distances = hits[distances > BEGIN * segment.length], distances[distances > BEGIN * segment.length]
+    hits, distances = hits[distances > SAME_PART * segment.length], distances[distances > SAME_PART * segment.length]
     return np.asarray(hits[int(np.argmin(distances))]) if len(hits) else None

@@ -1,4 +1,4 @@
-"""The tolerances of plane geometry, in lattice spacings.
+"""The tolerances of plane geometry, in lattice spacings, and of what is relative to a size.
 
 All cutting happens in lattice units (the lattice lines are integers), so that size and units never matter.
 """
@@ -14,3 +14,9 @@ TOUCH = 1e-6
 
 SAME_PLACE = 1e-6
 """Places on a surface or its body's rim closer than this are one: vertices are rounded, and lengths added up."""
+
+SAME_PART = 1e-9
+"""Parts of a length: what is closer is one place, whatever the length is."""
+
+ROUND_OFF = 1e-12
+"""Parts of a size: what sums of many numbers, or a dense solve, may be off by."""

@@ -16,6 +16,8 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.squares import QUANTA
 from crackgrow.cover.windows import regular_window
+from crackgrow.quadrature.elements import ElementPoints, element_points
+from crackgrow.quadrature.rules import square
 
 
 def rectangles(cover: Cover, elements: Ints) -> tuple[Floats, Floats]:
@@ -90,3 +92,16 @@ def _parts(lattice: Lattice) -> Ints:
     of_cell = lattice.cells.size[cell] // tiles.squares.size
     place = (tiles.squares.low - lattice.cells.low[cell]) // tiles.squares.size[:, None]
     return np.asarray((of_cell * QUANTA + place[:, 0]) * QUANTA + place[:, 1])
+
+
+def all_points(cover: Cover, n: int) -> ElementPoints:
+    """Points of all elements, plain ones included, in lattice coordinates; `n` Gauss points per direction."""
+    cut = element_points(cover, n)
+    points, weights, elements = [cut.points], [cut.weights], [cut.element]
+    local, weight = square(n)
+    for kind in plain_kinds(cover):
+        cell, size = cover.elements.cell[kind.elements], cover.elements.size[kind.elements]
+        points.append((cell[:, None] + (kind.low + local * kind.size) * size[:, None, None]).reshape(-1, 2))
+        weights.append(np.outer(size**2, weight * kind.size.prod()).ravel())
+        elements.append(np.repeat(kind.elements, len(weight)))
+    return ElementPoints(np.concatenate(points), np.concatenate(weights), np.concatenate(elements))

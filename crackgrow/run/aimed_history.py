@@ -56,4 +56,5 @@ class _Pair:
         """The state on the cells to compare, and the seconds that it has taken: no cover is made for the next load."""
         if self.other is None or scene.halvings != self.other.scene.halvings:
             self.other = LoadsInTurn(scene, self.cracks, like=like)
-        return self.other.state(self.number)[0], self.other.cost().seconds
+        state, _origin, (seconds, _n) = self.other.state(self.number)
+        return state, seconds

@@ -83,16 +83,16 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     """The state that was packed in an earlier run of the case."""
     values, arrays = checkpoint.values, checkpoint.arrays
     cracks = list(map(GrowingCrack.given, case.cracks))
-    for name, body, parent, in_shear in values.get("started", ()):
+    for name, body, parent, in_shear in values["started"]:
         new = GrowingCrack.given(new_crack(case, cracks, name, body, parent))
         cracks.append(replace(new, parent=parent, in_shear=in_shear))
     for number, (growing, tips) in enumerate(zip(cracks, values["tips"], strict=True)):
         crack = replace(growing.crack, points=arrays[f"points{number}"], tip_at_start=tips[0], tip_at_end=tips[1])
         cracks[number] = replace(growing, crack=crack, steps=arrays[f"steps{number}"])
-    for number, lengths in enumerate(values.get("gathered", ())):
+    for number, lengths in enumerate(values["gathered"]):
         cracks[number] = replace(cracks[number], gathered=tuple(lengths))
     start = None if values["start"] is None else _start(values["start"], arrays)
-    gone = tuple(Gone(body, arrays[f"gone{number}"]) for number, body in enumerate(values.get("gone", [])))
+    gone = tuple(Gone(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,
         tuple(cracks),
@@ -101,8 +101,8 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         Origin(values["guess"], start, gone),
         values["factorizations"],
         tuple(values["notes"]),
-        accuracy_of_record(values["accuracy"]) if values.get("accuracy") else None,
-        values.get("time", 0.0),
+        None if values["accuracy"] is None else accuracy_of_record(values["accuracy"]),
+        values["time"],
     )
 
 
@@ -113,6 +113,6 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
         Remembered.of_arrays(own),
         Energy(**values["energy"]),
         own["conjugates"],
-        values.get("good_to", 0.0),
+        values["good_to"],
         values["grown"],
     )

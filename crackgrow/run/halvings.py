@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from crackgrow.case.accuracy import FIRST_HALVINGS, UNREFINED
@@ -128,42 +128,29 @@ class Accuracy:
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
     """An accuracy as plain data, which knows no nan."""
-    names = ("ends", "largest", "grown", "fitted", "missed", "age", "jumps", "widened", "coarser")
-    record = {name: getattr(accuracy, name) for name in names}
-    record["goal"] = None if math.isnan(accuracy.goal) else accuracy.goal if math.isfinite(accuracy.goal) else "inf"
-    for name in ("bounds", "expected", "rooms", "turns", "criticalities"):
-        record[name] = [None if math.isnan(number) else number for number in getattr(accuracy, name)]
-    return {**asdict(accuracy.halvings), **record}
+    kept = {part.name: getattr(accuracy, part.name) for part in fields(accuracy) if part.name != "compared"}
+    return {name: _plain(value) for name, value in {**kept, "halvings": asdict(accuracy.halvings)}.items()}
 
 
 def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
-    """The accuracy that was written as plain data; earlier versions wrote less of tips."""
+    """The accuracy that was written as plain data."""
+    values = {name: _from_plain(value) for name, value in record.items()}
+    return Accuracy(**{**values, "halvings": Halvings(**values["halvings"])})
 
-    def of_tips(name: str) -> tuple[float, ...]:
-        numbers = record.get(name, [None] * len(record["bounds"]))
-        return tuple(math.nan if number is None else number for number in numbers)
 
-    return Accuracy(
-        Halvings(
-            record["everywhere"],
-            tuple(record["cracks"]),
-            record.get("corners", 0),
-            record.get("kinks", 0),
-            tuple((x, y, to_x, to_y, times) for x, y, to_x, to_y, times in record.get("places", ())),
-        ),
-        tuple((crack, at_end) for crack, at_end in record["ends"]),
-        of_tips("bounds"),
-        record["largest"],
-        tuple(record["grown"]),
-        record["fitted"],
-        record["missed"],
-        math.nan if record.get("goal") is None else float(record["goal"]),
-        age=record.get("age", 0),
-        expected=of_tips("expected"),
-        rooms=of_tips("rooms"),
-        turns=of_tips("turns"),
-        criticalities=of_tips("criticalities"),
-        jumps=record.get("jumps", False),
-        widened=tuple(record.get("widened", ())),
-        coarser=tuple(record.get("coarser", ())),
-    )
+def _plain(value: Any) -> Any:
+    """Numbers that are none as texts."""
+    if isinstance(value, dict):
+        return {name: _plain(inner) for name, inner in value.items()}
+    if isinstance(value, tuple):
+        return [_plain(inner) for inner in value]
+    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _from_plain(value: Any) -> Any:
+    """What `_plain` was made of."""
+    if isinstance(value, dict):
+        return {name: _from_plain(inner) for name, inner in value.items()}
+    if isinstance(value, list):
+        return tuple(_from_plain(inner) for inner in value)
+    return float(value) if value in ("nan", "inf") else value

@@ -29,6 +29,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
+from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Gone
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
@@ -37,17 +38,11 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
 
-ON_OLD_FACES = 1e-6
-"""Spacings: points closer than this to the crack as it was lie on it."""
-
 MOST_PIECES = 2000
 """Pieces of an increment, after which the rest of it is taken at once."""
 
 SIMPSON = 2.0 / 3.0
 """Of what is in the middle beyond the mean of both ends: what the mean over all of the way has beyond it."""
-
-ROUND_OFF = 1e-12
-"""Of the terms that the strain energy is the sum of: what it is good to."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,7 +194,7 @@ def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Int
     """Which points of the surface of a number lie on it as it was, and their arc lengths there."""
     mine = np.flatnonzero(points.surface == index)
     line, places = shapely.LineString(surface.line.points), shapely.points(points.points[mine])
-    there = shapely.dwithin(places, line, ON_OLD_FACES)
+    there = shapely.dwithin(places, line, SAME_PLACE)
     return mine[there], shapely.line_locate_point(line, places[there])
 
 

@@ -14,13 +14,10 @@ from crackgrow.cover.refinement import divided
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import Squares
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.geometry.tolerance import ON_LINE, SAME_PART
 from crackgrow.run.foci import focus_of, lattice_of_cells
 from crackgrow.run.scene import Scene
 from crackgrow.solid.supports import Constraints, constraints, tied
-
-ON_OUTLINE = 1e-9
-"""A crack end closer to an outline than this fraction of its length lies on it."""
 
 
 def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
@@ -55,7 +52,7 @@ def crack_geometry(scene: Scene, growing: GrowingCrack, body: int) -> CrackGeome
     boundary = scene.regions[body].boundary
     for index, end in enumerate((0, -1)):
         place = shapely.Point(points[end])
-        if shapely.dwithin(boundary, place, ON_OUTLINE * boundary.length):
+        if shapely.dwithin(boundary, place, SAME_PART * boundary.length):
             points[end] = shapely.shortest_line(boundary, place).coords[0]
             inside[index] = False
     points = scene.lattice.to_lattice(points)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import NotSolvedError
@@ -18,27 +18,17 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
 
 
-@dataclass(slots=True, eq=False)
-class Cost:
-    """What states in turn have cost: a configuration that several of them are on is paid for once."""
-
-    seconds: Counter[str] = field(default_factory=Counter)
-    factorizations: int = 0
-    _paid: Configuration | None = None
-
-    def add(self, state: LoadState) -> None:
-        """Add what a state has cost."""
-        self.seconds.update({"contact": state.seconds})
-        if state.configuration is not self._paid:
-            self.seconds.update(state.configuration.seconds)
-            self.factorizations += 1
-        self._paid = state.configuration
-
-    def taken(self) -> Cost:
-        """What has been added since this was asked for last."""
-        taken = Cost(self.seconds, self.factorizations)
-        self.seconds, self.factorizations = Counter(), 0
-        return taken
+def cost_of(states: Iterable[LoadState], paid: Configuration | None = None) -> tuple[Counter[str], int]:
+    """Seconds and factorizations of states in turn; the `paid` configuration, and each other one, is paid for once."""
+    seconds: Counter[str] = Counter()
+    factorizations = 0
+    for state in states:
+        seconds.update({"contact": state.seconds})
+        if state.configuration is not paid:
+            seconds.update(state.configuration.seconds)
+            factorizations += 1
+        paid = state.configuration
+    return seconds, factorizations
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -63,10 +53,8 @@ class NextStep:
 
         With it the seconds that it has taken, and those before it.
         """
-        cost = Cost()
-        for state in self._states(scene, factor, like):
-            cost.add(state)
-        return state, cost.seconds
+        states = list(self._states(scene, factor, like))
+        return states[-1], cost_of(states)[0]
 
     def _states(self, scene: Scene, factor: float, like: Configuration | None) -> Iterator[LoadState]:
         """The states up to that one."""
@@ -112,39 +100,36 @@ class LoadsInTurn:
     ) -> None:
         """From number `first` on, whose `origin` is given. `like` may have parts in common with this configuration."""
         self.scene, self._next = scene, first
-        self._cost = Cost()
+        self._paid: Configuration | None = None
         if isinstance(scene.case.loading, Stages):
             self._states = through_stages(scene, cracks, first, origin)
         else:
             self._states = _through_history(assemble(scene, cracks, like), first, origin)
 
-    def state(self, number: int) -> tuple[LoadState, Origin]:
-        """The state under a load that has not been asked for, and what it goes on from.
+    def state(self, number: int) -> tuple[LoadState, Origin, tuple[Counter[str], int]]:
+        """The state under a load that has not been asked for, what it goes on from, and its cost.
 
-        Raises GeometryError or SolveError where there is none.
+        The cost is that of the states that were passed by, too. Raises GeometryError or SolveError where there is none.
         """
+        passed: list[LoadState] = []
         for state, origin in self._states:
-            self._cost.add(state)
+            passed.append(state)
             self._next += 1
             if self._next > number:
-                return state, origin
+                cost, self._paid = cost_of(passed, self._paid), state.configuration
+                return state, origin, cost
         raise NotSolvedError("an earlier load of the history has no solution on these cells")
-
-    def cost(self) -> Cost:
-        """What the states since the last one that this was asked for have cost, those that were passed by included."""
-        return self._cost.taken()
 
     def solution(self, number: int) -> StepSolution:
         """The solution under a load that has not been asked for. Raises as `state` does."""
-        state, origin = self.state(number)
-        solution, cost = judged(state), self.cost()
-        seconds = {**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0), **cost.seconds}
+        state, origin, (seconds, factorizations) = self.state(number)
+        solution = judged(state)
         return replace(
             solution,
             origin=origin,
             passed=history_of(state)[:-1],
-            factorizations=cost.factorizations,
-            seconds=seconds,
+            factorizations=factorizations,
+            seconds={**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0), **seconds},
         )
 
 
@@ -185,10 +170,7 @@ def _through_history(
 
 def _at_last(states: Iterable[tuple[LoadState, Origin]]) -> StepSolution:
     """The solution of the last of some states in turn, with those that have led to it and the time of all."""
-    passed: list[LoadState] = []
-    cost = Cost()
-    for state, _ in states:
-        passed += history_of(state)
-        cost.add(state)
-    solution = judged(state)
-    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **cost.seconds})
+    in_turn = [state for state, _ in states]
+    passed = [part for state in in_turn for part in history_of(state)]
+    solution = judged(in_turn[-1])
+    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **cost_of(in_turn)[0]})

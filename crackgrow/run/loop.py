@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from functools import partial
+from typing import TypeVar
 
 import numpy as np
 
@@ -16,13 +17,11 @@ from crackgrow.run.advancing import BeforeAdvance
 from crackgrow.run.aimed_history import aimed_history
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.direction import advance_tips
-from crackgrow.run.ending import Ending
-from crackgrow.run.error import estimated_error
 from crackgrow.run.increments import FROM_REST, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import NO_SITES, lapse, leaves, none_leaves, site_criticality
 from crackgrow.run.loading import NextStep, load, load_again, load_history
-from crackgrow.run.report import paths_of, step_result
+from crackgrow.run.report import estimated_error, paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.stopping import all_done, stopped, unsolved, without_tips
@@ -32,6 +31,9 @@ from crackgrow.solid.rigid_modes import all_pieces
 
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
 """The result of each step with its solution, then why the run has ended."""
+
+Told = TypeVar("Told")
+End = TypeVar("End")
 
 
 def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResult, None, RunEnd]:
@@ -44,36 +46,47 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
     the events of that step, and the estimated error of the last one that was solved.
     """
-    steps = Ending(solved_steps(case, checkpoint))
-    for result, _ in steps:
-        yield result
-    return steps.end
+    return _steps(case, checkpoint, lambda result, _: result)
 
 
 def solved_steps(case: Case, checkpoint: Checkpoint | None = None) -> Steps:
-    """As `grow`, each result with the solution that it tells of; linear algebra has one thread while they are made."""
-    steps = _solved_steps(case, checkpoint)
+    """As `grow`, each result with the solution that it tells of."""
+    return _steps(case, checkpoint, lambda *step: step)
+
+
+def through(steps: Generator[Told, None, End], each: Callable[[Told], object]) -> End:
+    """Hand each step on as it comes; return what the steps return."""
     while True:
         try:
-            with single_threaded():
-                step = next(steps)
+            step = next(steps)
         except StopIteration as stop:
-            end: RunEnd = stop.value
+            end: End = stop.value
             return end
-        yield step
+        each(step)
 
 
-def _solved_steps(case: Case, checkpoint: Checkpoint | None) -> Steps:
-    scene = make_scene(case)
-    begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
-    if isinstance(case.loading, StrengthReduction):
-        steps = Ending(_reduced(scene, begun))
-    else:
-        steps = Ending(_static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun))
+def _steps(
+    case: Case, checkpoint: Checkpoint | None, told: Callable[[StepResult, StepSolution], Told]
+) -> Generator[Told, None, RunEnd]:
+    """What is `told` of each step, then the end; linear algebra has one thread while steps are made."""
+    with single_threaded():
+        steps = _begun(make_scene(case), beginning(case) if checkpoint is None else restored(case, checkpoint))
     last: tuple[StepResult, StepSolution] | None = None
-    for last in steps:
-        yield last
-    return steps.end if last is None else replace(steps.end, norm_error=_last_error(*last))
+    while True:
+        with single_threaded():
+            try:
+                last = next(steps)
+            except StopIteration as stop:
+                end: RunEnd = stop.value
+                return end if last is None else replace(end, norm_error=_last_error(*last))
+        yield told(*last)
+
+
+def _begun(scene: Scene, begun: RunState) -> Steps:
+    """The steps of a run by what its loading and growth are."""
+    if isinstance(scene.case.loading, StrengthReduction):
+        return _reduced(scene, begun)
+    return _static(scene, begun) if scene.case.growth is None else _growth(scene, scene.case.growth, begun)
 
 
 def _last_error(result: StepResult, solution: StepSolution) -> float:
@@ -145,11 +158,11 @@ def _static(scene: Scene, begun: RunState) -> Steps:
 
 def _reduced(scene: Scene, begun: RunState) -> Steps:
     """The scene as it is, if it holds, and its last stable state while its strength is reduced."""
-    found = Ending(strength_reduction(scene, begun.cracks))
-    for step, solution in enumerate(found):
+    safety, solutions = strength_reduction(scene, begun.cracks)
+    for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
             yield _reported(RunState(step, begun.cracks), solution, NO_SITES), solution
-    return RunEnd("completed", str(found.end), paths_of(begun.cracks), safety=found.end)
+    return RunEnd("completed", str(safety), paths_of(begun.cracks), safety=safety)
 
 
 def _reported(state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:

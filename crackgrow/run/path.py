@@ -70,9 +70,8 @@ class Remembered:
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Remembered:
-        """What was remembered, from its `arrays`; earlier versions had no `closed` among them."""
-        lost = arrays["lost"]
-        memory = ContactMemory(arrays["slip"], lost, arrays.get("closed", lost == 0.0))
+        """What was remembered, from its `arrays`."""
+        memory = ContactMemory(arrays["slip"], arrays["lost"], arrays["closed"])
         return cls(memory, arrays["normal"], arrays["tangential"], arrays["dilation"])
 
     @property

@@ -13,13 +13,13 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.surface import end_word
 from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
-from crackgrow.estimate.error_estimate import ErrorEstimate
+from crackgrow.estimate.error_estimate import ErrorEstimate, error_estimate
 from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
+from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions
 from crackgrow.run.checkpoint import RunState
-from crackgrow.run.error import estimate_with, estimated_error
 from crackgrow.run.frame import make_frame
 from crackgrow.run.growth_error import StepErrors, errors_of
 from crackgrow.run.history import history
@@ -79,6 +79,18 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     )
 
 
+def estimated_error(solution: StepSolution) -> ErrorEstimate:
+    """The estimate in the energy norm."""
+    return _estimated(solution.cover, solution.materials, solution.outcome.u, [tip.K for tip in solution.tips])
+
+
+def _estimated(
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, K: Sequence[tuple[float, float]]
+) -> ErrorEstimate:
+    """The estimate for displacements `u` (n_dofs,) m, with the singular stress of all tips told apart by their K."""
+    return error_estimate(cover, materials, u, [SingularStress(cover, tip, its) for tip, its in enumerate(K)])
+
+
 def _mesh(solution: StepSolution, error: ErrorEstimate | None) -> Callable[[], Frame]:
     """Makes the mesh of a solution, of which it keeps what that takes and no more."""
     K = [tip.K for tip in solution.tips]
@@ -95,7 +107,7 @@ def _frame(
     bodies: Ints,
 ) -> Frame:
     """The mesh of a solution, its error estimated if it is not known; `bodies` are their numbers in the case."""
-    frame = make_frame(cover, materials, u, estimate_with(cover, materials, u, K) if error is None else error)
+    frame = make_frame(cover, materials, u, _estimated(cover, materials, u, K) if error is None else error)
     return replace(frame, body=bodies[frame.body])
 
 

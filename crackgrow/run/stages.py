@@ -21,7 +21,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.quadrature.everywhere import all_points
+from crackgrow.quadrature.plain_kinds import all_points
 from crackgrow.run.configuration import Configuration, Gone, assemble
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, taken_over
 from crackgrow.run.reactions import face_forces

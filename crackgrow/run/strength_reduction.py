@@ -8,7 +8,7 @@ that contact alone holds says which of them moves, and how.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
 
@@ -43,8 +43,8 @@ MOST_RETURNS = 3
 UNNAMED = "{}. Limit analysis, for which faces that slide part as well, has it hold up to {:.5g}: there {}"
 
 
-def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Generator[StepSolution, None, Safety]:
-    """The scene as it is, if it holds, and its last stable state; returns how safe it is.
+def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[Safety, Iterator[StepSolution]]:
+    """How safe a scene is; the scene as it is, if it holds, and its last stable state.
 
     Raises SolveError where it does not hold at any factor.
     """
@@ -52,9 +52,8 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Genera
     search = _Search(partial(_loaded, given))
     found = search.found()
     safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
-    for state in dict.fromkeys(state for state in (search.as_given, search.last) if state is not None):
-        yield replace(judged(state), passed=history_of(state)[:-1])
-    return safety
+    states = dict.fromkeys(state for state in (search.as_given, search.last) if state is not None)
+    return safety, (replace(judged(state), passed=history_of(state)[:-1]) for state in states)
 
 
 class _Search:

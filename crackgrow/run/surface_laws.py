@@ -14,9 +14,7 @@ from crackgrow.contact.faces import ContactFaces
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
-
-ON_GIVEN_FACES = 1e-6
-"""Spacings: contact points closer than this to the faces that were given lie on them. The cover rounds its vertices."""
+from crackgrow.geometry.tolerance import SAME_PLACE
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,6 +77,6 @@ def laws_at_points(
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
-            new = mine & ((faces.s < given[0] - ON_GIVEN_FACES) | (faces.s > given[-1] + ON_GIVEN_FACES))
+            new = mine & ((faces.s < given[0] - SAME_PLACE) | (faces.s > given[-1] + SAME_PLACE))
             cohesion[new], friction[new] = 0.0, law.contact.residual_friction
     return ContactLaw(friction, cohesion, compliance, along, residual, kept, dilation, weakening)

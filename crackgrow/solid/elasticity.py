@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.solid.in_situ import NONE, InSitu
 
 
@@ -40,3 +41,18 @@ def plane_elasticity(young: float, poisson: float, plane: Literal["strain", "str
         return PlaneElasticity(c11, poisson * c11, shear_modulus, 0.0, e_prime)
     scale = young / ((1.0 + poisson) * (1.0 - 2.0 * poisson))
     return PlaneElasticity(scale * (1.0 - poisson), scale * poisson, shear_modulus, poisson, young / (1.0 - poisson**2))
+
+
+def energy_components(materials: Sequence[PlaneElasticity], stress: Floats, body: Ints) -> Floats:
+    """Components (n, 3) sqrt(Pa) of stresses (n, 3) Pa: xx, yy, xy in bodies (n,), whose squares add up to s . C^-1 s.
+
+    C^-1 is diagonal for xx + yy, xx - yy and xy.
+    """
+    factors = np.sqrt([(0.5 / (m.c11 + m.c12), 0.5 / (m.c11 - m.c12), 1.0 / m.c33) for m in materials])
+    xx, yy, xy = stress.T
+    return np.asarray(factors[body] * np.stack([xx + yy, xx - yy, xy], axis=1))
+
+
+def energy_density(materials: Sequence[PlaneElasticity], stress: Floats, body: Ints) -> Floats:
+    """stress . C^-1 stress (n,) J/m^3 of stresses (n, 3) Pa: xx, yy, xy in bodies (n,)."""
+    return np.asarray(np.sum(energy_components(materials, stress, body) ** 2, axis=1))

@@ -16,11 +16,8 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import FaceEdges
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError
-from crackgrow.quadrature.elements import element_points
-from crackgrow.quadrature.everywhere import all_points
-from crackgrow.quadrature.plain_kinds import plain_kinds
+from crackgrow.quadrature.plain_kinds import all_points
 from crackgrow.quadrature.rims import points_on_outlines
-from crackgrow.quadrature.rules import square
 from crackgrow.quadrature.subdivision import subdivided
 from crackgrow.solid.in_situ import InSitu, across
 from crackgrow.solid.supports import points_along
@@ -38,7 +35,7 @@ def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: 
             body = body_index(bodies, load.body)
             density = bodies[body].material.density
             assert density is not None  # the case was checked
-            f += np.outer(_volume_of_functions(cover, body, n), density * np.asarray(load.acceleration))
+            f += _body_forces(cover, body, n, density * np.asarray(load.acceleration))
         elif isinstance(load, InSituStress):
             body, stress = body_index(bodies, load.body), InSitu().plus(load, 1.0)
             f -= _rim_tractions(cover, body, stress)
@@ -98,26 +95,10 @@ def _rim_tractions(cover: Cover, body: int, stress: InSitu) -> Floats:
     return np.asarray(values_at(cover, points, element[edge]).values().T @ forces)
 
 
-def _body_forces(cover: Cover, body: int, n: int, force: Callable[[Floats], Floats]) -> Floats:
-    """Integral of phi b (n_functions, 2) N/m over a body, of a force b (k, 2) N/m^3 at places (k, 2) m."""
+def _body_forces(cover: Cover, body: int, n: int, force: Floats | Callable[[Floats], Floats]) -> Floats:
+    """Integral of phi b (n_functions, 2) N/m over a body, of a force b (2,) N/m^3, or (k, 2) at places (k, 2) m."""
     lattice, at = cover.lattice, all_points(cover, n)
     mine = np.flatnonzero(cover.elements.body[at.element] == body)
-    forces = at.weights[mine, None] * force(lattice.to_metres(at.points[mine])) * lattice.spacing**2
+    density = force(lattice.to_metres(at.points[mine])) if callable(force) else force
+    forces = at.weights[mine, None] * density * lattice.spacing**2
     return np.asarray(values_at(cover, at.points[mine], at.element[mine]).values().T @ forces)
-
-
-def _volume_of_functions(cover: Cover, body: int, n: int) -> Floats:
-    """Integral of every function (n_functions,) m^2 over a body."""
-    lattice = cover.lattice
-    total = np.zeros(cover.n_functions)
-    local, weights = square(n)
-    for kind in plain_kinds(cover):
-        if kind.body == body:
-            phi, _ = kind.functions(lattice, local)
-            area = cover.elements.size[kind.elements] ** 2
-            np.add.at(total, kind.patches(cover), np.outer(area, phi @ weights * kind.size.prod()))
-    points = element_points(cover, n)
-    mine = cover.elements.body[points.element] == body
-    values = values_at(cover, points.points[mine], points.element[mine])
-    total += values.values().T @ points.weights[mine]
-    return total * lattice.spacing**2

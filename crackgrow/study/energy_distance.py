@@ -13,12 +13,12 @@ from crackgrow.case import Case
 from crackgrow.case.units import place_text
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
-from crackgrow.estimate.energy_norm import energy_density
-from crackgrow.quadrature.everywhere import all_points
+from crackgrow.quadrature.plain_kinds import all_points
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.scene import make_scene
+from crackgrow.solid.elasticity import energy_density
 from crackgrow.solid.recovery import stress_at
 from crackgrow.study.setting import under_its_loads
 

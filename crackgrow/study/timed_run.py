@@ -17,7 +17,6 @@ from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.results.summary import peak_memory_mb
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.run.ending import Ending
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.study.processes import JobError, LostError, Processes, TimeLimitError
 from crackgrow.study.setting import CaseFile
@@ -36,19 +35,23 @@ def write_run(writer: RunWriter, steps: Generator[StepResult, None, RunEnd], spe
 
     Whatever a step raises goes into the summary, keeps what was solved, and passes through.
     """
-    spent, all_steps = spent or Spent(), Ending(steps)
+    spent = spent or Spent()
     try:
-        cpu, wall = time.process_time(), time.perf_counter()
-        for result in all_steps:
+        while True:
+            cpu, wall = time.process_time(), time.perf_counter()
+            try:
+                result = next(steps)
+            except StopIteration as stop:
+                end: RunEnd = stop.value
+                break
             spent.cpu.append(time.process_time() - cpu)
             spent.wall.append(time.perf_counter() - wall)
             writer.add(result)
-            cpu, wall = time.process_time(), time.perf_counter()
-        writer.finish(all_steps.end)
+        writer.finish(end)
     except Exception as error:
         writer.break_off(error)
         raise
-    return all_steps.end
+    return end
 
 
 @dataclass(frozen=True, slots=True)

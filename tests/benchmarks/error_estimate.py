@@ -15,9 +15,9 @@ import numpy as np
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.error import estimated_error
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import grow
+from crackgrow.run.report import estimated_error
 from crackgrow.run.scene import make_scene
 from crackgrow.study.energy_distance import energy_distance
 from tests.solving import solve_step

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.case.model import PointSupport
-from crackgrow.estimate.energy_norm import energy_density
-from crackgrow.quadrature.everywhere import all_points
+from crackgrow.quadrature.plain_kinds import all_points
 from crackgrow.quadrature.rims import points_on_outlines
+from crackgrow.solid.elasticity import energy_density
 from crackgrow.solid.recovery import stress_at
 from tests.conftest import Sample
 

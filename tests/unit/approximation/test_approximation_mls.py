@@ -7,8 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from crackgrow.approximation.mls import mls
-from crackgrow.approximation.weight import cubic_spline
+from crackgrow.approximation.mls import cubic_spline, mls
 from tests.unit.regular_functions import regular_functions
 
 SUPPORTS = (1.2, 1.5, 1.75, 2.0, 2.5, 3.0)

@@ -5,10 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.estimate.energy_norm import energy_components, energy_density
 from crackgrow.estimate.error_estimate import error_estimate
-from crackgrow.estimate.patch_fits import FreeSamples, fit, misfits
-from crackgrow.solid.elasticity import plane_elasticity
+from crackgrow.estimate.patch_fits import Samples, fit, misfits
+from crackgrow.solid.elasticity import energy_components, energy_density, plane_elasticity
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
 
@@ -96,10 +95,10 @@ def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> 
     values = np.stack([1.0 + x * y, y**2 - x, 3.0 * x**2 + 2.0 * y], axis=1)
     patches, point = np.repeat([0, 1], n), np.tile(np.arange(n), 2)
     weights, distance = rng.uniform(0.1, 1.0, 2 * n), points[point] - nodes[patches]
-    samples = FreeSamples(np.zeros(2 * n, dtype=np.int64), patches, distance, weights, values[point])
-    coefficients = fit(3, [], [samples])
+    samples = Samples(np.zeros(2 * n, dtype=np.int64), patches, distance, weights, values[point])
+    coefficients = fit(3, [samples])
     np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
-    assert misfits(coefficients, [], [samples], 1)[0] < 1e-16
+    assert misfits(coefficients, [samples], 1)[0] < 1e-16
     assert not coefficients[2].any()
 
 

@@ -9,8 +9,8 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.error import estimated_error
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.report import estimated_error
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.energy_distance import energy_distance

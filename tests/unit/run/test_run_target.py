@@ -466,10 +466,9 @@ def test_cells_that_a_later_load_makes_smaller_are_paid_for_there() -> None:
     scene = make_scene(aim)
     given = beginning(aim).cracks
     loads = LoadsInTurn(scene, given)
-    times = [loads.state(number)[0].seconds for number in (0, 1)]
-    seconds = loads.cost().seconds
-    assert seconds["contact"] == pytest.approx(sum(times))
-    assert seconds["assembly"] > 0.0
+    state, _, (seconds, factorizations) = loads.state(1)
+    assert seconds["contact"] > state.seconds
+    assert (seconds["assembly"] > 0.0, factorizations) == (True, 1)
     again = LoadsInTurn(scene, given)
     second, third = again.solution(1), again.solution(2)
     assert [second.factorizations, third.factorizations] == [1, 0]
