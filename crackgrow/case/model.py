@@ -60,7 +60,7 @@ class Strength:
     toughness: Annotated[
         float | None,
         Quantity("toughness", POSITIVE),
-        Doc("K_Ic, from which the averaging radius of the criterion follows"),
+        Doc("K_Ic, at which tips open by every criterion; its averaging radius follows from it"),
     ] = None  # Pa sqrt(m)
     shear_toughness: Annotated[
         float | None,

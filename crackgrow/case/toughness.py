@@ -1,7 +1,7 @@
 """The radius over which a criterion averages stress: from the toughness of the rock, or as it is given.
 
-In pure mode I a criterion sees the stress mode_I K_I / sqrt(2 pi R). It reaches the tensile strength T0 at
-K_I = T0 sqrt(2 pi R) / mode_I, so that a radius stands for a toughness, and a toughness for a radius.
+In pure mode I a criterion sees the stress mode_I K_I / sqrt(2 pi R) beside what is not singular. It reaches the tensile
+strength T0 at K_I = T0 sqrt(2 pi R) / mode_I, so that a toughness stands for a radius.
 
 Shear may have its own: on a ray straight ahead mode II reaches the cohesion c at K_II = c sqrt(2 pi R) / 2. A straight
 crack of length 2a that slides needs K_II = K_IIc / sqrt(1 + R / 2a) by the average over R. There the stress over a
@@ -80,8 +80,3 @@ def radius_of(criterion: str, tension: float, toughness: float) -> float:
 def shear_radius_of(cohesion: float, shear_toughness: float) -> float:
     """R (m) at which mode II grows straight on at a toughness in shear (Pa sqrt(m)), for a cohesion (Pa)."""
     return float((MODE_II * shear_toughness / cohesion) ** 2 / (2.0 * np.pi))
-
-
-def toughness_of(criterion: str, tension: float, radius: float) -> float:
-    """K_I (Pa sqrt(m)) at which a criterion lets mode I grow, for a tensile strength (Pa) and a radius R (m)."""
-    return float(tension * np.sqrt(2.0 * np.pi * radius) / MODE_I[criterion])

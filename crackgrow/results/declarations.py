@@ -84,6 +84,9 @@ TIPS: Final = File(
                "when K was measured, or what lies nearest to the tip is a third nearer than it was then"),
         Column("criticality", "", "stress of the criterion over the strength, of the branch by which the tip grows or "
                "would: 1 and more where it is met; of two tips the one with more grows first; nan without growth"),
+        Column("K_growth", "Pa sqrt(m)", "K at which the tip grows: K over the criticality, of the K_I with the same "
+               "largest hoop stress in tension, of |K_II| in shear. In tension the toughness, if one is given; else as "
+               "if the stress round the tip rose with K in proportion. nan where K has no part in it"),
     ),
 )  # fmt: skip
 
@@ -239,7 +242,6 @@ SUMMARY: Final = File(
         Column("wall_seconds", "s", "wall time: `total`, and `by_phase`"),
         Column("peak_memory_mb", "MB", "most memory of the process"),
         Column("resumed_with_steps", "", "steps with which the run was gone on"),
-        Column("effective_toughness_K_I", "Pa sqrt(m)", "K_I at which the criterion lets mode I grow"),
         Column("safety", "", "with `loading: strength_reduction`: the `factor` of safety, the next one tried, at which "
                "it `fails_at`, and the `mechanism`; null where it does not fail"),
         Column("time", "s", "with `growth.law: subcritical`: at which the cracks have come to the last step"),

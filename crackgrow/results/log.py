@@ -86,6 +86,7 @@ def step_line(result: StepResult, n_steps: int | None) -> str:
             step_label(result.step, n_steps),
             f"{result.n_dofs} dofs",
             counted(result.contact_iterations, "contact iteration"),
+            *criticality_words(result),
             f"advanced: {', '.join(moved)}" if moved else "no tip advanced",
             *([] if moved else start_words(result)),
             f"{sum(result.seconds.values()):.2f} s",
@@ -117,6 +118,7 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
         [
             step_label(result.step, n_steps),
             load_words(case, result.load_factor),
+            *criticality_words(result),
             *(["no tip advanced"] if arrested else []),
             *([] if moved else start_words(result)),
             *cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"),
@@ -140,6 +142,20 @@ def _tip_words(tip: TipResult, K_scale: float) -> str:
     values = (f"{round(K / size, decimals) + 0.0:.{decimals}f}" for K in (tip.K_I, tip.K_II))
     branch = f" ({tip.criterion})" if tip.advanced else ""
     return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {unit.replace('√m', ' sqrt(m)')}"
+
+
+def criticality_words(result: StepResult) -> list[str]:
+    """How critical the most critical tip is, of those that advance if any do, and the K at which it grows, if known."""
+    moved = [tip for tip in result.tips if tip.advanced]
+    known = [tip for tip in moved or result.tips if math.isfinite(tip.criticality)]
+    if not known:
+        return []
+    most = max(known, key=lambda tip: tip.criticality)
+    words = [f"criticality {most.criticality:.3g}"]
+    if math.isfinite(most.K_growth):
+        size, unit = unit_of([most.K_growth], INTENSITIES)
+        words.append(f"grows at K {most.K_growth / size:.3g} {unit.replace('√m', ' sqrt(m)')}")
+    return words
 
 
 def start_words(result: StepResult) -> list[str]:
@@ -187,9 +203,7 @@ class Progress:
         """
         self._case = case
         self._last_step = case.last_step
-        self._n_steps = case.growth.steps if case.growth else None
         self._say, self._width = say, width
-        self._n_advances = 0
         self._times = [time.perf_counter()]  # at the end of every step
         self._warnings = Gathered()
         self._K_scale = 0.0  # Pa sqrt(m), largest K so far: lines of a run can be compared if K keeps its unit
@@ -202,15 +216,14 @@ class Progress:
 
     def show(self, result: StepResult) -> None:
         """Tell of a solved step."""
-        self._n_advances += sum(tip.advanced for tip in result.tips)
         self._times.append(time.perf_counter())
         self._warnings.add(result.step, result.cautions)
         self._K_scale = max(self._K_scale, largest_K(result))
         if self._width is None:
             self._say(told_line(result, self._case, self._K_scale), "\n")
-        advances = f", {counted(self._n_advances, 'tip advance')}" if self._n_steps is not None else ""
-        what = [load_words(self._case, result.load_factor), *length_words(result)]
-        self._show_live(result.step, f", {', '.join(what)}{advances}")
+        load = load_words(self._case, result.load_factor)
+        what = [load, *criticality_words(result)[:1], *length_words(result)]
+        self._show_live(result.step, f", {', '.join(what)}")
         self.tell(result.events)
 
     def tell(self, events: Sequence[Event]) -> None:

@@ -41,7 +41,6 @@ class Tally:
     remarks: list[str] = field(default_factory=list)  # on how the run was gone on with
     cautions: Gathered = field(default_factory=Gathered)
     events: list[Event] = field(default_factory=list)
-    effective_toughness: float = math.nan
     norm_error: float = math.nan  # percent, of the first step
     K_error: float = math.nan  # percent, bound
     K_expected: float = math.nan  # percent, error that is expected
@@ -60,7 +59,6 @@ class Tally:
         """Count a step in; returns its warnings that are news. A check that is nan counts as worst of all."""
         self.steps.append(int(result.step))
         self.n_dofs.append(int(result.n_dofs))
-        self.effective_toughness = float(result.effective_toughness)
         if len(self.steps) == 1:
             self.norm_error = float(result.norm_error)
         self.K_error = max((self.K_error, K_error(result)), key=_known)
@@ -137,7 +135,6 @@ def summarize(
         "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
         "peak_memory_mb": round(memory, 1),
         "resumed_with_steps": list(resumed),
-        "effective_toughness_K_I": or_null(tally.effective_toughness),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
         **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
         "worst_checks": {

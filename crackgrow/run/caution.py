@@ -144,13 +144,6 @@ class Cause(Enum):
         "the averaging radius {radius:.3g} is below {limit:g} spacings ({spacing:.3g}): the tip stress may depend on "
         "the spacing",
     )  # fmt: skip
-    WIDE_AVERAGE = (
-        0.05, "length of the crack", "a straight crack in tension grows within 1 % of the toughness up to it, 2 to 4 % "
-        "below at twice that",
-        "{place} is short beside the averaging radius that follows from tension and toughness, {radius:.3g}: "
-        "{criterion} averages over more than the field of K, and mode I growth begins at a K off by up to "
-        "{percent:.2g} %; use max_hoop_stress, or a larger tension where cracks are all that breaks",
-    )  # fmt: skip
     WIDE_SHEAR = (
         0.05, "length of the crack", "a straight crack in shear grows within 2.5 % of the toughness up to it",
         "{place} is short beside the length that shear is averaged over by cohesion and shear_toughness, "

@@ -4,8 +4,8 @@ The load rises from the held loads alone; contact points remember on the way, an
 (`path`). The first state on it that meets the criterion, and the one before it, enclose the critical factor: the
 stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there, and
 only where it is met at the end. Where contact that breaks makes the criticality jump past 1, the critical factor is the
-one behind the jump. Of a trial only what the criterion goes by is evaluated. Where nothing but the loads has a size the
-path is one piece from rest on, and all states are in proportion to the first that is found.
+one behind the jump. Where nothing but the loads has a size the path is one piece from rest on, and all states are in
+proportion to the first that is found.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
-from crackgrow.fracture.criteria import CRITERIA, TipLoading, without_K
+from crackgrow.fracture.criteria import TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
-from crackgrow.run.judging import StepSolution, judged, stress_fields, tip_states, verdicts
+from crackgrow.run.judging import StartState, StepSolution, TipState, judged, verdicts
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -94,7 +94,7 @@ class _Trial:
     factor: float
     loadings: list[TipLoading | None]  # site by site
     criticalities: Floats  # site by site, zero where no crack can leave
-    state: LoadState | None  # None without any load, where everything is zero
+    solution: StepSolution | None  # None without any load, where everything is zero
 
     @property
     def criticality(self) -> float:
@@ -128,9 +128,7 @@ class _Search:
     """The search for a critical load factor on one configuration: trials, and guesses of the next one."""
 
     def __init__(self, configuration: Configuration) -> None:
-        growth = configuration.scene.case.growth
-        assert growth is not None
-        self._configuration, self._growth = configuration, growth
+        self._configuration = configuration
         self._start = held_loads(configuration)
         self._seconds: dict[str, float] = {}
         self._unborne = np.inf  # the least load factor that no solution was found at
@@ -148,7 +146,7 @@ class _Search:
 
         Raises FreePieceError or NotSolvedError where hardly more than the first trial is borne, or was found.
         """
-        start = self._start if below.state is None else from_state(below.state)
+        start = self._start if below.solution is None else from_state(below.solution.state)
         while True:
             if factor >= self._unborne:
                 factor = 0.5 * (below.factor + self._unborne)
@@ -176,11 +174,8 @@ class _Search:
 
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""
-        assert trial.state is not None
-        fields = [None if loading is None else loading.field for loading in trial.loadings]
-        solution = judged(trial.state, fields)
-        spent = {**self._seconds, "criterion": self._seconds["criterion"] + solution.seconds["criterion"]}
-        return replace(solution, seconds={**solution.seconds, **spent})
+        assert trial.solution is not None
+        return replace(trial.solution, seconds={**trial.solution.seconds, **self._seconds})
 
     def beyond(self, below: _Trial, above: _Trial) -> float:
         """The next factor where the criterion is met at neither of two: where it would be if all were linear."""
@@ -216,18 +211,15 @@ class _Search:
         return state
 
     def _judged(self, state: LoadState) -> _Trial:
-        """The trial of a state: of the tips, what the criterion goes by."""
+        """The trial of a state."""
         with timed(self._seconds, "criterion"):
-            fields = stress_fields(state)
-            scene, sites = self._configuration.scene, self._configuration.sites
-            loadings = [
-                None if field is None else without_K(field, scene.radius_at(site))
-                for field, site in zip(fields, sites, strict=True)
-            ]
-            if CRITERIA[self._growth.criterion].by_K:
-                tips = tip_states(state, fields[: len(state.cover.tips)])
-                loadings[: len(tips)] = [tip.loading for tip in tips]
-            return _Trial(state.factor, loadings, self._criticalities(loadings), state)
+            solution = judged(state)
+        sites: list[TipState | StartState] = [*solution.tips, *solution.starts]
+        known = zip(self.can_grow, (site.verdict for site in sites), strict=True)
+        criticalities = np.array(
+            [verdict.largest if grows and verdict is not None else 0.0 for grows, verdict in known]
+        )
+        return _Trial(state.factor, [site.loading for site in sites], criticalities, solution)
 
     def _at_rest(self) -> _Trial:
         """The trial under the held loads alone."""

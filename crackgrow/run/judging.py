@@ -43,6 +43,14 @@ class TipState:
         found = (self.intensity.K_I, self.intensity.K_II)
         return found if np.isfinite(found).all() else self.K_faces
 
+    @property
+    def K_growth(self) -> float:
+        """K_eq in tension, |K_II| in shear, at which the tip grows if stress rises with it in proportion; or nan."""
+        if self.loading is None or self.verdict is None or self.verdict.criticality <= 0.0:
+            return float("nan")
+        own = self.loading.K_eq if self.verdict.mode == "tension" else abs(self.loading.K_II)
+        return own / self.verdict.criticality if own > 0.0 else float("nan")
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StartState:
@@ -128,13 +136,13 @@ class StepSolution:
         return [more if grows and more > limit else 0.0 for grows, more in zip(self.grows, beyond, strict=True)]
 
 
-def judged(state: LoadState, fields: Sequence[TipField | None] | None = None) -> StepSolution:
-    """A loaded configuration with the fracture quantities of its tips; `fields` if their stress is known already."""
+def judged(state: LoadState) -> StepSolution:
+    """A loaded configuration with the fracture quantities of its tips."""
     configuration = state.configuration
     seconds = dict(configuration.seconds)
     seconds["contact"] = state.seconds
     with timed(seconds, "criterion"):
-        found = stress_fields(state) if fields is None else fields
+        found = stress_fields(state)
         tips = tip_states(state, found[: len(configuration.cover.tips)])
         starts = tuple(_starts(configuration, found))
     return StepSolution(state, tips, starts, seconds)

@@ -11,7 +11,6 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.surface import end_word
-from crackgrow.case.toughness import averaging_radius, toughness_of
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate, error_estimate
 from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
@@ -27,7 +26,6 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import mean_stress, misfits
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import CrackFaces, CrackPath, Frame, FrameOnDemand, StartResult, StepResult, TipResult
-from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -66,7 +64,6 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
-        effective_toughness=_toughness(scene),
         cautions=cautions(solution, faces, missed, state.step),
         norm_error=estimate.relative if estimate else float("nan"),
         time=float("nan") if scene.case.subcritical is None else state.time,
@@ -162,6 +159,7 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors) -
         kink_error_deg=float(np.rad2deg(errors.kinks[tip])),
         velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
         K_error_expected=errors.expected[tip],
+        K_growth=state.K_growth,
     )
 
 
@@ -175,12 +173,3 @@ def _start(solution: StepSolution) -> StartResult | None:
     first = leaving(criticality / largest, np.full(len(places), STARTS), places, "most_critical")[0]
     most = solution.starts[first]
     return StartResult(solution.cover.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)
-
-
-def _toughness(scene: Scene) -> float:
-    """Effective toughness of the criterion in the first crack's body, nan without growth."""
-    growth = scene.case.growth
-    strength = scene.case.bodies[scene.crack_bodies[0]].strength if scene.crack_bodies else None
-    if growth is None or strength is None:
-        return float("nan")
-    return toughness_of(growth.criterion, strength.tension, averaging_radius(growth, strength))

@@ -67,6 +67,7 @@ class TipResult:
     kink_error_deg: float = float("nan")  # degrees, bound of what the direction of growth is off by; nan without growth
     velocity: float = float("nan")  # m/s, by the law of subcritical growth; nan where growth takes no time
     K_error_expected: float = float("nan")  # Pa sqrt(m), of K_I and K_II together; nan where it was not measured
+    K_growth: float = float("nan")  # Pa sqrt(m), at which the tip grows: K_eq in tension, |K_II| in shear; nan: unknown
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -233,7 +234,6 @@ class StepResult:
     energy: Energy
     load_displacement: float  # m, of the loads
     crack_length: float  # m, of all cracks
-    effective_toughness: float  # Pa sqrt(m): the K_I at which the criterion lets mode I grow; nan without growth
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others

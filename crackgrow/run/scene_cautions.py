@@ -54,10 +54,10 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     sizes += largest_cells_at(cover.lattice, np.array(starts).reshape(-1, 2)).tolist()
     at_tips = max(sizes, default=1.0) * scene.lattice.spacing
     radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
-    radii += [radius for radius, _ in (*_by_toughness(scene), *_by_shear_toughness(scene))]
+    radii += [*_by_toughness(scene), *(radius for radius, _ in _by_shear_toughness(scene))]
     if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
         yield Cause.SMALL_RADIUS.at(radius=Metres(min(radii)), spacing=Metres(at_tips))
-    yield from _wide_averages(scene)
+    yield from _wide_in_shear(scene)
     yield from _short_starts(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing and not starts:
@@ -113,15 +113,15 @@ def _at_point(displacement: Component | None, point: Floats) -> float | None:
     return float(displacement(point[None])[0]) if callable(displacement) else displacement
 
 
-def _by_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
+def _by_toughness(scene: Scene) -> Iterator[float]:
     """Radii (m) that follow from a toughness and that the criterion averages over, crack by crack."""
     case = scene.case
     if case.growth is None or case.growth.criterion in BY_K:
         return
-    for crack, body in zip(case.cracks, scene.crack_bodies, strict=True):
+    for body in scene.crack_bodies:
         strength = case.bodies[body].strength
         if strength is not None and strength.toughness is not None:
-            yield averaging_radius(case.growth, strength), crack
+            yield averaging_radius(case.growth, strength)
 
 
 def _by_shear_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
@@ -134,15 +134,9 @@ def _by_shear_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
                 yield radius, crack
 
 
-def _wide_averages(scene: Scene) -> Iterator[Caution]:
-    """Cracks so short beside the averaging radius that the average is not that of their K."""
-    criterion = scene.case.growth.criterion if scene.case.growth else ""
-    for radius, crack in _by_toughness(scene):
-        share = radius / line_length(crack.points)
-        if share > Cause.WIDE_AVERAGE.limit:
-            told = {"radius": Metres(radius), "criterion": criterion, "percent": 50.0 * share}
-            yield Cause.WIDE_AVERAGE.at(crack.surface.words, share, **told)
-    if criterion in BY_K:
+def _wide_in_shear(scene: Scene) -> Iterator[Caution]:
+    """Cracks so short beside the length that shear is averaged over that the average is not that of their K."""
+    if scene.case.growth is None or scene.case.growth.criterion in BY_K:
         return  # the given cracks go on in tension alone
     for radius, crack in _by_shear_toughness(scene):
         share = radius / line_length(crack.points)

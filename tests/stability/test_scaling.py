@@ -118,7 +118,7 @@ def over_units(result: StepResult, young: float, size: float, stress: float) -> 
         "energy": np.array([energy.work, energy.strain, energy.dissipated]) / (u * sigma * a),
         "path": np.concatenate([crack.points for crack in result.cracks]) / a,
         "load factor": np.array([result.load_factor]),
-        "toughness": np.array([result.effective_toughness]) / (sigma * np.sqrt(a)),
+        "toughness": np.array([tip.K_growth for tip in tips]) / (sigma * np.sqrt(a)),
     }
 
 

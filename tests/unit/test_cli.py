@@ -76,12 +76,16 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert re.fullmatch(r"about \d+ MiB of memory, 0\.\d+ s of CPU for the first step.*", lines[1])
     assert [line.split(",")[0] for line in lines[2:5]] == ["step 0/2", "step 1/2", "step 2/2"]
     assert re.fullmatch(
-        r"step 0/2, load factor [\d.]+, flaw end \(tension\) K_I -?[\d.]+ K_II -?[\d.]+ \w+ sqrt\(m\), "
+        r"step 0/2, load factor [\d.]+, criticality [\d.]+, grows at K [\d.]+ \w+ sqrt\(m\), "
+        r"flaw end \(tension\) K_I -?[\d.]+ K_II -?[\d.]+ \w+ sqrt\(m\), "
         r"cracks [\d.]+ m+ long",
         lines[2],
     )
     log = (scene / "outputs" / "block" / "run.log").read_text().splitlines()
-    assert re.search(r"step 0/2, \d+ dofs, \d contact iterations?, advanced: flaw end \(tension\)", log[1])
+    assert re.search(
+        r"step 0/2, \d+ dofs, \d contact iterations?, criticality [\d.]+, .*advanced: flaw end \(tension\)",
+        log[1],
+    )
     assert lines[5:] == [
         "warning: steps 0 to 2: thin cell",
         "estimated error: K by at most 1 % of the largest",
@@ -102,9 +106,10 @@ def test_terminal_has_one_live_line(
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
     assert cli.main(["run", "block.yaml"]) == 0
     live = capsys.readouterr().out.splitlines()[1:7]
-    assert [text for text in live if re.search(r"step 2/2, load factor [\d.]+, cracks [\d.]+ m+ long, 3 tip adv", text)]
+    told = r"step 2/2, load factor [\d.]+, criticality [\d.]+, cracks [\d.]+ m"
+    assert [text for text in live if re.search(told, text)]
     assert "[##########..........] step 1/2" in "".join(live)
-    assert re.search(r"step 1/2, \d+ s left, load factor [\d.]+, cracks ", "".join(live))
+    assert re.search(r"step 1/2, \d+ s left, load factor [\d.]+, criticality [\d.]+, crac", "".join(live))
 
 
 def test_a_narrow_terminal_has_the_words_and_no_bar(

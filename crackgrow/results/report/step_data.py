@@ -42,9 +42,10 @@ def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
     tips = run.table("tips")
     K = unit_of(np.concatenate([tips.numbers("K_I"), tips.numbers("K_II")]), INTENSITIES)
     stress = unit_of(np.concatenate([tips.numbers("sigma_1"), tips.numbers("sigma_3")]), STRESSES)
-    header = ["crack", "tip", f"K_I [{K[1]}]", f"K_II [{K[1]}]", f"sigma_1 [{stress[1]}]", f"sigma_3 [{stress[1]}]"]
-    header += ["criterion", "kink [°]", "advances"]
-    sizes = {"K_I": K[0], "K_II": K[0], "sigma_1": stress[0], "sigma_3": stress[0], "kink_deg": 1.0}
+    header = ["crack", "tip", f"K_I [{K[1]}]", f"K_II [{K[1]}]", f"grows at K [{K[1]}]"]
+    header += [f"sigma_1 [{stress[1]}]", f"sigma_3 [{stress[1]}]", "criticality", "criterion", "kink [°]", "advances"]
+    sizes = {"K_I": K[0], "K_II": K[0], "K_growth": K[0], "sigma_1": stress[0], "sigma_3": stress[0]}
+    sizes |= {"criticality": 1.0, "kink_deg": 1.0}
     numbers = [rounded_all(tips.numbers(name), size) for name, size in sizes.items()]
     *of_tip, kink = numbers
     advances = tips.words("advanced")

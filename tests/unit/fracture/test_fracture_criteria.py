@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case.model import Growth, Strength
-from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of, start_radius, toughness_of
+from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of, start_radius
 from crackgrow.fracture.criteria import (
     CRITERIA,
     LARGEST_KINK,
@@ -22,6 +22,7 @@ from crackgrow.fracture.criteria import (
     max_hoop_stress,
     shear_growth,
     strength,
+    without_K,
 )
 from crackgrow.fracture.tip_stress import TipField
 
@@ -220,17 +221,44 @@ def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -
 
 @pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
 @pytest.mark.parametrize("radius", [RADIUS, 3e-3])
-def test_effective_toughness_is_the_K_I_that_just_grows(criterion: Criterion, radius: float) -> None:
+def test_a_radius_stands_for_the_K_I_that_just_grows(criterion: Criterion, radius: float) -> None:
     limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0)
-    toughness = toughness_of(criterion.name, limits.tension, radius)
+    toughness = limits.tension * np.sqrt(2.0 * np.pi * radius) / MODE_I[criterion.name]
+    assert radius_of(criterion.name, limits.tension, toughness) == pytest.approx(radius, rel=1e-12)
     field = near_field(toughness * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
     assert criterion.judge([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA)
-def test_radius_of_a_toughness_stands_for_it(criterion: str) -> None:
-    radius = radius_of(criterion, 3.5e5, 4.43e4)
-    assert toughness_of(criterion, 3.5e5, radius) == pytest.approx(4.43e4, rel=1e-12)
+@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.8, -0.5), (0.0, 1.0), (-0.1, 1.0)])
+@pytest.mark.parametrize(("along", "pressure"), [(0.0, 0.0), (0.0, 40.0), (-30.0, 20.0), (15.0, 0.0)])
+def test_a_tip_with_a_toughness_opens_by_K_whatever_the_rest_of_the_stress(
+    K_I: float, K_II: float, along: float, pressure: float, criterion: Criterion
+) -> None:
+    """K_eq is the largest of all kinks; where the tip goes is for the criterion, as without a toughness."""
+    tension = MODE_I[criterion.name] * 0.3 / np.sqrt(2.0 * np.pi * RADIUS)
+    limits = Strength(tension, cohesion=1e9, friction_angle=0.0, toughness=0.3)
+    t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 20_001)
+    K_eq = (np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))).max()
+    loads = [near_field(share * K_I, share * K_II, along, pressure=pressure) for share in (1.0, 3.0)]
+    found = criterion.judge(loads, limits)
+    assert [verdict.criticality for verdict in found] == pytest.approx([K_eq / 0.3, K_eq / 0.1], rel=1e-6)
+    assert {verdict.mode for verdict in found} == {"tension"}
+    pulled = [near_field(share * K_I, share * K_II, along, pressure=-1e3) for share in (1.0, 3.0)]
+    by_stress = criterion.judge(pulled, replace(limits, toughness=None))
+    assert [verdict.kink for verdict in found] == pytest.approx([verdict.kink for verdict in by_stress], abs=1e-9)
+
+
+@pytest.mark.parametrize("criterion", [CRITERIA["strength"], CRITERIA["directional_strength"]], ids=lambda c: c.name)
+def test_a_toughness_leaves_shear_and_places_without_K_to_the_stress(criterion: Criterion) -> None:
+    limits = Strength(tension=0.35, cohesion=0.58, friction_angle=32.0)
+    tough = replace(limits, toughness=1e3)
+    pressed = near_field(0.0, 1e-2, pressure=0.1)
+    (with_it,), (without) = criterion.judge([pressed], tough), criterion.judge([pressed], limits)[0]
+    assert (with_it.mode, with_it.criticality) == ("shear", without.of_shear or without.criticality)
+    start = near_field(0.02, 0.0, along=-1.0)
+    unknown = without_K(start.field, RADIUS)
+    assert astuple(criterion.judge_starts([unknown], tough)[0]) == astuple(criterion.judge_starts([start], limits)[0])
 
 
 def test_mean_factor_is_that_of_a_disc_with_weight_one_over_r() -> None:
@@ -425,8 +453,8 @@ def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> No
         steps=1, increment=1.0, advance="all", criterion=criterion.name, direction="explicit", tip_radius=None
     )
     radius = start_radius(growth, limits)
-    field = near_field(4e4 * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
-    assert criterion.judge_starts([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
+    site = without_K(near_field(4e4 * np.sqrt(RADIUS / radius), 0.0).field, radius)  # the field is made for RADIUS
+    assert criterion.judge_starts([site], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
 @pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())

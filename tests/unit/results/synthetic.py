@@ -166,6 +166,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
             2e3,
             1e3,
             1.5e-3,
+            K_growth=2e6 / 1.2,
         ),
     )
     result = StepResult(
@@ -191,7 +192,6 @@ def make_result(step: int, **changes: Any) -> StepResult:
         energy=Energy(work=4.0 + step, strain=3.0, dissipated=0.5, released=0.25 * step, error=1e-6 / (1 + step)),
         load_displacement=1e-5 * (1 + step),
         crack_length=float(s[-1]),
-        effective_toughness=2e4,
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
         cautions=(),
     )

@@ -20,6 +20,16 @@ def test_that_no_tip_advanced_is_told_of_steps_after_which_one_could(before_the_
     assert ("no tip advanced" in line) is told
 
 
+def test_every_step_tells_how_critical_it_is_and_the_K_at_which_the_tip_grows() -> None:
+    case, result = make_case(), make_result(1)
+    told = ", criticality 1.2, grows at K 1.67 MPa sqrt(m), "
+    assert told in told_line(result, case, 0.0)
+    assert told in step_line(result, 3)
+    still = make_result(1, tips=tuple(tip for tip in result.tips if not tip.advanced))
+    assert ", criticality 0.2, no tip advanced" in told_line(still, case, 0.0)
+    assert "criticality" not in told_line(make_result(1, tips=()), case, 0.0)
+
+
 def test_where_no_tip_advances_the_most_critical_start_is_told() -> None:
     case, result = make_case(), make_result(1)
     still = tuple(tip for tip in result.tips if not tip.advanced)

@@ -115,11 +115,12 @@ def test_tips_are_those_of_the_table(page: Page, folder: Path) -> None:
     tips, table = page.data["tips"], rows(folder, "tips.csv")
     shown = [row for step in sorted(tips["steps"], key=int) for row in tips["steps"][step]]
     assert [row[:2] for row in shown] == [[row["crack"], row["tip"]] for row in table]
-    for column, name in enumerate(("K_I", "K_II", "sigma_1", "sigma_3"), start=2):
+    for column, name in enumerate(("K_I", "K_II", "K_growth", "sigma_1", "sigma_3"), start=2):
         values = [in_si(row[column], tips["header"][column]) for row in shown]
         np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING)
-    assert [row[6] for row in shown] == [row["criterion"] for row in table]
-    np.testing.assert_allclose([row[7] for row in shown], [float(row["kink_deg"]) for row in table], rtol=ROUNDING)
+    assert [row[8] for row in shown] == [row["criterion"] for row in table]
+    for column, name in ((7, "criticality"), (9, "kink_deg")):
+        np.testing.assert_allclose([row[column] for row in shown], [float(row[name]) for row in table], rtol=ROUNDING)
 
 
 def test_contact_points_are_those_of_the_table(page: Page, folder: Path) -> None:
@@ -276,18 +277,6 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     monkeypatch.setattr(step_data, "MOST_BYTES", 100)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
-
-
-def test_a_run_of_a_version_without_the_spread_of_K_can_be_read(folder: Path, tmp_path: Path) -> None:
-    copy(folder, tmp_path, "tips.csv", {})
-    with (tmp_path / "tips.csv").open(newline="") as file:
-        lines = list(csv.reader(file))
-    earlier = [line[: lines[0].index("K_I_spread")] for line in lines]
-    assert "K_II_faces" in earlier[0]
-    with (tmp_path / "tips.csv").open("w", newline="") as file:
-        csv.writer(file).writerows(earlier)
-    write_report(tmp_path)
-    assert len(open_run(tmp_path).tips) == len(lines) - 1
 
 
 @pytest.mark.parametrize(

@@ -17,6 +17,7 @@ import crackgrow.run.loop as loop
 from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.case.toughness import MODE_I
 from crackgrow.errors import CrackgrowError, FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
@@ -141,8 +142,7 @@ def test_a_static_case_is_one_solve(plate: Plate) -> None:
     assert end.status == "completed"
     assert "static" in end.reason
     (result,) = results
-    assert np.isnan(result.effective_toughness)
-    assert all(np.isnan([tip.sigma_1, tip.criticality, tip.kink_deg]).all() for tip in result.tips)
+    assert all(np.isnan([tip.sigma_1, tip.criticality, tip.kink_deg, tip.K_growth]).all() for tip in result.tips)
     assert {tip.criterion for tip in result.tips} == {"none"}
     assert all(tip.K_I > 1e5 for tip in result.tips)  # K is known without growth: 0.134 MPa sqrt(m)
 
@@ -401,11 +401,21 @@ def test_a_radius_below_half_a_spacing_warns_once(plate: Plate, radius: float, n
     assert told == [n, 0]
 
 
-def test_effective_toughness_is_that_of_the_criterion(plate: Plate) -> None:
-    results, _ = whole_run(plate(CENTRE, growth={"steps": 1}))
-    tip = results[0].tips[1]
-    # K_I over the toughness and stress over strength say the same, up to the stress along the crack (10 %)
-    assert tip.K_I / results[0].effective_toughness == pytest.approx(tip.criticality, rel=0.1)
+def test_a_step_tells_the_K_at_which_tips_grow(plate: Plate) -> None:
+    """Where a load just makes a tip grow it is K_I, not the one that radius and strength stand for alone."""
+    case = plate(CENTRE, "loading=critical", growth={"steps": 0})
+    (result,), _ = whole_run(case)
+    first = max(result.tips, key=lambda tip: tip.criticality)
+    assert first.K_growth == pytest.approx(first.K_I, rel=1e-3)
+    assert case.growth is not None
+    assert case.growth.tip_radius is not None
+    strength = case.bodies[0].strength
+    assert strength is not None
+    of_radius = strength.tension * np.sqrt(2.0 * np.pi * case.growth.tip_radius) / MODE_I[case.growth.criterion]
+    assert first.K_growth == pytest.approx(of_radius, rel=0.1)
+    assert first.K_growth != pytest.approx(of_radius, rel=0.01)  # the stress along the crack, and across it
+    twice, _ = whole_run(plate(CENTRE, f"loading={{history: [{2.0 * result.load_factor}]}}", growth={"steps": 0}))
+    assert [tip.K_growth for tip in twice[0].tips] == pytest.approx([tip.K_growth for tip in result.tips])
 
 
 def contents(result: StepResult) -> dict[str, Any]:

@@ -79,7 +79,7 @@ def wing_of(results: Sequence[StepResult]) -> Wing:
     K_I = [next(tip.K_I for tip in result.tips if tip.tip == "end") for result in grown]
     crack = results[-1].cracks[0]
     path = crack.points[np.flatnonzero(crack.steps == 0)[-1] :]
-    return Wing(np.array(lengths), np.array(K_I), results[0].effective_toughness, path)
+    return Wing(np.array(lengths), np.array(K_I), results[0].tips[0].K_growth, path)
 
 
 def in_infinite_plate(wing: Wing, percent: float) -> Wing:
