@@ -12,14 +12,19 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array, get_index_dtype
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.direct.assembly import HalfMatrix, half, sum_of
 from crackgrow.ragged import starts_of
 
+Int32s = NDArray[np.int32]
+
 AT_ONCE = 4_000_000
 """Numbers that a product or a sum holds at once."""
+
+NONE = np.empty(0, dtype=np.int32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,30 +65,32 @@ class Blocks:
     parts: tuple[Part, ...] = ()
 
     @cached_property
-    def pairs(self) -> tuple[Ints, Ints, Floats]:
+    def pairs(self) -> tuple[Int32s, Int32s, Floats]:
         """First and second functions (p,) of the halves of all parts, and their entries (2, p, 2)."""
-        none = np.empty(0, dtype=np.int64)
-        first = [part.functions.repeat(part.sum.counts) for part in self.parts]
-        second = [part.functions[part.sum.second] for part in self.parts]
-        entries = [part.sum.entries for part in self.parts]
         return (
-            np.concatenate([none, *first]),
-            np.concatenate([none, *second]),
-            np.concatenate([np.empty((2, 0, 2)), *entries], axis=1),
+            np.concatenate([NONE, *(functions.repeat(part.sum.counts) for part, functions in self._each)]),
+            np.concatenate([NONE, *(functions[part.sum.second] for part, functions in self._each)]),
+            np.concatenate([np.empty((2, 0, 2)), *(part.sum.entries for part in self.parts)], axis=1),
         )
 
+    @property
+    def _each(self) -> list[tuple[Part, Int32s]]:
+        """The parts with their functions, in short numbers: sparse products read less."""
+        return [(part, part.functions.astype(np.int32)) for part in self.parts]
+
     @cached_property
-    def _rows(self) -> tuple[Ints, csr_array]:
+    def _rows(self) -> tuple[Int32s, csr_array]:
         """The unknown of each row (r,) of the halves of all parts, one below the other, and these (r, unknowns).
 
         With P (r, unknowns) that has a 1 at the unknown of each row, and these rows H, the sum is P' H + H' P.
         """
-        (_, second, entries), none = self.pairs, np.empty(0, dtype=np.int64)
-        functions = 2 * np.concatenate([none, *(part.functions for part in self.parts)])
-        counts = 2 * np.concatenate([none, *(part.sum.counts for part in self.parts)])
-        columns, dofs = np.tile((2 * second[:, None] + np.arange(2)).ravel(), 2), np.append(functions, functions + 1)
+        _, second, entries = self.pairs
+        first = 2 * np.concatenate([NONE, *(functions for _, functions in self._each)])
+        dofs, columns = np.append(first, first + 1), np.tile((2 * second[:, None] + np.arange(2)).ravel(), 2)
+        counts = np.tile(np.concatenate([NONE, *(part.sum.counts for part in self.parts)]), 2)
+        starts = (2 * starts_of(counts)).astype(get_index_dtype(maxval=entries.size))
         shape = (len(dofs), int(dofs.max(initial=-1)) + 1)
-        return dofs, csr_array((entries.ravel(), columns, starts_of(np.tile(counts, 2))), shape=shape)
+        return dofs, csr_array((entries.ravel(), columns, starts), shape=shape)
 
     def __matmul__(self, vectors: Floats) -> Floats:
         """The product of the sum with vectors (n,) or (n, m)."""
@@ -95,10 +102,10 @@ class Blocks:
         return _summed(dofs, csr_array((np.abs(rows.data), rows.indices, rows.indptr), shape=rows.shape), vectors)
 
 
-def _summed(dofs: Ints, rows: csr_array, vectors: Floats) -> Floats:
+def _summed(dofs: Int32s, rows: csr_array, vectors: Floats) -> Floats:
     """The product of P' H + H' P, as of `Blocks`, with vectors (n,) or (n, m)."""
     total, (r, n) = np.zeros(vectors.shape), rows.shape
-    places = csr_array((np.ones(r), dofs, np.arange(r + 1)), shape=(r, n))
+    places = csr_array((np.ones(r), dofs, np.arange(r + 1, dtype=np.int32)), shape=(r, n))
     total[:n] = places.T @ (rows @ vectors[:n]) + rows.T @ vectors[dofs]
     return total
 
