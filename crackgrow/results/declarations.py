@@ -84,6 +84,8 @@ TIPS: Final = File(
                "when K was measured, or what lies nearest to the tip is a third nearer than it was then"),
         Column("criticality", "", "stress of the criterion over the strength, of the branch by which the tip grows or "
                "would: 1 and more where it is met; of two tips the one with more grows first; nan without growth"),
+        Column("sticks", "", "`true` where the crack sticks everywhere, and has not moved before: its K is zero, and "
+               "K_I and K_II are what cells leave of that", bool),
         Column("K_growth", "Pa sqrt(m)", "K at which the tip grows: K over the criticality, of the K_I with the same "
                "largest hoop stress in tension, of |K_II| in shear. In tension the toughness, if one is given; else as "
                "if the stress round the tip rose with K in proportion. nan where K has no part in it"),

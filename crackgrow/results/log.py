@@ -111,7 +111,11 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
     n_steps = case.growth.steps if case.growth else None
     moved = [tip for tip in result.tips if tip.advanced]
     known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
-    largest = max(known, key=lambda tip: float(f"{math.hypot(tip.K_I, tip.K_II):.6g}"), default=None)  # not round-off
+
+    def size(tip: TipResult) -> float:
+        return 0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}")  # not round-off
+
+    largest = max(known, key=size, default=None)
     shown = moved or ([largest] if largest else [])
     arrested = bool(result.tips) and not moved and n_steps is not None and result.step < n_steps  # else none is to
     return ", ".join(
@@ -130,17 +134,19 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
 
 def largest_K(result: StepResult) -> float:
     """The largest size of a K_I or K_II of a step, Pa sqrt(m); 0 where none is known."""
-    values = (abs(K) for tip in result.tips for K in (tip.K_I, tip.K_II))
+    values = (abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II))
     return max((value for value in values if math.isfinite(value)), default=0.0)
 
 
 def _tip_words(tip: TipResult, K_scale: float) -> str:
-    """A tip with its K in one unit, to three digits of the larger one."""
+    """A tip with its K in one unit, to three digits of the larger one, or that it sticks."""
+    branch = f" ({tip.criterion})" if tip.advanced else ""
+    if tip.sticks:
+        return f"{tip.crack} {tip.tip}{branch} sticks"
     size, unit = unit_of((tip.K_I, tip.K_II, K_scale), INTENSITIES)
     largest = max((abs(K) / size for K in (tip.K_I, tip.K_II) if math.isfinite(K)), default=0.0)
     decimals = max(0, 2 - math.floor(math.log10(largest))) if largest >= 1.0 else 3
     values = (f"{round(K / size, decimals) + 0.0:.{decimals}f}" for K in (tip.K_I, tip.K_II))
-    branch = f" ({tip.criterion})" if tip.advanced else ""
     return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {unit.replace('√m', ' sqrt(m)')}"
 
 

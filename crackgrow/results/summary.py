@@ -203,9 +203,10 @@ def K_expected(result: StepResult) -> float:
 def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequence[float]) -> float:
     """The largest of some `values` (Pa sqrt(m)) of tips, in percent of the largest K of those whose K is known.
 
-    The size of K is that of K_I and K_II together, as for a target.
+    The size of K is that of K_I and K_II together, as for a target. That of tips that stick is zero, and none is told.
     """
-    known = [(tip, value) for tip, value in zip(tips, values, strict=True) if math.isfinite(tip.K_I + tip.K_II + value)]
+    moved = [(tip, value) for tip, value in zip(tips, values, strict=True) if not tip.sticks]
+    known = [(tip, value) for tip, value in moved if math.isfinite(tip.K_I + tip.K_II + value)]
     largest = max((math.hypot(tip.K_I, tip.K_II) for tip, _ in known), default=0.0)
     could = NOTHING * result.stress * math.sqrt(math.pi)
     if largest == 0.0 or any(largest < could * math.sqrt(tip.K_radius) for tip, _ in known):

@@ -66,6 +66,18 @@ class Cause(Enum):
         "{place}: {metres:.3g}, {spacings:.2g} spacings long: stresses and displacements near it are not resolved, "
         "and can be off by tens of per cent; use a spacing of {needed:.2g} or less, or auto",
     )  # fmt: skip
+    OVERLOAD = (
+        2.0, "strength",
+        "G is four times what the rock takes: a crack runs at three quarters of the Rayleigh speed (Freund 1990, 6.4)",
+        "growth at this load is unstable: at {where} the load is {size:.3g} times the critical one (stress over "
+        "strength), and a crack would not have waited for it; use loading: critical, where each step has the load at "
+        "which a crack just grows, or a smaller load",
+    )  # fmt: skip
+    NOT_SMALL = (
+        0.03, "strain, rotation, or slip over length", "what is of second order in it is left out, as large a part",
+        "{what}: small strains and rotations are assumed, and stress, slip and K are off by about as much; check the "
+        "units of young and of the loads, or use a smaller load",
+    )  # fmt: skip
     SHORT_CRACK = (
         3.0, "spacings", "K off by 2 % from one spacing on, by 8 % at half a spacing, by 20 % below",
         "{place} is {length:.3g} spacings long: below {limit:g} the cover does not resolve a crack, and K can be off: "

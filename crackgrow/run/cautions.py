@@ -7,19 +7,21 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from crackgrow.case.model import Gravity, PointSupport
+from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.case.surface import end_word
-from crackgrow.case.units import Metres
+from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.leaving import site_criticality
 from crackgrow.run.misfit import PRESSED_FLAT, Misfit, largest_jump, pressed_strain
 from crackgrow.run.reactions import imbalance, reactions
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
+from crackgrow.run.small_strains import large_displacements
 
 NEAR_SHARP_KINK = 8.0
 """Cells: behind open kinks of 90, 120 and 150 degrees K is off by 5, 8 and 26 % of the K of the crack without a kink
@@ -64,6 +66,8 @@ def _all_cautions(
             place = solution.cover.cracks[index].name.end(at_end)
             yield Cause.SMALL_DISC.at(place, size, note=state.intensity.note)
     yield from _unstable(solution)
+    yield from _overload(solution)
+    yield from large_displacements(solution, faces)
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
     yield from _on_points(solution)
@@ -97,6 +101,23 @@ def _unstable(solution: StepSolution) -> Iterator[Caution]:
         if state.verdict is not None and state.verdict.criticality >= Cause.UNSTABLE.limit:
             place = solution.cover.cracks[index].name.end(at_end)
             yield Cause.UNSTABLE.at(place, state.verdict.criticality)
+
+
+def _overload(solution: StepSolution) -> Iterator[Caution]:
+    """A load far beyond the one at which cracks begin to grow, where they do grow and no law gives them a velocity."""
+    case = solution.scene.case
+    if case.growth is None or case.growth.steps == 0 or case.subcritical or isinstance(case.loading, CriticalLoad):
+        return
+    criticality = site_criticality(solution)
+    worst = int(np.argmax(criticality)) if len(criticality) else 0
+    if criticality.max(initial=0.0) >= Cause.OVERLOAD.limit:
+        ends = solution.cover.tip_ends
+        place = solution.cover.lattice.to_metres(solution.configuration.sites[worst].point)
+        where = f"the place {place_text(place)}"
+        if worst < len(ends):
+            index, at_end = ends[worst]
+            where = solution.cover.cracks[index].name.end(at_end)
+        yield Cause.OVERLOAD.at(size=criticality[worst], where=where)
 
 
 def _off_target(solution: StepSolution) -> Iterator[Caution]:

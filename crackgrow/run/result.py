@@ -67,6 +67,7 @@ class TipResult:
     kink_error_deg: float = float("nan")  # degrees, bound of what the direction of growth is off by; nan without growth
     velocity: float = float("nan")  # m/s, by the law of subcritical growth; nan where growth takes no time
     K_error_expected: float = float("nan")  # Pa sqrt(m), of K_I and K_II together; nan where it was not measured
+    sticks: bool = False  # its crack is closed, sticks everywhere and has not moved: its K is zero, but for round-off
     K_growth: float = float("nan")  # Pa sqrt(m), at which the tip grows: K_eq in tension, |K_II| in shear; nan: unknown
 
 

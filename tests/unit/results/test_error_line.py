@@ -52,6 +52,13 @@ def test_K_that_is_nothing_beside_what_the_stress_could_make_has_no_error(told: 
     np.testing.assert_allclose(told(replace(with_tips(0, nothing), stress=1.0)), 1000.0 * usual)
 
 
+@pytest.mark.parametrize("told", [K_spread, K_error])
+def test_the_K_of_cracks_that_stick_has_no_error(told: Callable[[StepResult], float]) -> None:
+    stuck = {"sticks": True, "K_I": 9e9, "K_I_error": 9e9, "K_I_spread": 9e9}
+    assert math.isnan(told(with_tips(0, stuck)))
+    assert told(with_tips(0, stuck, {})) == told(with_tips(0, {}))
+
+
 def test_the_summary_has_the_first_and_the_last_error_and_the_worst_spread() -> None:
     tally = Tally()
     for step, spread in enumerate((0.08, 0.12, 0.04)):

@@ -22,7 +22,7 @@ def test_columns_are_those_of_the_contract() -> None:
     assert ",".join(tables.HEADERS["tips"]) == (
         "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,K_II_error,"
         "K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,"
-        "cell_size,kink_error_deg,velocity,K_error_expected,criticality,K_growth"
+        "cell_size,kink_error_deg,velocity,K_error_expected,criticality,sticks,K_growth"
     )
     assert ",".join(tables.HEADERS["events"]) == "step,kind,crack,tip,x,y,met"
     assert ",".join(tables.HEADERS["paths"]) == "crack,vertex,x,y,step"

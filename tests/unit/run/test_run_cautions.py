@@ -43,10 +43,72 @@ def solve_first(scene: Scene) -> StepSolution:
     )
 
 
-def test_the_shipped_scenes_warn_of_nothing() -> None:
-    assert first_step("compression30").warnings == ()
-    assert first_step("tension0").warnings == ()
+def test_the_shipped_scenes_warn_of_nothing_but_their_loads() -> None:
+    for scene in ("compression30", "tension0"):
+        (told,) = first_step(scene).cautions
+        assert told.cause is Cause.OVERLOAD
+        assert first_step(scene, "growth.steps=0").warnings == ()
     assert first_step("compression30", "cracks.flaw.contact.friction=0.6").warnings == ()  # stuck: jumps are noise
+
+
+CRITICAL = "loading=critical"
+
+
+@pytest.mark.parametrize(
+    ("settings", "times", "told"),
+    [([], 1.5, False), ([], 2.1, True), (["growth.steps=0"], 2.1, False), ([CRITICAL], 2.1, False)],
+)
+def test_a_load_twice_the_critical_one_is_told_once(settings: list[str], times: float, told: bool) -> None:
+    critical = first_step("compression30", CRITICAL).load_factor
+    given = ["growth.steps=2", f"loading={{history: [{times * critical}]}}"]
+    case = load_case(CASES / "compression30.yaml", [*one_size("compression30"), *given, *settings])
+    run = Gathered()
+    for step in grow(case):
+        run.add(step.step, step.cautions)
+    words = [sentence for sentence in run.sentences() if "growth at this load is unstable" in sentence]
+    assert len(words) == told
+    assert all(" of crack 'flaw' the load is 2." in sentence for sentence in words)
+
+
+def turned(angle: float) -> list[str]:
+    """A specimen whose bottom is turned by so much (rad), and the rest with it."""
+    return ["loads=[]", f"supports=[{{on: {{edge: bottom}}, displacement: {{x: '-{angle}*y', y: '{angle}*x'}}}}]"]
+
+
+def slid(metres: float) -> list[str]:
+    """A block, 1 m long, that slides by so much on another one without friction."""
+    held = "{on: {body: lower, edge: bottom}, displacement: {x: 0, y: 0}}"
+    moved = f"{{on: {{body: upper, edge: top}}, displacement: {{x: {metres}, y: 0}}}}"
+    return [
+        "interfaces=[{between: [upper, lower], contact: {friction: 0, cohesion: 0}}]",
+        f"supports=[{held}, {moved}]",
+    ]
+
+
+def stressed(pressure: float) -> list[str]:
+    """Rock that has a stress (MPa) before anything moves, and is held all round."""
+    edges = ", ".join(
+        f"{{on: {{edge: {edge}}}, displacement: {{x: 0, y: 0}}}}" for edge in ("bottom", "top", "left", "right")
+    )
+    return [f"loads=[{{body: rock, stress: [-{pressure}, -{pressure}, 0]}}]", f"supports=[{edges}]"]
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings", "words"),
+    [
+        ("compression30", ["bodies.rock.material.young=3 GPa"], "the loads strain or turn body 'rock' by 3.2 %"),
+        ("compression30", ["bodies.rock.material.young=4 GPa"], ""),
+        ("compression30", turned(0.04), "the loads strain or turn body 'rock' by 4 %"),
+        ("compression30", turned(0.02), ""),
+        ("interface_friction01", slid(0.04), "the faces of 'upper/lower' part or slip by 4 % of its length"),
+        ("interface_friction01", slid(0.02), ""),
+        ("compression30", stressed(350.0), "the stress in the ground would strain body 'rock' by 3.3 %"),
+        ("compression30", stressed(300.0), ""),
+    ],
+)
+def test_displacements_that_are_not_small_are_told(scene: str, settings: list[str], words: str) -> None:
+    found = [each for each in first_step(scene, *settings).cautions if each.cause is Cause.NOT_SMALL]
+    assert [each.words.startswith(words) for each in found] == [True] * bool(words)
 
 
 @pytest.mark.parametrize(
@@ -78,7 +140,7 @@ def test_what_the_cover_resolves_badly_is_said(settings: list[str], words: str) 
     ],
 )
 def test_what_elastic_contact_does_not_resolve_is_said(settings: str, words: list[str]) -> None:
-    warnings = first_step("compression30", f"numerics.contact={settings}").warnings
+    warnings = first_step("compression30", f"numerics.contact={settings}", "growth.steps=0").warnings
     assert len(warnings) == len(words)
     assert all(any(word in warning for warning in warnings) for word in words)
 
