@@ -5,7 +5,9 @@ The tables take their headers from here, and so do `crackgrow explain` and outpu
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cache
 from importlib.resources import files
 from typing import Any, Final
 
@@ -39,20 +41,30 @@ class File:
         return tuple(column.name for column in self.columns)
 
 
-def _declared(name: str, told: Any) -> File:
-    """A file of `columns.yaml`: its meaning, or a mapping of that and of its columns."""
-    if isinstance(told, str):
-        return File(name, told)
-    columns = [
-        Column(column, unit, doc, KINDS[kind[0]] if kind else float)
-        for column, (unit, doc, *kind) in told["columns"].items()
-    ]
-    return File(name, told["meaning"], tuple(columns))
+def declared(told: Mapping[str, Any]) -> tuple[File, ...]:
+    """Files by name, each with its meaning, or a mapping of that and of its columns: [unit, meaning, kind]."""
+    return tuple(
+        File(name, told)
+        if isinstance(told, str)
+        else File(name, told["meaning"], tuple(_column(*column) for column in told["columns"].items()))
+        for name, told in told.items()
+    )
 
 
-_TEXT: Final = files("crackgrow.results").joinpath("columns.yaml").read_text(encoding="utf-8")
-_LOADER: Final = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast, where libyaml is there
-RUN: Final = tuple(_declared(name, told) for name, told in yaml.load(_TEXT, _LOADER).items())
+def _column(name: str, told: list[str]) -> Column:
+    unit, doc, *kind = told
+    return Column(name, unit, doc, KINDS[kind[0]] if kind else float)
+
+
+@cache
+def columns_of(room: str) -> dict[str, Any]:
+    """What the `columns.yaml` of a room of the package says."""
+    text = files(f"crackgrow.{room}").joinpath("columns.yaml").read_text(encoding="utf-8")
+    loader = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # five times as fast, where libyaml is there
+    return dict(yaml.load(text, loader))
+
+
+RUN: Final = declared(columns_of("results"))
 """Files of a run."""
 
 _FILES: Final = {file.name: file for file in RUN}

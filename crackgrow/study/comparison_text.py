@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from typing import Final
 
 from crackgrow.case.dump import differing
-from crackgrow.results.declarations import Column, File
+from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import aligned, cut
 from crackgrow.study.compare import Comparison, Deviation, Pair, Place
@@ -18,32 +18,7 @@ MOST_MILLIMETRES = 1.0  # m, of the longest part: from there on lengths are prin
 HEADINGS = ("crack", "part", "length A", "length B", "Hausdorff", "Frechet", "ends apart",
             "worst at, in A", "along", "step", "in B", "along", "step")  # fmt: skip
 N_WORDS = 2  # columns of words come first, left-aligned
-CSV: Final = File(
-    "--csv FILE",
-    "a row for each part of each crack that `crackgrow compare` has compared; empty where there is no value",
-    (
-        Column("crack", "", "name of the crack"),
-        Column("part", "", "`given`, `start`, `end`; `path` of a file without steps; or `only in A`, `only in B`"),
-        Column("length_a", "m", "length of the part in A"),
-        Column("length_b", "m", "length of the part in B"),
-        Column("hausdorff", "m", "largest distance of a point of either path from the other"),
-        Column("frechet", "m", "the same for points in the order of the paths"),
-        Column("end_distance", "m", "distance of the tips"),
-        Column("x_a", "m", "where the Hausdorff distance is, in A"),
-        Column("y_a", "m", "where the Hausdorff distance is, in A"),
-        Column("s_a", "m", "arc length of that place from the root of the part"),
-        Column("step_a", "", "step whose advance made that place"),
-        Column("x_b", "m", "where the Hausdorff distance is, in B"),
-        Column("y_b", "m", "where the Hausdorff distance is, in B"),
-        Column("s_b", "m", "arc length of that place from the root of the part"),
-        Column("step_b", "", "step whose advance made that place"),
-        Column("common_length_a", "m", "length in A of the part that both have"),
-        Column("common_length_b", "m", "length in B of the part that both have"),
-        Column("common_hausdorff", "m", "Hausdorff distance over the part that both have"),
-        Column("common_frechet", "m", "Frechet distance over the part that both have"),
-        Column("verdict", "", "`within` or `beyond` the tolerance; empty without one"),
-    ),
-)
+(CSV,) = declared(columns_of("study")["compare"])
 CSV_COLUMNS: Final = CSV.header
 
 
