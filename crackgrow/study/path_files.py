@@ -5,8 +5,8 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
@@ -73,14 +73,8 @@ class PathSet:
     settings: dict[str, str] | None  # of case.yaml by dotted key; None if there is none
 
 
-@dataclass(slots=True)
-class _Rows:
-    """The rows of one crack while they are read."""
-
-    line: int  # of the first row
-    points: list[tuple[float, float]] = field(default_factory=list)
-    steps: list[int] = field(default_factory=list)
-    vertex: float = -math.inf
+Tell = Callable[[int, str, str], None]
+"""Keeps a fault: its line, key and message."""
 
 
 def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> PathSet:
@@ -131,159 +125,130 @@ def _reason(error: BaseException) -> str:
 
 
 def _read_csv(path: Path, columns: Sequence[str] | None) -> dict[str, PathLine]:
+    """The cracks of a CSV file, in order of their first rows; raises CaseError with all faults, each with its line."""
     try:
         text = path.read_text(encoding="utf-8-sig")
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError.at(path, f"cannot be read: {_reason(error)}") from error
-    return _CsvReader(str(path), columns).read(text)
+    faults: list[Fault] = []
+
+    def fault(line: int, key: str, message: str) -> None:
+        faults.append(Fault(str(path), line, key, message))
+
+    rows = _rows(text, fault)
+    if not rows:
+        fault(1, "", f"is empty; {FORMAT}")
+    else:
+        (head, header), *body = rows
+        places = [_coordinate(head, header, axis, columns, fault) for axis in (0, 1)]
+        lines = {} if faults else _lines(body, header, places, fault)
+        if not lines and not faults:
+            fault(head, "", "has no cracks, only a header")
+    if faults:
+        n_more = len(faults) - MOST_FAULTS
+        more = [Fault(str(path), None, "", f"and {n_more} more faults")] if n_more > 0 else []
+        raise CaseError([*faults[:MOST_FAULTS], *more])
+    return lines
 
 
-class _CsvReader:
-    """Reads one CSV text; gathers its faults, each with its line."""
+def _rows(text: str, fault: Tell) -> list[tuple[int, list[str]]]:
+    """Rows with their lines, up to one that is no CSV; blank lines and comments are left out."""
+    lines = text.splitlines()
+    first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
+    reader = csv.reader(lines, delimiter=next((sign for sign in (",", ";", "\t") if sign in first), ","))
+    rows: list[tuple[int, list[str]]] = []
+    try:
+        for cells in reader:
+            stripped = [cell.strip() for cell in cells]
+            if any(stripped) and not stripped[0].startswith("#"):
+                rows.append((reader.line_num, stripped))
+    except csv.Error as error:
+        fault(reader.line_num, "", f"is no CSV: {error}")
+    return rows
 
-    def __init__(self, source: str, columns: Sequence[str] | None) -> None:
-        self._source = source
-        self._columns = columns
-        self._faults: list[Fault] = []
 
-    def read(self, text: str) -> dict[str, PathLine]:
-        """The cracks of the text, in order of their first rows; raises CaseError."""
-        rows = self._rows(text)
-        if not rows:
-            raise CaseError([Fault(self._source, 1, "", f"is empty; {FORMAT}")])
-        header_line, header = rows[0]
-        x, y = (self._coordinate(header_line, header, axis) for axis in (0, 1))
-        if x is None or y is None:
-            raise self._error()
-        cracks = self._gather(rows[1:], header, (x, y))
-        if not cracks and not self._faults:
-            self._fault(header_line, "", "has no cracks, only a header")
-        self._raise_faults()
-        lines = {name: self._line(name, crack, "step" in header) for name, crack in cracks.items()}
-        self._raise_faults()
-        return {name: line for name, line in lines.items() if line is not None}
+def _coordinate(line: int, header: list[str], axis: int, columns: Sequence[str] | None, fault: Tell) -> tuple[int, str]:
+    """Number and length unit of the column of x (axis 0) or y (axis 1); a fault where there is none, or several."""
+    if columns is not None:
+        name = columns[axis]
+        if header.count(name) != 1:
+            fault(line, "", f"has no column {quoted(name)}{did_you_mean(name, header)}; it has {_listed(header)}")
+            return 0, "m"
+        return header.index(name), next((word for word in _words(name) if word in UNITS["length"]), "m")
+    letter = "xy"[axis]
+    named = {index: words for index, name in enumerate(header) if (words := _words(name))[0] == letter}
+    known = {index: words for index, words in named.items() if len(words) == 1 or words[1] in UNITS["length"]}
+    found = {index: words for index, words in known.items() if len(words) <= 2} or known  # of x and x_mm_other, x
+    if len(found) > 1:
+        names = ", ".join(clean(header[index]) for index in found)
+        fault(line, "", f"has several columns for {letter}: {names}; choose with --columns X,Y")
+    elif named and not found:
+        allowed = ", ".join([letter, *(f"{letter}_{unit}" for unit in UNITS["length"])])
+        fault(line, clean(header[next(iter(named))]), f"has no known unit of length; allowed are {allowed}")
+    elif not found:
+        fault(line, "", f"has no column for {letter}, it has {_listed(header)}; {FORMAT}")
+    index, words = next(iter(found.items()), (0, [letter]))
+    return index, words[1] if len(words) > 1 else "m"
 
-    def _rows(self, text: str) -> list[tuple[int, list[str]]]:
-        """Rows with their lines; blank lines and comments are left out."""
-        lines = text.splitlines()
-        first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
-        delimiter = next((sign for sign in (",", ";", "\t") if sign in first), ",")
-        reader = csv.reader(lines, delimiter=delimiter)
-        rows: list[tuple[int, list[str]]] = []
-        try:
-            for cells in reader:
-                stripped = [cell.strip() for cell in cells]
-                if any(stripped) and not stripped[0].startswith("#"):
-                    rows.append((reader.line_num, stripped))
-        except csv.Error as error:
-            self._fault(reader.line_num, "", f"is no CSV: {error}")
-            self._raise_faults()
-        return rows
 
-    def _coordinate(self, line: int, header: list[str], axis: int) -> tuple[int, str] | None:
-        """Index and length unit of the column of x (axis 0) or y (axis 1); None with a fault."""
-        if self._columns is not None:
-            name = self._columns[axis]
-            if header.count(name) != 1:
-                near = did_you_mean(name, header)
-                self._fault(line, "", f"has no column {quoted(name)}{near}; it has {_listed(header)}")
-                return None
-            units = [word for word in _words(name) if word in UNITS["length"]]
-            return header.index(name), units[0] if units else "m"
-        letter = "xy"[axis]
-        named = {index: words for index, name in enumerate(header) if (words := _words(name))[0] == letter}
-        known = {index: words for index, words in named.items() if len(words) == 1 or words[1] in UNITS["length"]}
-        plain = {index: words for index, words in known.items() if len(words) <= 2}  # of x and x_mm_other, x
-        found = plain or known
-        if len(found) == 1:
-            ((index, words),) = found.items()
-            return index, words[1] if len(words) > 1 else "m"
-        if found:
-            names = ", ".join(clean(header[index]) for index in found)
-            self._fault(line, "", f"has several columns for {letter}: {names}; choose with --columns X,Y")
-        elif named:
-            allowed = ", ".join([letter, *(f"{letter}_{unit}" for unit in UNITS["length"])])
-            self._fault(line, clean(header[next(iter(named))]), f"has no known unit of length; allowed are {allowed}")
-        else:
-            self._fault(line, "", f"has no column for {letter}, it has {_listed(header)}; {FORMAT}")
-        return None
+def _lines(
+    rows: list[tuple[int, list[str]]], header: list[str], places: list[tuple[int, str]], fault: Tell
+) -> dict[str, PathLine]:
+    """The cracks of the rows by name."""
+    cracks: dict[str, list[tuple[int, float, float, int]]] = {}
+    last: dict[str, float] = {}
+    for line, cells in rows:
+        if len(cells) != len(header):
+            fault(line, "", f"has {len(cells)} values, the header has {len(header)}")
+            continue
+        named, point = dict(zip(header, cells, strict=True)), [math.nan, math.nan]
+        crack, step, vertex = named.get("crack", ""), named.get("step", "0"), named.get("vertex")
+        for axis, (index, unit) in enumerate(places):
+            try:
+                point[axis] = parse_quantity(cells[index], "length", Units(length=unit))
+            except QuantityError as error:
+                told = f"allowed is a length, in {unit} where it has no unit"
+                fault(line, header[index], f"{quoted(cells[index])} {error}; {told}")
+        if not re.fullmatch(r"[0-9]{1,9}", step):
+            fault(line, "step", f"{quoted(step)} is no step; allowed are 0, of the given crack, and 1, 2, ...")
+            continue
+        if vertex is not None:
+            number, before = _vertex(vertex), last.get(crack, -math.inf)
+            if number > before:
+                last[crack] = number
+            else:
+                what = "is not a number" if math.isnan(number) else f"comes after {before:g}"
+                fault(line, "vertex", f"{quoted(vertex)} {what}; allowed are numbers that rise along a crack")
+        cracks.setdefault(crack, []).append((line, point[0], point[1], int(step)))
+    return {name: _line(name, crack, "step" in header, fault) for name, crack in cracks.items()}
 
-    def _gather(
-        self, rows: list[tuple[int, list[str]]], header: list[str], places: tuple[tuple[int, str], ...]
-    ) -> dict[str, _Rows]:
-        """The rows by crack; a row with a fault is left out."""
-        cracks: dict[str, _Rows] = {}
-        for line, cells in rows:
-            if len(cells) != len(header):
-                self._fault(line, "", f"has {len(cells)} values, the header has {len(header)}")
-                continue
-            x, y = (self._number(line, header[index], cells[index], unit) for index, unit in places)
-            named = dict(zip(header, cells, strict=True))
-            crack = cracks.setdefault(named.get("crack", ""), _Rows(line))
-            step = self._step(line, named["step"]) if "step" in named else 0
-            self._check_vertex(line, named, crack)
-            if x is not None and y is not None and step is not None:
-                crack.points.append((x, y))
-                crack.steps.append(step)
-        return cracks
 
-    def _number(self, line: int, key: str, text: str, unit: str) -> float | None:
-        try:
-            return parse_quantity(text, "length", Units(length=unit))
-        except QuantityError as error:
-            self._fault(line, key, f"{quoted(text)} {error}; allowed is a length, in {unit} where it has no unit")
-            return None
+def _vertex(text: str) -> float:
+    try:
+        return parse_number(text)
+    except QuantityError:
+        return math.nan
 
-    def _step(self, line: int, text: str) -> int | None:
-        if re.fullmatch(r"[0-9]{1,9}", text):
-            return int(text)
-        self._fault(line, "step", f"{quoted(text)} is no step; allowed are 0, of the given crack, and 1, 2, ...")
-        return None
 
-    def _check_vertex(self, line: int, named: dict[str, str], crack: _Rows) -> None:
-        if "vertex" not in named:
-            return
-        text = named["vertex"]
-        try:
-            vertex = parse_number(text)
-        except QuantityError as error:
-            self._fault(line, "vertex", f"{quoted(text)} {error}; allowed are numbers that rise along a crack")
-            return
-        if vertex <= crack.vertex:
-            after = f"{quoted(text)} comes after {crack.vertex:g}"
-            self._fault(line, "vertex", f"{after}; allowed are numbers that rise along a crack")
-        crack.vertex = vertex
-
-    def _line(self, name: str, rows: _Rows, with_steps: bool) -> PathLine | None:
-        """The crack of its rows, points that repeat the one before left out; None with a fault."""
-        points, steps = np.array(rows.points), np.array(rows.steps, dtype=np.int64)
-        moves = np.concatenate([[True], np.any(np.diff(points, axis=0) != 0, axis=1)])
-        points, steps = points[moves], steps[moves]
-        key = f"crack {clean(name)}" if name else ""
-        if not 2 <= len(points) <= MOST_VERTICES:
-            self._fault(rows.line, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack")
-            return None
-        points.flags.writeable = steps.flags.writeable = False
-        line = PathLine(points, steps if with_steps else None)
-        first = np.flatnonzero(line.first)
-        # what starts in the run is a segment at once, where a tip adds one vertex
-        if with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
-            told = "its vertices of step 0, the given crack, must be there and follow each other"
-            self._fault(rows.line, key, f"{told}; so must two or more of its first step, of one that a run started")
-            return None
-        return line
-
-    def _fault(self, line: int, key: str, message: str) -> None:
-        self._faults.append(Fault(self._source, line, key, message))
-
-    def _raise_faults(self) -> None:
-        if self._faults:
-            raise self._error()
-
-    def _error(self) -> CaseError:
-        n_more = len(self._faults) - MOST_FAULTS
-        more = [Fault(self._source, None, "", f"and {n_more} more faults")] if n_more > 0 else []
-        return CaseError([*self._faults[:MOST_FAULTS], *more])
+def _line(name: str, rows: list[tuple[int, float, float, int]], with_steps: bool, fault: Tell) -> PathLine:
+    """The crack of its rows, points that repeat the one before left out."""
+    table = np.array(rows)
+    moves = np.concatenate([[True], np.any(np.diff(table[:, 1:3], axis=0) != 0, axis=1)])
+    points, steps = table[moves, 1:3], table[moves, 3].astype(np.int64)
+    points.flags.writeable = steps.flags.writeable = False
+    line, first_row, key = (
+        PathLine(points, steps if with_steps else None),
+        rows[0][0],
+        f"crack {clean(name)}" * bool(name),
+    )
+    first = np.flatnonzero(line.first)
+    if not 2 <= len(points) <= MOST_VERTICES:
+        fault(first_row, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack")
+    # what starts in the run is a segment at once, where a tip adds one vertex
+    elif with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
+        told = "its vertices of step 0, the given crack, must be there and follow each other"
+        fault(first_row, key, f"{told}; so must two or more of its first step, of one that a run started")
+    return line
 
 
 def _words(name: str) -> list[str]:
