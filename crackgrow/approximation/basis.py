@@ -1,4 +1,4 @@
-"""The basis at points of elements, and what is made of it: sparse rows, and fields.
+"""The basis at points of elements, and what is made of it: sparse rows, derivatives by function, and fields.
 
     u(x) = sum_i phi_i(x) u_i + sum_tk F_tk(x) sum_c X_c(x) a_ctk,    paper eqs. (2), (3),
 
@@ -21,10 +21,27 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.enrichment import Enrichment
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
-from crackgrow.ragged import Ragged, spans, starts_of
+from crackgrow.ragged import Ragged, numbered, spans, starts_of
 
 AT_ONCE = 12_000
 """Pairs of a point and a patch taken together: more do not fit into a cache."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Derivatives:
+    """Derivatives of some functions at n points: those at point i are the places start[i] to start[i + 1]."""
+
+    functions: Ints  # (k,) ascending
+    start: Ints  # (n + 1,)
+    column: Ints  # (e,) place among the functions
+    values: Floats  # (2, e) by x and by y, per metre
+
+    def summed(self, weights: Floats) -> Floats:
+        """Sums (k, q) over the points, and over both derivatives, times `weights` (2, n, q)."""
+        shape = (len(self.start) - 1, len(self.functions))
+        tables = (csr_array((values, self.column, self.start), shape=shape) for values in self.values)
+        by_x, by_y = (table.T @ each for table, each in zip(tables, weights, strict=True))
+        return np.asarray(by_x + by_y)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,11 +62,27 @@ class Basis:
 
     def values(self) -> csr_array:
         """The values (n, n_functions)."""
-        return self._matrix(0)
+        functions = self.cover.functions_on(self.elements)
+        counts = np.stack([self.patches.counts, np.diff(self._tip_start)], axis=1).ravel()
+        is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
+        found = np.empty(len(is_tip))
+        found[~is_tip] = self.phi[0]
+        found[is_tip] = self._carried([0], 0, self.pairs.values.size)[0]
+        return csr_array((found, functions.values, functions.start), shape=(len(self.elements), self.cover.n_functions))
 
-    def gradients(self) -> tuple[csr_array, csr_array]:
-        """The derivatives (n, n_functions) by x and by y."""
-        return self._matrix(1), self._matrix(2)
+    def derivatives(self, at: slice) -> tuple[Derivatives, Derivatives]:
+        """The derivatives of the functions of patches, and of those of tips, at the points `at`."""
+        patches, pairs = self.patches.start[at.start : at.stop + 1], self.pairs.start[at.start : at.stop + 1]
+        carriers, own = self.first.start[pairs], slice(patches[0], patches[-1])
+        of_tips = self.first.values[carriers[0] : carriers[-1], None] + np.arange(N_TIP_FUNCTIONS)
+        return (
+            self._by_function(patches, self.patches.values[own], self.phi[1:, own]),
+            self._by_function(N_TIP_FUNCTIONS * carriers, of_tips.ravel(), self._carried((1, 2), pairs[0], pairs[-1])),
+        )
+
+    def _by_function(self, start: Ints, functions: Ints, values: Floats) -> Derivatives:
+        used, column = numbered(functions, self.cover.n_functions)
+        return Derivatives(used, start - start[0], column, values)
 
     def of_alike(self, groups: Sequence[tuple[int, int]]) -> Iterator[Floats]:
         """The functions (components, e, k, n) of groups of e elements with n points each and equally many functions.
@@ -57,7 +90,7 @@ class Basis:
         Points follow each other element by element and group by group. Functions are as `Cover.functions_on` has them.
         """
         first = starts_of(np.array([e * n for e, n in groups], dtype=np.int64))
-        parts = (self.phi, self._carried(range(len(self.phi))))
+        parts = (self.phi, self._carried(range(len(self.phi)), 0, self.pairs.values.size))
         starts = (self.patches.start[first].tolist(), self._tip_start[first].tolist())
         for group, (e, n) in enumerate(groups):
             pieces = [part[:, start[group] : start[group + 1]] for part, start in zip(parts, starts, strict=True)]
@@ -89,19 +122,10 @@ class Basis:
         """Where the tip functions of each point begin (n + 1,), among those of all points."""
         return N_TIP_FUNCTIONS * self.first.start[self.pairs.start]
 
-    def _matrix(self, component: int) -> csr_array:
-        """One component (n, n_functions) of all functions."""
-        functions = self.cover.functions_on(self.elements)
-        counts = np.stack([self.patches.counts, np.diff(self._tip_start)], axis=1).ravel()
-        is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
-        found = np.empty(len(is_tip))
-        found[~is_tip] = self.phi[component]
-        found[is_tip] = self._carried([component])[0]
-        return csr_array((found, functions.values, functions.start), shape=(len(self.elements), self.cover.n_functions))
-
-    def _carried(self, components: Sequence[int]) -> Floats:
-        """The products X_c F_tk (components, tip functions of all points), or their derivatives."""
-        w, f = self.carriers[:, :, None], self.tip.repeat(self.first.counts, axis=1)
+    def _carried(self, components: Sequence[int], begin: int, end: int) -> Floats:
+        """The products X_c F_tk (components, tip functions), or derivatives, of the pairs from `begin` to `end`."""
+        first, last = self.first.start[[begin, end]]
+        w, f = self.carriers[:, first:last, None], self.tip[:, begin:end].repeat(self.first.counts[begin:end], axis=1)
         found = np.empty((len(components), *f.shape[1:]))
         for component, product in zip(components, found, strict=True):
             np.multiply(w[component], f[0], out=product)

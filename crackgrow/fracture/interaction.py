@@ -44,21 +44,17 @@ def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
     """The weights of a rule."""
     circles, faces, radii = rule.circles, rule.faces, rule.radii
     around, beside = _auxiliary(material, rule)
-    r, t = circles.polar
+    _, t = circles.polar
     away = np.stack([np.cos(t), np.sin(t)])
     fall = weighted_by_fall(circles.r, circles.weight, np.eye(len(circles.r)), radii) * circles.r
     step = weighted_by_step(faces.r, faces.weight, np.eye(len(faces.r)), radii)
     through = -(fall[:, :, None] * circles.angle_weight).reshape(len(radii), -1)
-    nothing = np.zeros((2, len(faces.r)))
     of_circles, of_faces, of_vectors = [], [], []
     for c in (0, 1):
         for d in (0, 1):
-            unit = UNIT_GRADIENTS[c, d]
-            of_circles.append(_radial_flux(material, away, around, np.broadcast_to(unit, (2, 2, len(r)))))
-            of_faces.append(_face_flux(material, rule, beside, nothing, np.broadcast_to(unit, (2, 2, len(faces.r)))))
-        vector = np.zeros((2, len(faces.r)))
-        vector[c] = 1.0
-        of_vectors.append(_face_flux(material, rule, beside, vector, np.zeros((2, 2, len(faces.r)))))
+            of_circles.append(_radial_flux(material, away, around, UNIT_GRADIENTS[c, d]))
+            of_faces.append(_face_flux(material, rule, beside, np.zeros((2, 1)), UNIT_GRADIENTS[c, d]))
+        of_vectors.append(_face_flux(material, rule, beside, np.eye(2)[c, :, None], np.zeros((2, 2, 1))))
     return Weights(
         through[:, None, None, None] * _by_mode(of_circles).reshape(2, 2, 2, -1),
         step[:, None, None, None] * _by_mode(of_faces).reshape(2, 2, 2, -1),

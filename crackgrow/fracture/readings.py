@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.cover.cover import Cover
@@ -117,9 +116,3 @@ class Readings:
         element = np.concatenate([whole[1], cut[1] + elements.n_whole])
         order = np.lexsort((element, at))
         return by_row(at[order], element[order], len(places))
-
-
-def compressed(rows: csr_array) -> tuple[Ints, csr_array]:
-    """The columns (k,) of a sparse matrix (n, m) that are not empty, ascending, and the matrix (n, k) of these."""
-    used, column = numbered(rows.indices, rows.shape[1])
-    return used, csr_array((rows.data, column, rows.indptr), shape=(rows.shape[0], len(used)))

@@ -6,16 +6,15 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array, vstack
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import Basis, basis_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.interaction import of_body_force, weights_of
-from crackgrow.fracture.readings import Made, Place, Reading, Readings, compressed
+from crackgrow.fracture.readings import Made, Place, Reading, Readings
 from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -165,29 +164,29 @@ def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Di
             kinked.append(beyond)
             points += [own, faces.points, faces.points]
             elements += [there, faces.plus, faces.minus]
-        gradients = basis_at(cover, np.concatenate(points), np.concatenate(elements)).gradients()
+        basis = basis_at(cover, np.concatenate(points), np.concatenate(elements))
         ends = np.cumsum([0, *(len(part) for part in points)])[::3].tolist()
-        for number, (disc, rule, beyond) in enumerate(zip(some, rules, kinked, strict=True)):
-            both = vstack([rows[ends[number] : ends[number + 1]] for rows in gradients], format="csr")
-            yield _reading(materials[disc.tip.body], disc, rule, beyond, csr_array(both))
+        for at, disc, rule, beyond in zip(map(slice, ends, ends[1:]), some, rules, kinked, strict=True):
+            yield _reading(materials[disc.tip.body], disc, rule, beyond, basis, at)
 
 
-def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, gradients: csr_array) -> Made:
-    """What the integrals of a disc read off, of the derivatives (2 n, n_functions) of all functions by x, then by y.
+def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis, at: slice) -> Made:
+    """What the integrals of a disc read off, of the `basis` at the points `at`.
 
-    The n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
+    These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
     derivative along the faces does not matter.
     """
     weights, turn = weights_of(material, rule), disc.tip.rotation
     beside = weights.beside[..., beyond]
     at_points = np.concatenate([weights.around, beside, beside], axis=-1)
-    turned = np.einsum("rmabn,ac,bd->crmdn", at_points, turn, turn)
-    functions, own = compressed(gradients)
-    rows = (own.T @ turned.reshape(2 * 2 * len(rule.radii), -1).T).T
-    of_uniform = turned.sum(axis=-1).transpose(1, 2, 0, 3).reshape(-1, 4)
+    turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
+    parts = basis.derivatives(at)
+    sums = [part.summed(turned.reshape(2, -1, 2 * 2 * len(rule.radii))) for part in parts]
+    of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
     of_vectors = weights.vectors.reshape(2 * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
-    return functions, Reading(np.ascontiguousarray(rows), more)
+    functions = np.concatenate([part.functions for part in parts])
+    return functions, Reading(np.ascontiguousarray(np.concatenate(sums).T), more)
 
 
 def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:

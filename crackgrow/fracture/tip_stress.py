@@ -22,9 +22,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import Derivatives, basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
@@ -32,7 +31,7 @@ from crackgrow.fracture.readings import Made, Place, Reading, Readings
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
-from crackgrow.ragged import distinct, starts_of
+from crackgrow.ragged import starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
 
 N_RAYS = 72
@@ -171,14 +170,12 @@ def _read(cover: Cover, sites: Sequence[Site], rules: Sequence[Rule]) -> Iterato
         inside = elements >= 0
         within = np.split(inside, np.cumsum(counts)[:-1])
         own = [points.taken(mine) for points, mine in zip(on_rays, within, strict=True)]
-        gradients = basis_at(cover, places[inside], elements[inside]).gradients()
-        summing = _summing(own)
-        sums = [csr_array(summing @ each) for each in gradients]
-        ends = gradients[0].indptr[starts_of(np.array([len(points.ray) for points in own]))].tolist()
-        for number, points in enumerate(own):
-            functions = distinct(gradients[0].indices[ends[number] : ends[number + 1]])
+        basis, ends = basis_at(cover, places[inside], elements[inside]), starts_of(np.array([len(p.ray) for p in own]))
+        for at, points in zip(map(slice, ends, ends[1:]), own, strict=True):
+            parts = basis.derivatives(at)
+            rows = np.concatenate([_sums(points, part) for part in parts], axis=1)
             more = (points.places, points.ray, points.weight, points.averaged)
-            yield functions, Reading(_rows_of(number, functions, sums), more)
+            yield np.concatenate([part.functions for part in parts]), Reading(rows, more)
 
 
 def _on_rays(cover: Cover, site: Site, rule: Rule) -> _Points:
@@ -226,27 +223,15 @@ def _crossings(segments: Floats, rule: Rule) -> Floats:
     return np.where(meets, distance, np.inf)
 
 
-def _summing(own: Sequence[_Points]) -> csr_array:
-    """Sums (sites * (rays + 1), n) along each ray, and over the disc, site by site, at all n points."""
-    site = np.repeat(np.arange(len(own)), [len(points.ray) for points in own])
-    ray, weight, averaged = (
-        np.concatenate([getattr(points, name) for points in own]) for name in ("ray", "weight", "averaged")
-    )
-    first, point = (N_RAYS + 1) * site, np.arange(len(site))
-    places = (np.concatenate([first + ray, first + N_RAYS]), np.tile(point, 2))
-    return csr_array((np.concatenate([averaged, weight]), places), shape=((N_RAYS + 1) * len(own), len(site)))
-
-
-def _rows_of(site: int, functions: Ints, sums: Sequence[csr_array]) -> Floats:
-    """The rows (q, k) of a site in some `sums`, one after the other, of these `functions` (k,) on it, ascending."""
-    first = (N_RAYS + 1) * site
-    rows = np.zeros((len(sums) * (N_RAYS + 1), len(functions)))
-    for each, table in zip(sums, np.split(rows, len(sums)), strict=True):
-        start = each.indptr[first : first + N_RAYS + 2]
-        own = slice(start[0], start[-1])
-        row = np.arange(N_RAYS + 1).repeat(np.diff(start))
-        table[row, np.searchsorted(functions, each.indices[own])] = each.data[own]
-    return rows
+def _sums(points: _Points, derivatives: Derivatives) -> Floats:
+    """Sums (2 (rays + 1), k) of derivatives at points by x, along each ray and then over the disc, and by y."""
+    counts, k = np.diff(derivatives.start), len(derivatives.functions)
+    on_ray, averaged, weight = (each.repeat(counts) for each in (points.ray, points.averaged, points.weight))
+    rows = []
+    for values in derivatives.values:
+        rows.append(np.bincount(on_ray * k + derivatives.column, averaged * values, N_RAYS * k).reshape(N_RAYS, k))
+        rows.append(np.bincount(derivatives.column, weight * values, k)[None])
+    return np.concatenate(rows)
 
 
 def _averaged(
@@ -267,7 +252,10 @@ def _averaged(
         sums[number] = strain[number] @ material.matrix
         sums[number] += seen[number, :, None] * np.array(material.initial.uniform)
         if material.initial.varying:
-            sums[number] += _summing([points]) @ material.initial.more_at(cover.lattice.to_metres(points.places))
+            more = material.initial.more_at(cover.lattice.to_metres(points.places))
+            for component, values in enumerate(more.T):
+                sums[number, :-1, component] += np.bincount(points.ray, points.averaged * values, N_RAYS)
+                sums[number, -1, component] += points.weight @ values
     # over a part R_c of R alone a singular field is larger by sqrt(R / R_c)
     least = np.sqrt(seen[:, :-1])[:, :, None]
     rays = np.divide(sums[:, :-1], least, out=np.full((len(readings), N_RAYS, 3), np.nan), where=least > 0.0)

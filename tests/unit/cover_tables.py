@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
+from scipy.sparse import csr_array, hstack
 
+from crackgrow.approximation.basis import Basis
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
@@ -36,3 +38,19 @@ def areas(lattice: Lattice, elements: Elements) -> np.ndarray:
     """Areas (n,) of all elements, squared spacings."""
     whole = lattice.tile_size[elements.tile[: elements.n_whole]] ** 2
     return np.concatenate([whole, shapely.area(elements.polygons)])
+
+
+def gradient_rows(basis: Basis) -> tuple[csr_array, csr_array]:
+    """The derivatives (n, n_functions) by x and by y of all functions at the points of a basis."""
+    n, sizes = len(basis.elements), (len(basis.cover.patches.nodes), basis.cover.n_functions)
+    parts = list(zip(basis.derivatives(slice(0, n)), ((0, sizes[0]), sizes), strict=True))
+
+    def rows(axis: int) -> csr_array:
+        """Zeros among them stay entries."""
+        tables = [
+            csr_array((part.values[axis], part.functions[part.column] - first, part.start), shape=(n, end - first))
+            for part, (first, end) in parts
+        ]
+        return csr_array(hstack(tables, format="csr"))
+
+    return rows(0), rows(1)
