@@ -12,7 +12,6 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.model import Load
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces
@@ -339,20 +338,14 @@ def _loads(scene: Scene, cover: Cover, crack_bodies: Sequence[str]) -> tuple[Flo
     Where loads take each other back all the way nothing is left of them, on which points would slip and open.
     """
 
-    def vector(loads: list[Load]) -> Floats:
-        f = load_vector(cover, scene.case.bodies, loads, scene.case.numerics.quadrature)
-        return np.asarray(f + face_load_vector(cover, crack_bodies, loads))
-
-    alike: dict[tuple[float, float], list[Load]] = {(0.0, 1.0): [], (1.0, 0.0): []}
-    for load in scene.case.loads:
-        alike.setdefault(scene.parts(load), []).append(load)
     (constant, scaled), sizes = np.zeros((2, 2, cover.n_dofs))
-    for parts, loads in alike.items():
-        f = vector(loads)
+    for load in scene.case.loads:
+        f = load_vector(cover, scene.case.bodies, [load], scene.case.numerics.quadrature)
+        f += face_load_vector(cover, crack_bodies, [load])
+        parts = np.array(scene.parts(load))
         constant += parts[0] * f
         scaled += parts[1] * f
-        for load in loads:
-            sizes += np.outer(np.abs(parts), np.abs(f if len(loads) == 1 else vector([load])))
+        sizes += np.outer(np.abs(parts), np.abs(f))
     for total, size in zip((constant, scaled), sizes, strict=True):
         total[_taken_back(total, size)] = 0.0
     return scaled, constant
