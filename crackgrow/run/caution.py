@@ -195,7 +195,7 @@ class Cause(Enum):
     )  # fmt: skip
     UNSTABLE = (
         1.0, "toughness", "a tip beyond its toughness is faster than v_max, so that times are too long",
-        "{place} is at {size:.3g} of its toughness: it is unstable, and faster than the v_max that growth.law: "
+        "{where} is at {size:.3g} of its toughness: it is unstable, and faster than the v_max that growth.law: "
         "subcritical gives it: the times from here on are too long",
     )  # fmt: skip
     NOTE = (0.0, "", "what a solver tells of how it came to its answer", "{words}")

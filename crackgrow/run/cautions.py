@@ -66,7 +66,6 @@ def _all_cautions(
             place = solution.cover.cracks[index].name.end(at_end)
             yield Cause.SMALL_DISC.at(place, size, note=state.intensity.note)
     yield from _unstable(solution)
-    yield from _overload(solution)
     yield from large_displacements(solution, faces)
     yield from closeness_cautions(scene, solution.cover)
     yield from _kinks(solution)
@@ -94,30 +93,19 @@ def ripples(solution: StepSolution) -> Iterator[Caution]:
 
 
 def _unstable(solution: StepSolution) -> Iterator[Caution]:
-    """Tips that are beyond their toughness, where a law of subcritical growth gives them a velocity."""
-    if solution.scene.case.subcritical is None:
+    """A load that is far beyond the critical one, or at all where a law of growth in time has no more than v_max."""
+    case, cover = solution.scene.case, solution.cover
+    if case.growth is None or case.growth.steps == 0 or isinstance(case.loading, CriticalLoad):
         return
-    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
-        if state.verdict is not None and state.verdict.criticality >= Cause.UNSTABLE.limit:
-            place = solution.cover.cracks[index].name.end(at_end)
-            yield Cause.UNSTABLE.at(place, state.verdict.criticality)
-
-
-def _overload(solution: StepSolution) -> Iterator[Caution]:
-    """A load far beyond the one at which cracks begin to grow, where they do grow and no law gives them a velocity."""
-    case = solution.scene.case
-    if case.growth is None or case.growth.steps == 0 or case.subcritical or isinstance(case.loading, CriticalLoad):
+    cause, criticality = Cause.UNSTABLE if case.subcritical else Cause.OVERLOAD, site_criticality(solution)
+    if criticality.max(initial=0.0) < cause.limit:
         return
-    criticality = site_criticality(solution)
-    worst = int(np.argmax(criticality)) if len(criticality) else 0
-    if criticality.max(initial=0.0) >= Cause.OVERLOAD.limit:
-        ends = solution.cover.tip_ends
-        place = solution.cover.lattice.to_metres(solution.configuration.sites[worst].point)
-        where = f"the place {place_text(place)}"
-        if worst < len(ends):
-            index, at_end = ends[worst]
-            where = solution.cover.cracks[index].name.end(at_end)
-        yield Cause.OVERLOAD.at(size=criticality[worst], where=where)
+    worst = int(np.argmax(criticality))
+    where = place_text(cover.lattice.to_metres(solution.configuration.sites[worst].point))
+    if worst < len(cover.tip_ends):
+        index, at_end = cover.tip_ends[worst]
+        where = cover.cracks[index].name.end(at_end)
+    yield cause.at(size=criticality[worst], where=where)
 
 
 def _off_target(solution: StepSolution) -> Iterator[Caution]:

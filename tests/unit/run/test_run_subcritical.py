@@ -83,8 +83,8 @@ def test_a_tip_beyond_its_toughness_is_told_and_has_no_more_than_the_largest_vel
     assert results[0].tips[0].criticality > 1.0
     assert results[0].tips[0].velocity == V_MAX
     assert results[1].time == pytest.approx(INCREMENT / V_MAX)
-    cautions = [caution for caution in results[0].cautions if caution.cause == Cause.UNSTABLE]
-    assert [caution.place for caution in cautions] == ["the end of crack 'notch'"]
+    (told,) = [caution.words for caution in results[0].cautions if caution.cause == Cause.UNSTABLE]
+    assert told.startswith(f"the end of crack 'notch' is at {results[0].tips[0].criticality:.3g} of its toughness")
 
 
 def test_coarse_increments_are_told() -> None:
