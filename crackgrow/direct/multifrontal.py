@@ -38,8 +38,9 @@ the solution stays small instead of arbitrary. At 1e-12 such a wedge, with pivot
 
 
 FEW_FRONTS = 15
-"""A subtree of at most so many fronts keeps what it leaves to its parent only once that is factorized anew, when it is
-made again from the factors. With 50 flaws 43 MB are kept at first; with all 370 MB, twice what the factors take."""
+"""A subtree of at most so many fronts keeps what it leaves to its parent only once something has grown there: before it
+is made again from the factors when it is asked for. Of 50 flaws 43 MB are kept at first; all are 370 MB, twice the
+factors."""
 
 
 class _NoPivotError(Exception):
@@ -163,7 +164,7 @@ class _Elimination:
             n_below[k] += sum(n_below[child] for child in contents.children(k))
             factor = self.factors.get(key) or known.factors.get(key)
             if factor is None:
-                factor = self._eliminated(k, n_below[k] > FEW_FRONTS)
+                factor = self._eliminated(k, n_below[k] > FEW_FRONTS or bool(known.factors))
                 self.n_factorized += 1
             self.factors[key] = factor
             for child in contents.children(k):

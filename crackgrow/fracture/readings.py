@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats, Ints, key_of
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.tolerance import SAME_PLACE
-from crackgrow.ragged import Ragged, by_row, numbered
+from crackgrow.ragged import Ragged, from_lists, numbered
 from crackgrow.solid.clusters import Named
 
 
@@ -104,15 +104,13 @@ class Readings:
 
     def _elements_near(self, places: Sequence[Place]) -> Ragged:
         """The elements that touch the box of each place, ascending."""
-        cover, elements = self.cover, self.cover.elements
-        low = np.array([place.low for place in places]).reshape(-1, 2) - SAME_PLACE
-        high = np.array([place.high for place in places]).reshape(-1, 2) + SAME_PLACE
-        boxes = shapely.box(*low.T, *high.T)
-        tile, size = elements.tile[: elements.n_whole], cover.lattice.tile_size
-        corner = cover.lattice.tile_low[tile]
-        whole = shapely.STRtree(shapely.box(*corner.T, *(corner + size[tile, None]).T)).query(boxes)
-        cut = elements.tree.query(boxes)
-        at = np.concatenate([whole[0], cut[0]])
-        element = np.concatenate([whole[1], cut[1] + elements.n_whole])
-        order = np.lexsort((element, at))
-        return by_row(at[order], element[order], len(places))
+        elements, lattice = self.cover.elements, self.cover.lattice
+        tile = elements.tile[: elements.n_whole]
+        corner, size = lattice.tile_low[tile], lattice.tile_size[tile, None]
+        found = []
+        for place in places:
+            low, high = place.low - SAME_PLACE, place.high + SAME_PLACE
+            whole = np.flatnonzero(((corner <= high) & (corner + size >= low)).all(axis=1))
+            cut = np.sort(elements.tree.query(shapely.box(*low, *high)))
+            found.append(np.append(whole, cut + elements.n_whole))
+        return from_lists(found)
