@@ -23,7 +23,7 @@ from crackgrow.cover.enrichment import Enrichment
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
 from crackgrow.ragged import Ragged, numbered, spans, starts_of
 
-AT_ONCE = 12_000
+AT_ONCE = 16_000
 """Pairs of a point and a patch taken together: more do not fit into a cache."""
 
 
