@@ -18,7 +18,6 @@ from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene
-from crackgrow.solid.linear_solver import displacement_size
 
 
 def last_factor(case: Case) -> float:
@@ -47,6 +46,16 @@ def at_once(configuration: Configuration, factor: float, memory: ContactMemory |
     """
     level, memory = LoadLevel(factor), memory or ContactMemory.fresh(configuration.faces.n)
     return configuration.equilibrium(level, memory, configuration.states(level, memory))
+
+
+def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
+    """Size of a displacement field, m: the mean displacement along the loads, or the largest prescribed one.
+
+    The coefficients u themselves can be far larger where tip functions nearly depend on each other.
+    """
+    total = np.abs(loads).sum()
+    along_loads = float(abs(loads @ u) / total) if total > 0.0 else 0.0
+    return max(along_loads, float(np.abs(given).max(initial=0.0)))
 
 
 def solve_contact(

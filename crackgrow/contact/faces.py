@@ -15,8 +15,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.geometry.tolerance import SAME_PLACE
-from crackgrow.quadrature.lines import on_edges_with_tips
-from crackgrow.quadrature.rules import gauss
+from crackgrow.quadrature.rules import gauss, on_edges_with_tips
 from crackgrow.ragged import starts_of
 
 STRETCH_KINK = np.deg2rad(10.0)

@@ -15,19 +15,16 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.arrangement import as_numbers, ring_vertices
+from crackgrow.geometry.tolerance import SAME_PART
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 from crackgrow.ragged import Ragged, places
 from crackgrow.vectors import cross
 
 LARGEST = 2.0
-"""Triangles with tip functions are no larger than this many times their distance from the tip."""
+"""Triangles, and pieces of edges, with tip functions are no larger than this many times their distance from the tip."""
 
 NEAREST = 1e-5
 """Triangles smaller than this part of their cell are not halved any further: their share is below that of the rules."""
-
-ALIKE = 1e-9
-"""What differs by less than this part is alike: which of two sides of a triangle rounding makes the longest must not
-matter. Halves of right triangles have two such sides."""
 
 THIN = 1e-4
 """Triangles with a side below this part of the longest: the other two are alike whatever they are. Which of them is
@@ -95,7 +92,7 @@ def _triangles(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
     Delaunay triangles are unique unless four corners lie on a circle: such polygons are cut from their middle.
     """
     corners, owner = triangulate(polygons)
-    cut = shapely.area(polygons) >= (1.0 - ALIKE) * shapely.area(shapely.convex_hull(polygons))
+    cut = shapely.area(polygons) >= (1.0 - SAME_PART) * shapely.area(shapely.convex_hull(polygons))
     cut[cut] = _on_a_circle(polygons, corners, owner)[cut]
     start, end, which = ring_vertices(polygons[cut])
     middle = shapely.get_coordinates(shapely.centroid(polygons[cut]))[which]
@@ -117,7 +114,7 @@ def _on_a_circle(polygons: NDArray[np.object_], corners: Floats, owner: Ints) ->
     aa, bb, pp = (np.sum(v * v, axis=1) for v in (a, b, p))
     off = np.abs(aa * cross(b, p) + bb * cross(p, a) + pp * cross(a, b))
     own = (corners[row] == point[:, None]).all(axis=2).any(axis=1)
-    on = (off <= ALIKE * np.maximum(np.maximum(aa, bb), pp) ** 2) & ~own
+    on = (off <= SAME_PART * np.maximum(np.maximum(aa, bb), pp) ** 2) & ~own
     found = np.zeros(len(polygons), dtype=bool)
     found[owner[row[on]]] = True
     return found
@@ -156,7 +153,7 @@ def _longest(corners: Floats) -> tuple[Floats, Ints, Ints]:
 def _alike(sides: Floats, first: Ints, second: Ints) -> Bools:
     """Whether two sides (t,) of triangles are equally long, of lengths (t, 3)."""
     at = np.arange(len(sides))
-    return np.asarray(sides[at, second] >= (1.0 - ALIKE) * sides[at, first])
+    return np.asarray(sides[at, second] >= (1.0 - SAME_PART) * sides[at, first])
 
 
 def _turned(corners: Floats, first: Ints) -> Floats:

@@ -14,7 +14,8 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.tolerance import ON_LINE
-from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
+from crackgrow.quadrature.elements import LARGEST
+from crackgrow.quadrature.rules import on_edges, on_edges_with_tips
 from crackgrow.ragged import Ragged, by_row
 
 POINTS_PER_EDGE = 4
@@ -28,9 +29,6 @@ POINTS_PER_PIECE = 5
 
 POINTS_ON_SURFACES = 8
 """The same along surfaces, where contact pressures use other points: a stuck crack passes the patch test at 1e-10."""
-
-LARGEST = 2.0
-"""Pieces of edges with tip functions are no longer than this many times their distance from the tip."""
 
 SHORTEST = 1e-5
 """Pieces shorter than this many spacings are not halved any further."""

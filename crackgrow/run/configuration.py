@@ -29,14 +29,13 @@ from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import FieldReading, field_readings
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.residual import WORST_RESIDUAL, residual_of
+from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.run.surface_laws import SurfaceLaw, laws_at_points
 from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.magnitude import LARGEST, LARGEST_STRAIN, check_magnitude
 from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import Stiffness, stiffness_after

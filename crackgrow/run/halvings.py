@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -127,30 +128,17 @@ class Accuracy:
 
 
 def record_of(accuracy: Accuracy) -> dict[str, Any]:
-    """An accuracy as plain data, which knows no nan."""
+    """An accuracy as plain data, whose numbers may be nan."""
     kept = {part.name: getattr(accuracy, part.name) for part in fields(accuracy) if part.name != "compared"}
-    return {name: _plain(value) for name, value in {**kept, "halvings": asdict(accuracy.halvings)}.items()}
+    record: dict[str, Any] = json.loads(json.dumps({**kept, "halvings": asdict(accuracy.halvings)}))
+    return record
 
 
 def accuracy_of_record(record: Mapping[str, Any]) -> Accuracy:
     """The accuracy that was written as plain data."""
-    values = {name: _from_plain(value) for name, value in record.items()}
-    return Accuracy(**{**values, "halvings": Halvings(**values["halvings"])})
+    halvings = Halvings(**{name: _as_tuples(value) for name, value in record["halvings"].items()})
+    return Accuracy(**{**{name: _as_tuples(value) for name, value in record.items()}, "halvings": halvings})
 
 
-def _plain(value: Any) -> Any:
-    """Numbers that are none as texts."""
-    if isinstance(value, dict):
-        return {name: _plain(inner) for name, inner in value.items()}
-    if isinstance(value, tuple):
-        return [_plain(inner) for inner in value]
-    return str(value) if isinstance(value, float) and not math.isfinite(value) else value
-
-
-def _from_plain(value: Any) -> Any:
-    """What `_plain` was made of."""
-    if isinstance(value, dict):
-        return {name: _from_plain(inner) for name, inner in value.items()}
-    if isinstance(value, list):
-        return tuple(_from_plain(inner) for inner in value)
-    return float(value) if value in ("nan", "inf") else value
+def _as_tuples(value: Any) -> Any:
+    return tuple(map(_as_tuples, value)) if isinstance(value, list) else value

@@ -10,12 +10,10 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import ContactSupport
 from crackgrow.cover.cover import Cover, Foundation
 from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.geometry.tolerance import ROUND_OFF
 from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Reaction
-
-NO_FORCES = 1e-12
-"""Of the terms that they are the sums of: forces that are less are round-off, and nothing is stressed."""
 
 
 def reactions(state: LoadState) -> tuple[Reaction, ...]:
@@ -85,4 +83,4 @@ def imbalance(solution: StepSolution) -> float:
     held = [np.array(reaction.force) for reaction in external]
     size = float(np.abs(solution.loads).sum() + sum(np.hypot(*force) for force in held))
     left = float(np.abs(sum(held, start=total_load(solution))).max())
-    return 0.0 if size <= NO_FORCES * state.outcome.largest_terms else left / size
+    return 0.0 if size <= ROUND_OFF * state.outcome.largest_terms else left / size

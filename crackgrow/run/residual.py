@@ -1,4 +1,4 @@
-"""What a solved configuration misses of equilibrium."""
+"""What a solved configuration misses of equilibrium; whether its fields are finite, and their products will be."""
 
 from __future__ import annotations
 
@@ -12,6 +12,13 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import SymmetricMatrix
+from crackgrow.errors import SolveError
+
+LARGEST = 1e100
+"""Forces and stiffnesses, in SI, beyond which energies may overflow."""
+
+LARGEST_STRAIN = 1e60
+"""Displacements over the spacing beyond which stresses and their squares may overflow."""
 
 UNSTRESSED = 1e-6
 """Forces below this fraction of the terms that they are the sum of are no forces."""
@@ -69,3 +76,13 @@ def _place_of(cover: Cover, function: int) -> Floats:
         return np.asarray(cover.patches.nodes[function])
     first = [tip.first_function for tip in cover.tips]
     return cover.tips[int(np.searchsorted(first, function, side="right")) - 1].point
+
+
+def check_magnitude(field: str, values: Floats, largest: float, unit: str) -> None:
+    """Raise SolveError, naming the `field`, unless all values are finite and none is larger than `largest`."""
+    size = float(np.abs(values).max(initial=0.0))
+    if not size <= largest:  # false for what is not a number, too
+        raise SolveError(
+            f"{field}: a value is {size:.3g} {unit}, wanted: finite, at most {largest:g} {unit}; "
+            "check the units and sizes of loads, lengths and moduli"
+        )

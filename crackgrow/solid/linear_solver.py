@@ -26,16 +26,6 @@ INCONSISTENT = 1e-6
 """Constraints that contradict each other by more than this fraction of what they prescribe are refused."""
 
 
-def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
-    """Size of a displacement field, m: the mean displacement along the loads, or the largest prescribed one.
-
-    The coefficients u themselves can be far larger where tip functions nearly depend on each other.
-    """
-    total = np.abs(loads).sum()
-    along_loads = float(abs(loads @ u) / total) if total > 0.0 else 0.0
-    return max(along_loads, float(np.abs(given).max(initial=0.0)))
-
-
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
@@ -77,7 +67,8 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            u[:, block], multipliers[:, block] = self._refined(columns[:, block], wanted[:, block], with_pulls)
+            found = self._factorization.solve(columns[:, block], wanted[:, block], with_pulls)
+            u[:, block], multipliers[:, block] = self._corrected(found, columns[:, block], wanted[:, block])
         given_in = wanted.any(axis=0)
         if given_in.any():
             self._check_agreement(wanted[:, given_in])
@@ -85,7 +76,8 @@ class ConstrainedSystem:
 
     def _check_agreement(self, wanted: Floats) -> None:
         """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
-        u, _ = self._refined(np.zeros((self.constraints.shape[1], wanted.shape[1])), wanted, with_pulls=False)
+        nothing = np.zeros((self.constraints.shape[1], wanted.shape[1]))
+        u, _ = self._corrected(self._factorization.solve(nothing, wanted), nothing, wanted)
         left = np.abs(self.constraints @ u - wanted).max(axis=0)
         round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0)
         if np.any(left > np.maximum(INCONSISTENT * np.abs(wanted).max(axis=0), round_off)):
@@ -97,14 +89,6 @@ class ConstrainedSystem:
         Symmetric to the last bit.
         """
         return self._factorization.compliance(rows)
-
-    def _refined(self, loads: Floats, wanted: Floats, with_pulls: bool) -> tuple[Floats, Floats]:
-        """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k).
-
-        Refinement goes on until residuals are round-off by the terms that they are sums of, or it gains no more, in one
-        sum of all columns with signs at random: products with all of them cost more than their solutions.
-        """
-        return self._corrected(self._factorization.solve(loads, wanted, with_pulls), loads, wanted)
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -119,7 +103,11 @@ class ConstrainedSystem:
         return better[0].reshape(u.shape), better[1].reshape(multipliers.shape)
 
     def _corrected(self, found: tuple[Floats, Floats], loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-        """Displacements (n, k) and multipliers (m, k) from those `found`, with corrections as `_refined` has them."""
+        """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), from those `found`.
+
+        Corrections go on until residuals are round-off by the terms that they are sums of, or gain no more, in one sum
+        of all columns with signs at random: products with all of them cost more than their solutions.
+        """
         (u, multipliers), sign, last = found, _signs(loads), np.inf
         for _ in range(REFINEMENTS):
             error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)

@@ -28,8 +28,8 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.solid.linear_solver import displacement_size
 from crackgrow.solid.recovery import displacement_at
+from tests.solving import displacement_size
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

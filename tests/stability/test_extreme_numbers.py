@@ -15,7 +15,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, CrackgrowError, SolveError
 from crackgrow.run import grow
-from crackgrow.solid.magnitude import check_magnitude
+from crackgrow.run.residual import check_magnitude
 from tests.stability.random_scenes import text_of
 
 Key = tuple[str | int, ...]

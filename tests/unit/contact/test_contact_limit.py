@@ -10,8 +10,7 @@ import pytest
 import crackgrow.contact.solve as module
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import complementarity_residual
-from crackgrow.contact.hold import alone
-from crackgrow.contact.limit import least_unbalanced
+from crackgrow.contact.hold import alone, least_unbalanced
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.solid.rigid_modes import FreePiece

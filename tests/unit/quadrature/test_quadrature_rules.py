@@ -8,8 +8,15 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from crackgrow.quadrature.lines import on_edges, on_edges_with_tips
-from crackgrow.quadrature.rules import gauss, on_tip_triangles, on_triangles, square, triangle
+from crackgrow.quadrature.rules import (
+    gauss,
+    on_edges,
+    on_edges_with_tips,
+    on_tip_triangles,
+    on_triangles,
+    square,
+    triangle,
+)
 
 POINTS = (1, 2, 3, 4, 6)
 

@@ -51,7 +51,7 @@ def stored(checkpoint: Checkpoint | None) -> Checkpoint:
     """The checkpoint as it comes back from files."""
     assert checkpoint is not None
     arrays = {name: array.copy() for name, array in checkpoint.arrays.items()}
-    return Checkpoint(checkpoint.step, json.loads(json.dumps(checkpoint.values, allow_nan=False)), arrays)
+    return Checkpoint(checkpoint.step, json.loads(json.dumps(checkpoint.values)), arrays)
 
 
 def assert_same(one: Any, other: Any, where: str) -> None:

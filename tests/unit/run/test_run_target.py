@@ -539,7 +539,7 @@ def test_what_is_known_comes_back_from_plain_data() -> None:
         Halvings(1, (3, 0), 2, 1), ((0, False), (1, True)), (2.5, math.nan), 7.0, (0.1, 0.0), 0.2, "why",
         expected=(1.5, math.nan), rooms=(0.25, math.nan), age=3, widened=(1.7, 1.0), coarser=(2, 0),
     )  # fmt: skip
-    again = accuracy_of_record(json.loads(json.dumps(record_of(known), allow_nan=False)))
+    again = accuracy_of_record(json.loads(json.dumps(record_of(known))))
     assert (again.halvings, again.ends, again.largest) == (known.halvings, known.ends, known.largest)
     assert (again.grown, again.fitted, again.missed, again.bounds[0]) == (known.grown, 0.2, "why", 2.5)
     assert (again.expected[0], again.rooms[0], again.age) == (1.5, 0.25, 3)
