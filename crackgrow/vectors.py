@@ -20,3 +20,10 @@ def outward_normals(steps: Floats) -> Floats:
     """
     across = np.stack([steps[:, 1], -steps[:, 0]], axis=1)
     return np.asarray(across / np.maximum(np.hypot(*steps.T), np.finfo(float).tiny)[:, None])
+
+
+def across(stress: Floats, normal: Floats) -> Floats:
+    """Stress vectors (n, 2) Pa of stresses (n, 3) on surfaces with unit normals (n, 2)."""
+    xx, yy, xy = stress.T
+    x, y = normal.T
+    return np.stack([xx * x + xy * y, xy * x + yy * y], axis=1)

@@ -72,12 +72,13 @@ def check_loads(scene: Scene) -> None:
         for points in lines:
             ends = np.stack([points[:-1], points[1:]], axis=1)
             check_formula(scene, ("loads", index, "pressure"), load["pressure"], sampled(ends))
-    for index, load in scene.items("loads", "on"):
+    for index, load in scene.listed("loads"):
         region = scene.regions.get(("loads", index, "on"))
-        if region is not None:
+        if region is not None and scene.report.sound("loads", index):
             points = sampled(ends_of(scene.bodies[region.body], region))
-            for axis, component in enumerate(load.get("traction", ())):
-                check_formula(scene, ("loads", index, "traction", axis), component, points)
+            kind = "far_field" if "far_field" in load else "traction"
+            for axis, component in enumerate(load.get(kind, ())):
+                check_formula(scene, ("loads", index, kind, axis), component, points)
             check_formula(scene, ("loads", index, "pressure"), load.get("pressure"), points)
     for index, load in scene.items("loads", "force") if scene.complete else ():
         place_in_rock(scene, ("loads", index, "at"), load["at"], load)

@@ -10,7 +10,7 @@ from crackgrow.case.shapes import Resolved
 
 KEY = ("loading", "stages")
 
-LOADS = ("traction", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
+LOADS = ("traction", "far_field", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
 
 
 def check_stages(scene: Scene) -> None:

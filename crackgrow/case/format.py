@@ -59,8 +59,18 @@ CRACK: Final = Mapping(
     }
 )
 
+OUTLINE: Final = Field(
+    Choice(("fixed", "rollers"), ("no displacement", "none across it, on sides along x or y; free to slide along it")),
+    "how the whole outline is held, where no other body lies",
+)
+
 SUPPORT: Final = OneOf(
-    (Mapping(keys_of(model.PointSupport, last="body")), mapping_of(model.EdgeSupport), mapping_of(model.ContactSupport))
+    (
+        Mapping(keys_of(model.PointSupport, last="body")),
+        mapping_of(model.EdgeSupport),
+        mapping_of(model.ContactSupport),
+        Mapping({"outline": OUTLINE, "body": Field(Text(), "name of a body; left out: all of them", OPTIONAL)}),
+    )
 )
 
 MINIMAL: Final = "minimal"
@@ -78,6 +88,7 @@ LOAD: Final = OneOf(
     (
         mapping_of(model.EdgeTraction),
         mapping_of(model.EdgePressure),
+        mapping_of(model.FarField),
         mapping_of(model.Gravity),
         Mapping({"crack": Field(Text(), "name of a crack"), **_PRESSURE}),
         mapping_of(model.InSituStress),

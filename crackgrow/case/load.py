@@ -22,6 +22,7 @@ from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.neighbours import shared_lines
+from crackgrow.case.outline import settle_outlines
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Place, Report
@@ -34,6 +35,7 @@ from crackgrow.case.units import Units
 REDUCTION: Final = "strength_reduction"
 
 STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+    settle_outlines,
     settle_bodies,
     check_regions,
     expand_crack_sets,
@@ -190,6 +192,8 @@ def _load(scene: Scene, index: int, load: Resolved) -> model.Load:
         return made(model.EdgeTraction, load, region=scene.regions["loads", index, "on"])
     if "on" in load:
         return made(model.EdgePressure, load, region=scene.regions["loads", index, "on"])
+    if "far_field" in load:
+        return made(model.FarField, load, region=scene.regions["loads", index, "on"])
     if "pressure" in load:
         return made(model.FluidPressure, load, surface=_surface(load))
     if "force" in load:

@@ -12,7 +12,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.declared import made
 from crackgrow.case.format import MINIMAL
 from crackgrow.case.layout import Scene
-from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction
+from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction, FarField
 from crackgrow.case.regions import ends_of
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
@@ -119,10 +119,8 @@ def _check_balance(scene: Scene) -> None:
 
 def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, Floats]]:
     """Places (n, 2) m and forces (n, 2) N/m of a load; pressure on both faces and stress balance in themselves."""
-    if "on" in load:
-        region = scene.regions.get(("loads", index, "on"))
-        if region is None:
-            return
+    region = scene.regions.get(("loads", index, "on"))
+    if region is not None:
         ends = ends_of(scene.bodies[region.body], region)
         outward = np.repeat(outward_normals(ends[:, 1] - ends[:, 0]), GAUSS_POINTS, axis=0)
         along, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
@@ -130,7 +128,11 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
         places = points.reshape(-1, 2)
         on_edge: EdgeLoad = (
-            made(EdgePressure, load, region=region) if "pressure" in load else made(EdgeTraction, load, region=region)
+            made(EdgePressure, load, region=region)
+            if "pressure" in load
+            else made(FarField, load, region=region)
+            if "far_field" in load
+            else made(EdgeTraction, load, region=region)
         )
         try:
             traction = on_edge.traction_at(places, outward)

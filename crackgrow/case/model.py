@@ -33,6 +33,7 @@ from crackgrow.case.scalars import (
 from crackgrow.case.schema import BY_PARTS, OPTIONAL, Field, ListOf, Mapping, Same
 from crackgrow.case.spellings import DISPLACEMENT, PAIR, PATH, POINT, REGION, SHAPE, SIZE, TRACTION
 from crackgrow.case.surface import SurfaceName, crack_name
+from crackgrow.vectors import across
 
 __all__ = ["Component", "EdgeRegion", "Formula"]  # with the classes of this module
 
@@ -254,7 +255,26 @@ class EdgePressure:
         return -component_at(self.pressure, places)[:, None] * outward
 
 
-EdgeLoad = EdgeTraction | EdgePressure
+@dataclass(frozen=True, slots=True, eq=False)
+class FarField:
+    """Traction of a stress, far away, on the outline of a body."""
+
+    body: OnlyBody
+    stress: Annotated[
+        tuple[Component, Component, Component],
+        ListOf(OrFormula("stress"), 3),
+        Doc("stress far away, [xx, yy, xy], whose traction acts on the outline", key="far_field"),
+    ]  # Pa
+    region: EdgeRegion  # the outline, as far as no other body lies there
+    held: Held = False
+    name: LoadName = None
+
+    def traction_at(self, places: Floats, outward: Floats) -> Floats:
+        """Traction (n, 2) Pa at places (n, 2) m of the outline with unit normals (n, 2) out of the rock."""
+        return across(np.stack([component_at(component, places) for component in self.stress], axis=1), outward)
+
+
+EdgeLoad = EdgeTraction | EdgePressure | FarField
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -309,7 +329,7 @@ class PointForce:
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | EdgePressure | Gravity | FluidPressure | InSituStress | PointForce
+Load = EdgeTraction | EdgePressure | FarField | Gravity | FluidPressure | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)

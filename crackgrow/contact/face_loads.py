@@ -13,7 +13,8 @@ from crackgrow.contact.faces import integration_points
 from crackgrow.contact.jump import jump_matrix
 from crackgrow.cover.cover import Cover
 from crackgrow.quadrature.subdivision import subdivided
-from crackgrow.solid.in_situ import InSitu, across
+from crackgrow.solid.in_situ import InSitu
+from crackgrow.vectors import across
 
 
 def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[Load]) -> Floats:

@@ -18,7 +18,7 @@ from crackgrow.fracture.readings import Made, Place, Reading, Readings
 from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.in_situ import across
+from crackgrow.vectors import across
 
 FaceTraction = Callable[[Floats], tuple[Floats, Floats]]
 """Normal and tangential traction (n,) Pa at arc lengths (n,), spacings, from the crack's start."""

@@ -135,6 +135,8 @@ def _loads(case: Case) -> str:
             words.append(f"pressure {component_text(load.pressure)} in {load.surface}{held}")
         elif isinstance(load, model.EdgePressure):
             words.append(f"pressure {component_text(load.pressure)} on {load.region.body}.{load.region.edge}{held}")
+        elif isinstance(load, model.FarField):
+            words.append(f"far-field stress on the outline of {load.body}{held}")
         elif isinstance(load, model.PointForce):
             words.append(f"a force at a point of {load.body}{held}")
         elif isinstance(load, model.InSituStress):

@@ -15,7 +15,7 @@ from matplotlib.transforms import Bbox
 
 from crackgrow.arrays import Floats
 from crackgrow.case.features import line_length
-from crackgrow.case.model import Body, Case, Crack, InSituStress, Stages
+from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
 from crackgrow.cover.squares import QUANTA
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.figures import body_path
@@ -144,12 +144,12 @@ def _name_crack(axes: Axes, crack: Crack, size: float, scale: float, unit: str, 
 
 
 def _notes(case: Case) -> list[str]:
-    """What has no place of its own: in-situ stresses, which fill a body, and stages in which bodies are taken out."""
+    """What has no place of its own: stresses in bodies and round them, and stages in which bodies are taken out."""
     notes = [
-        f"in-situ stress xx, yy, xy in {load.body}: {', '.join(component_text(value) for value in load.stress)}"
-        f"{', held' if load.held else ''}"
+        f"{'in-situ stress' if isinstance(load, InSituStress) else 'far-field stress'} xx, yy, xy in {load.body}: "
+        f"{', '.join(component_text(value) for value in load.stress)}{', held' if load.held else ''}"
         for load in case.loads
-        if isinstance(load, InSituStress)
+        if isinstance(load, InSituStress | FarField)
     ]
     if isinstance(case.loading, Stages):
         for body in case.bodies:

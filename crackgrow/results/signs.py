@@ -136,6 +136,8 @@ def _edge_sign(case: Case, support: model.EdgeSupport | model.ContactSupport, si
 def _load_sign(case: Case, load: model.Load, size: float) -> Sign | None:
     held = ", held" if load.held else ""
     reach = ARROW * size
+    if isinstance(load, model.FarField):
+        return _far_field(case, load, size)
     if isinstance(load, model.EdgeLoad):
         return _traction(case, load, size, held)
     if isinstance(load, model.Gravity) and any(load.acceleration):
@@ -167,7 +169,13 @@ def _pressure(case: Case, load: model.FluidPressure, size: float, held: str) -> 
     return Sign(f"pressure in {load.surface}", tuple(marks), (words,))
 
 
-def _traction(case: Case, load: model.EdgeLoad, size: float, held: str) -> Sign | None:
+def _far_field(case: Case, load: model.FarField, size: float) -> Sign:
+    """Arrows all round a body; words tell the stress."""
+    places = _spread(_stretches(case, load.region, APART * size), APART * size, most=None)
+    return Sign(f"far field round {load.body}", _traction_arrows(load, places, GAP * size, ARROW * size))
+
+
+def _traction(case: Case, load: model.EdgeTraction | model.EdgePressure, size: float, held: str) -> Sign | None:
     """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
     hole, below = _hole_of(case, load.region), 0.05 * size
     if hole is not None:

@@ -27,6 +27,15 @@ class Cause(Enum):
         "{what} are carried by supports at points, where a plane gives way without bound: displacements depend on the "
         "spacing, and the stress there is not that of a specimen; balance the loads, or hold an edge",
     )  # fmt: skip
+    FREE_EDGES = (
+        0.01, "in-situ stress", "stress at the edge is gone at once, and all of it in a body that nothing holds",
+        "{what} {are} free: the in-situ stress of {stress:.3g} MPa there relaxes; unless that is meant, as "
+        "where an opening is, hold the outline (supports: [{{outline: rollers}}]) or load it (loads: far_field)",
+    )  # fmt: skip
+    DRY = (
+        0.0, "", "a fluid presses where a load says so and nowhere else",
+        "{dry} meets {fluid}, where a fluid presses, and stays dry: give it a pressure of its own, 0 if that is meant",
+    )  # fmt: skip
     POINT_FORCE = (
         0.0, "", "displacement at the point grows by 2 F ln(2) / (pi E') on an edge whenever cells are halved",
         "{place} acts on a point: displacement and stress there grow without bound as cells get smaller; where they "

@@ -35,6 +35,7 @@ from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
+from crackgrow.run.unsaid import dry_joints, free_edges
 from crackgrow.solid.loads import load_vector
 
 MOST_MOVED = 8
@@ -79,6 +80,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_CRACK.limit - SAME_PLACE and not ends_on(shape, cover.cracks):
             yield Cause.SHORT_CRACK.at(shape.name.words, 1.0 / length, length=length)
+    yield from free_edges(scene)
     yield from _contradictions(scene, cover)
     yield from _unresolved(scene, cover)
     yield from _moved(scene)
@@ -285,7 +287,8 @@ def _unbalanced(cover: Cover, forces: Floats) -> float:
 
 
 def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
-    """Short cracks that lead from a tip to another crack, and cracks and tips that lie close to other things."""
+    """Short cracks that lead from a tip to another crack, cracks and tips that lie close to other things, dry ones."""
+    yield from dry_joints(scene, cover)
     for index, crack in enumerate(cover.cracks):
         length = cover.surfaces[index].in_cells.total
         if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):

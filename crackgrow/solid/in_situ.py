@@ -8,7 +8,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import Component, InSituStress
+from crackgrow.case.model import Component, FarField, InSituStress
 
 STEP = 0.01
 """Spacings between the places that a slope of a formula is taken from: exact for cubic stresses but for rounding."""
@@ -23,7 +23,7 @@ class InSitu:
     uniform: tuple[float, float, float] = (0.0, 0.0, 0.0)  # Pa: xx, yy, xy
     varying: tuple[tuple[float, Stress], ...] = ()  # factors, and the stresses that they multiply
 
-    def plus(self, load: InSituStress, share: float) -> InSitu:
+    def plus(self, load: InSituStress | FarField, share: float) -> InSitu:
         """The stress with a share of a load."""
         if any(callable(component) for component in load.stress):
             return InSitu(self.uniform, (*self.varying, (share, load.stress)))
@@ -56,10 +56,3 @@ def _slope(stress: InSitu, places: Floats, step: Floats) -> Floats:
     """Slope (n, 3) Pa/m of a stress along a step (2,) m, to fourth order."""
     one, two = (stress.more_at(places + k * step) - stress.more_at(places - k * step) for k in (1.0, 2.0))
     return np.asarray((8.0 * one - two) / (12.0 * float(np.hypot(*step))))
-
-
-def across(stress: Floats, normal: Floats) -> Floats:
-    """Stress vectors (n, 2) Pa of stresses (n, 3) on surfaces with unit normals (n, 2)."""
-    xx, yy, xy = stress.T
-    x, y = normal.T
-    return np.stack([xx * x + xy * y, xy * x + yy * y], axis=1)

@@ -9,7 +9,7 @@ import numpy as np
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Body, EdgeLoad, Gravity, InSituStress, Load, PointForce
+from crackgrow.case import model
 from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
@@ -19,34 +19,36 @@ from crackgrow.errors import GeometryError
 from crackgrow.quadrature.plain_kinds import all_points
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.subdivision import subdivided
-from crackgrow.solid.in_situ import InSitu, across
+from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.supports import points_along
-from crackgrow.vectors import outward_normals
+from crackgrow.vectors import across, outward_normals
 
 
-def load_vector(cover: Cover, bodies: Sequence[Body], loads: Sequence[Load], n: int) -> Floats:
+def load_vector(cover: Cover, bodies: Sequence[model.Body], loads: Sequence[model.Load], n: int) -> Floats:
     """Load vector f (n_dofs,) in N per metre of thickness, paper eq. (15), of all loads but those on crack faces.
 
     `n` Gauss points per direction, as for the stiffness.
     """
-    f = _edge_tractions(cover, [load for load in loads if isinstance(load, EdgeLoad)])
+    f = _edge_tractions(cover, [load for load in loads if isinstance(load, model.EdgeTraction | model.EdgePressure)])
     for load in loads:
-        if isinstance(load, Gravity):
+        if isinstance(load, model.Gravity):
             body = body_index(bodies, load.body)
             density = bodies[body].material.density
             assert density is not None  # the case was checked
             f += _body_forces(cover, body, n, density * np.asarray(load.acceleration))
-        elif isinstance(load, InSituStress):
+        elif isinstance(load, model.InSituStress):
             body, stress = body_index(bodies, load.body), InSitu().plus(load, 1.0)
             f -= _rim_tractions(cover, body, stress)
             if stress.varying:
                 f += _body_forces(cover, body, n, partial(stress.divergence, spacing=cover.lattice.spacing))
-        elif isinstance(load, PointForce):
+        elif isinstance(load, model.FarField):
+            f += _rim_tractions(cover, body_index(bodies, load.body), InSitu().plus(load, 1.0), load.region)
+        elif isinstance(load, model.PointForce):
             f += _at_point(cover, body_index(bodies, load.body), load)
     return f.ravel()
 
 
-def _at_point(cover: Cover, body: int, load: PointForce) -> Floats:
+def _at_point(cover: Cover, body: int, load: model.PointForce) -> Floats:
     """Work (n_functions, 2) N/m of a force at a point. Raises GeometryError where no rock of the body is."""
     at = cover.lattice.to_lattice(load.point[None])
     element = locate(cover.lattice, cover.elements, at, body)
@@ -55,7 +57,7 @@ def _at_point(cover: Cover, body: int, load: PointForce) -> Floats:
     return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
 
 
-def _edge_tractions(cover: Cover, loads: Sequence[EdgeLoad]) -> Floats:
+def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> Floats:
     """Integral of phi t (n_functions, 2) N/m of all tractions and pressures along edges."""
     if not loads:
         return np.zeros((cover.n_functions, 2))
@@ -68,7 +70,7 @@ def _edge_tractions(cover: Cover, loads: Sequence[EdgeLoad]) -> Floats:
     return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
 
 
-def _fine_enough(cover: Cover, load: EdgeLoad, edges: FaceEdges) -> FaceEdges:
+def _fine_enough(cover: Cover, load: model.EdgeLoad, edges: FaceEdges) -> FaceEdges:
     """The edges along a load, cut where it varies by more than their points can tell."""
     outward = outward_normals(edges.points[:, 1] - edges.points[:, 0])
 
@@ -79,14 +81,20 @@ def _fine_enough(cover: Cover, load: EdgeLoad, edges: FaceEdges) -> FaceEdges:
     return edges if len(edge) == len(edges.edge) else edges.parts(edge, limits)
 
 
-def _rim_tractions(cover: Cover, body: int, stress: InSitu) -> Floats:
-    """Integral of phi sigma n (n_functions, 2) N/m along the rim of a body.
+def _rim_tractions(cover: Cover, body: int, stress: InSitu, region: model.EdgeRegion | None = None) -> Floats:
+    """Integral of phi sigma n (n_functions, 2) N/m along the rim of a body, or a region of it.
 
     By the divergence theorem this, with the crack faces' part and less the integral of phi div sigma, is the integral
     of B' sigma. On the rim it cancels tractions that balance the stress exactly, inside so does the divergence weight.
     """
     outlines = cover.elements.outlines
     mine = np.flatnonzero(outlines.body == body)
+    if region is not None:
+        side = outlines.side[mine]
+        corner, step = np.moveaxis(np.diff(cover.bodies[body].sides[side], axis=1, prepend=0.0), 1, 0)
+        share = np.sum((outlines.points[mine].mean(axis=1) - corner) * step, axis=1) / np.sum(step * step, axis=1)
+        inside = (region.limits[:, 0] < share[:, None]) & (share[:, None] < region.limits[:, 1])
+        mine = mine[(inside & (side[:, None] == region.sides)).any(axis=1)]
     ends, element = outlines.points[mine], outlines.element[mine]
     edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
     outward = outward_normals(ends[:, 1] - ends[:, 0])

@@ -507,7 +507,7 @@ def test_loads(tmp_path: Path):
         ({"interface": ["low", "low"], "pressure": 1}, "loads.0.interface", "have no interface that a fluid could"),
         ({"interface": ["top", "low"], "pressure": "y/0"}, "loads.0.pressure", "has no finite value at"),
         ({"interface": ["top", "low"], "crack": "flaw", "pressure": 1}, "loads.0.crack", "does not go with inter"),
-        ({"body": "low"}, "loads.0", "give either {on, traction} or {on, pressure} or {gravity} or {crack,"),
+        ({"body": "low"}, "loads.0", "give either {on, traction} or {on, pressure} or {far_field} or {gravity}"),
         ({"body": "low", "pressure": 1}, "loads.0.pressure", "does not go with body; give either"),
         (
             {"crack": "flwa", "pressure": 1},

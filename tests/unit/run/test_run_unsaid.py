@@ -1,0 +1,170 @@
+"""What is told of edges at which in-situ stress relaxes, and of joints that a fluid does not enter."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+import crackgrow
+from crackgrow.case.model import Case
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.layout import cover_of
+from crackgrow.run.scene import make_scene
+from crackgrow.run.unsaid import dry_joints, free_edges
+
+PLATE = {"rectangle": {"center": [0, 0], "width": 100, "height": 100}}
+ROCK = {"young": "30 GPa", "poisson": 0.2, "density": 2600}
+HOLES = [{"disk": {"center": [0, 0], "radius": 10}}]
+OPEN = {"friction": 0.3, "cohesion": 0}
+
+
+def scene(loads: list[dict[str, Any]], supports: Any = "minimal", holes: Any = (), **more: Any) -> Case:
+    shape = {**PLATE, **({"holes": list(holes)} if holes else {})}
+    return Case.from_dict(
+        {
+            "title": "unsaid",
+            "units": {"length": "mm", "stress": "MPa"},
+            "plane": "strain",
+            "bodies": {"rock": {"shape": shape, "material": ROCK}},
+            "supports": supports,
+            "loads": loads,
+            "numerics": {"accuracy": "draft"},
+            **more,
+        }
+    )
+
+
+STRESS = {"stress": [-2, -10, 0]}
+
+
+def told(case: Case) -> list[str]:
+    return [caution.words for caution in free_edges(make_scene(case))]
+
+
+def test_edges_that_nothing_holds_or_loads_are_told_with_the_stress():
+    (words,) = told(scene([STRESS]))
+    assert words.startswith(
+        "edges bottom, right, top, left of body 'rock' are free: the in-situ stress of 10 MPa there"
+    )
+    assert "{outline: rollers}" in words
+    assert "far_field" in words
+
+
+def test_a_run_and_its_check_warn():
+    """It relaxed to nothing, with K of 0 and no warnings."""
+    flaw = {"flaw": {"path": {"center": [0, 0], "length": 20, "angle": 45}, "contact": OPEN}}
+    run = crackgrow.run_case(scene([STRESS], cracks=flaw))
+    assert [words for words in run.warnings if "the in-situ stress of 10 MPa there relaxes" in words]
+
+
+def on(edge: str, traction: list[float], **more: Any) -> dict[str, Any]:
+    return {"on": {"edge": edge}, "traction": traction, **more}
+
+
+def all_round(part: float, **more: Any) -> list[dict[str, Any]]:
+    """Tractions of a part of the stress."""
+    sides = {"left": (2, 0), "right": (-2, 0), "top": (0, -10), "bottom": (0, 10)}
+    return [on(edge, [part * x, part * y], **more) for edge, (x, y) in sides.items()]
+
+
+def held(edge: str, *components: str) -> dict[str, Any]:
+    return {"on": {"edge": edge}, "displacement": dict.fromkeys(components, 0)}
+
+
+FAR, DRIVER = {"far_field": [-2, -10, 0]}, {"far_field": [0, -3, 0]}
+
+
+@pytest.mark.parametrize(
+    ("loads", "supports"),
+    [
+        ([STRESS], [{"outline": "rollers"}]),
+        ([STRESS], [{"outline": "fixed"}]),
+        ([STRESS, FAR], "minimal"),
+        ([STRESS, *all_round(1.0)], "minimal"),
+        ([{**STRESS, "held": True}, FAR], "minimal"),
+        ([{**STRESS, "held": True}, {**FAR, "held": True}, DRIVER], "minimal"),
+        ([{"stress": [0, "0.01*(y - 50)", 0]}], [held("left", "x"), held("right", "x"), held("bottom", "y")]),
+    ],
+    ids=["rollers", "fixed", "far field", "tractions", "held and not", "and a driver", "free surface"],
+)
+def test_where_all_of_the_stress_is_taken_nothing_is_told(loads: list[dict[str, Any]], supports: Any):
+    assert told(scene(loads, supports)) == []
+
+
+def test_the_walls_of_holes_are_to_give_way():
+    assert told(scene([STRESS, FAR], holes=HOLES)) == []
+    (words,) = told(scene([STRESS], holes=HOLES))
+    assert "hole0" not in words
+
+
+def test_what_loads_leave_over_is_told():
+    """A load that drives the rock is taken for what balances its stress."""
+    (words,) = told(scene([STRESS, *all_round(0.1)]))
+    assert "the in-situ stress of 9 MPa there relaxes" in words
+    (words,) = told(scene([STRESS], [held("left", "x"), held("bottom", "y"), held("right", "x")]))
+    assert words.startswith("edge top of body 'rock' is free: the in-situ stress of 10 MPa")
+    (words,) = told(scene([{"stress": [0, 0, 3]}], [{"outline": "rollers"}]))
+    assert words.startswith("edges bottom, right, top, left of body 'rock' are free: the in-situ stress of 3 MPa")
+
+
+def test_of_many_edges_only_some_are_named():
+    points = [[x, 0] for x in range(0, 100, 5)] + [[x, 50] for x in range(100, 0, -5)]
+    body = {"rock": {"shape": {"polygon": points}, "material": ROCK}}
+    (words,) = told(scene([STRESS], bodies=body))
+    assert words.startswith("edges 0, 1, 2, 3, 4, 5 and 34 more of body 'rock' are free")
+
+
+def joints(**paths: list[list[float]]) -> dict[str, Any]:
+    return {name: {"path": {"points": path}, "tips": "none", "contact": OPEN} for name, path in paths.items()}
+
+
+def dry(case: Case) -> list[str]:
+    made = make_scene(case)
+    return [caution.place for caution in dry_joints(made, cover_of(made, beginning(case).cracks))]
+
+
+WET = {"crack": "wet", "pressure": 2}
+
+
+@pytest.mark.parametrize(
+    ("path", "places"),
+    [
+        ([[0, 0], [0, 20]], ["crack 'joint' at crack 'wet'"]),
+        ([[5, -20], [-5, 20]], ["crack 'joint' at crack 'wet'"]),
+        ([[0, 1], [0, 20]], []),
+    ],
+    ids=["T", "crossing", "apart"],
+)
+def test_a_joint_that_a_pressurised_crack_meets_stays_dry(path: list[list[float]], places: list[str]):
+    cracks = joints(wet=[[-20, 0], [20, 0]], joint=path)
+    assert dry(scene([WET], cracks=cracks)) == places
+    for pressure in (0, 2):
+        assert dry(scene([WET, {"crack": "joint", "pressure": pressure}], cracks=cracks)) == []
+    assert dry(scene([{**WET, "pressure": "abs(x)"}], cracks=cracks)) == []  # none where they meet
+
+
+def test_a_crack_on_the_rim_of_a_pressurised_hole_stays_dry():
+    cracks = joints(radial=[[10, 0], [30, 0]], elsewhere=[[-30, 0], [-20, 0]])
+    on_rim = scene([{"on": {"edge": "hole0"}, "pressure": 5}], holes=HOLES, cracks=cracks)
+    assert dry(on_rim) == ["crack 'radial' at edge hole0 of body 'rock'"]
+    wet = [{"on": {"edge": "hole0"}, "pressure": 5}, {"crack": "radial", "pressure": 5}]
+    assert dry(scene(wet, holes=HOLES, cracks=cracks)) == []
+
+
+def test_a_crack_that_grows_into_a_joint_tells_so_once():
+    cracks = joints(joint=[[12, -10], [12, 10]])
+    cracks["wet"] = {"path": {"points": [[-10, 0], [10, 0]]}, "contact": OPEN}
+    growth = {
+        "steps": 3,
+        "increment": 3,
+        "criterion": "max_hoop_stress",
+        "advance": "all",
+        "tip_stress": {"radius": 0.5},
+    }
+    strength = {"tension": 5, "cohesion": 15, "friction_angle": 40}
+    body = {"rock": {"shape": PLATE, "material": ROCK, "strength": strength}}
+    run = crackgrow.run_case(scene([WET], cracks=cracks, growth=growth, loading="critical", bodies=body))
+    (words,) = [words for words in run.warnings if "stays dry" in words]
+    assert "crack 'joint' meets crack 'wet', where a fluid presses, and stays dry" in words
+    assert not words.startswith("step 0")
