@@ -123,12 +123,16 @@ def _written(spec: Spec) -> Schema:
         case specs.Mapping(fields, at_least_one):
             if spec.short:
                 return {"anyOf": [_written(fields[spec.short].spec), _written(replace(spec, short=""))]}
-            required = [key for key, field in fields.items() if field.default is specs.REQUIRED]
+            spelt = {key: [key, *(word for word in field.also if word != "true")] for key, field in fields.items()}
+            needed = [spelt[key] for key, field in fields.items() if field.default is specs.REQUIRED]
+            required = [names[0] for names in needed if len(names) == 1]
+            either = [{"required": [name]} for names in needed if len(names) > 1 for name in names]
             return {
                 "type": "object",
-                "properties": {key: _property(field) for key, field in fields.items()},
+                "properties": {name: _property(fields[key]) for key, names in spelt.items() for name in names},
                 "additionalProperties": False,
                 **({"required": required} if required else {}),
+                **({"anyOf": either} if either else {}),
                 **({"minProperties": 1} if at_least_one else {}),
             }
         case specs.OneOf(forms):

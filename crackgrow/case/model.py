@@ -194,7 +194,12 @@ class PointSupport:
 OnEdge = Annotated[
     EdgeRegion,
     REGION,
-    Doc("an edge or a part of one", key="on", also=("true",), drawn=True),  # what YAML 1.1 makes of `on`
+    Doc(
+        "an edge or a part of one; in YAML 1.1, which takes `on` for true: along",
+        key="on",
+        also=("along", "true"),
+        drawn=True,
+    ),
 ]
 
 
