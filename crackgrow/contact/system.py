@@ -79,19 +79,33 @@ class ContactSystem:
         return self._at_once[:2]
 
     @cached_property
-    def _at_once(self) -> tuple[Floats, Floats, Floats]:
-        """What is `without_tractions`, and the jumps (2 n,) m under `_push`: solved together, factors are read once."""
-        (m, n_dofs), k, pushes = self.system.constraints.shape, self.loads.shape[1], not self._few
-        loads, given = np.zeros((n_dofs, k + 1)), np.zeros((m, k + 1))
+    def _at_once(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """What is `without_tractions`, and displacements and multipliers of what is asked of the rock besides.
+
+        These are those per unit traction that there can be, where they are few, or those under `_push`. They are solved
+        for together: factors are read once.
+        """
+        more = self._tractions[:, self._can_be].toarray() if self._few else (self.operator.T @ self._push)[:, None]
+        (m, n_dofs), k = self.system.constraints.shape, self.loads.shape[1]
+        loads, given = np.zeros((n_dofs, k + more.shape[1])), np.zeros((m, k + more.shape[1]))
         if k:
             loads[:, :k], given[:, :k] = self.loads, self.given
-        if pushes:
-            loads[:, k] = self.operator.T @ self._push
+        loads[:, k:] = more
         u, multipliers = np.zeros(loads.shape), np.zeros(given.shape)
         some = loads.any(axis=0) | given.any(axis=0)
         if some.any():
             u[:, some], multipliers[:, some] = self.system.solve(loads[:, some], given[:, some], with_pulls=True)
-        return u[:, :k], multipliers[:, :k], np.asarray(self.operator @ u[:, k])
+        return u[:, :k], multipliers[:, :k], u[:, k:], multipliers[:, k:]
+
+    @property
+    def _tractions(self) -> csr_array:
+        """Forces G' W (n_dofs, 2 n) N/m of unit tractions."""
+        return csr_array(self.operator.T * np.tile(self.weights, 2))
+
+    @property
+    def _can_be(self) -> Bools:
+        """Which tractions (2 n,) there can be: faces without friction and cohesion carry no shear."""
+        return np.append(np.ones(len(self.weights), dtype=bool), self.law.resists)
 
     @property
     def _push(self) -> Floats:
@@ -113,7 +127,7 @@ class ContactSystem:
         Raises NotSolvedError where round-off has spoilt it: it comes from a symmetric matrix (Betti).
         """
         rock = np.asarray(self.operator @ self._per_traction[0])
-        can_be = np.flatnonzero(np.append(np.ones(len(self.weights), dtype=bool), self.law.resists))
+        can_be = np.flatnonzero(self._can_be)
         symmetric = rock[np.ix_(can_be, can_be)] / np.tile(self.weights, 2)[can_be]
         off, largest = (float(np.abs(part).max(initial=0.0)) for part in (symmetric - symmetric.T, symmetric))
         if off > UNSYMMETRIC * largest:
@@ -126,7 +140,7 @@ class ContactSystem:
         Mostly it is at a few, where functions nearly depend on others: their loads are solved for. That tells them from
         others, too, at which the solution for tractions at all points is what is rough.
         """
-        known = self._at_once[2]
+        known = self.operator @ self._at_once[2][:, 0]
         off, size = np.abs(compliance @ self._push - known), ROUGH * float(np.abs(known).max(initial=0.0))
         if off.max(initial=0.0) > size:
             some = np.flatnonzero(off > DOUBTFUL * size)
@@ -140,9 +154,9 @@ class ContactSystem:
 
     def with_law(self, law: ContactLaw) -> ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""
-        other, known = replace(self, law=law), {"operator", "operator_sizes", "_at_once", "moving"}
+        other, known = replace(self, law=law), {"operator", "operator_sizes", "moving"}
         if np.array_equal(law.resists, self.law.resists):
-            known |= {"rock", "_per_traction"}
+            known |= {"rock", "_at_once", "_per_traction"}
         other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
         return other
 
@@ -154,10 +168,11 @@ class ContactSystem:
     @cached_property
     def _per_traction(self) -> tuple[Floats, Floats]:
         """Displacements (n_dofs, 2 n) m and multipliers (m, 2 n) per unit traction; zero for those that can't be."""
-        can_be = np.concatenate([np.ones(len(self.weights), dtype=bool), self.law.resists])
-        u, multipliers = (np.zeros((rows, len(can_be))) for rows in self.system.constraints.shape[::-1])
-        some = (self.operator[can_be].T * np.tile(self.weights, 2)[can_be]).toarray()
-        u[:, can_be], multipliers[:, can_be] = self.system.solve(some)
+        can_be, found = self._can_be, self._at_once[2:]
+        if not self._few:
+            found = self.system.solve(self._tractions[:, can_be].toarray())
+        u, multipliers = (np.zeros((len(some), len(can_be))) for some in found)
+        u[:, can_be], multipliers[:, can_be] = found
         return u, multipliers
 
     @cached_property
