@@ -6,8 +6,20 @@ regions), spacing, checks and build. `dump_case` writes a case that reads back t
 `to_dict` do the same in Python.
 """
 
-from crackgrow.case.dump import dump_case
-from crackgrow.case.load import load_case
-from crackgrow.case.model import Case
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from crackgrow.case.dump import dump_case
+    from crackgrow.case.load import load_case
+    from crackgrow.case.model import Case
 
 __all__ = ["Case", "dump_case", "load_case"]
+
+
+def __getattr__(name: str) -> object:
+    """Load a name on first use: who needs units alone, as `crackgrow --version` does, loads no numpy."""
+    if name not in __all__:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    home = {"Case": "model", "dump_case": "dump", "load_case": "load"}[name]
+    return getattr(import_module(f"crackgrow.case.{home}"), name)

@@ -11,6 +11,7 @@ import sys
 from collections.abc import Sequence
 from typing import Final
 
+from crackgrow import __version__
 from crackgrow.limits import allowed
 
 LEAST: Final = (
@@ -23,6 +24,9 @@ LEAST: Final = (
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command line `argv` (default: that of the process) and return the exit code."""
+    if [*(sys.argv[1:] if argv is None else argv)] == ["--version"]:  # programs ask for it again and again
+        sys.stdout.write(f"crackgrow {__version__}\n")
+        return 0
     for kind, least, what, unit, command in LEAST:
         limit = allowed(kind)
         if limit < least:

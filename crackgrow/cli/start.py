@@ -10,8 +10,6 @@ from importlib.resources import files
 from pathlib import Path
 from typing import Final, TextIO
 
-import yaml
-
 from crackgrow.cli.console import EXIT_DONE, hand_out, hand_out_json, say
 from crackgrow.cli.parser import Commands, add_command, load_case_file, path, takes_case
 from crackgrow.errors import CaseError
@@ -46,6 +44,8 @@ def _listed(folder: Path, what: str, command: str) -> Iterator[str]:
 
 def _title(file: Path) -> str:
     """The title of a case, or the comment at the top; nothing where neither is a line that can be read."""
+    import yaml  # here: the other commands need none of it
+
     try:
         lines = file.read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError):

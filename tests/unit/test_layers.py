@@ -130,3 +130,19 @@ def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
     assert (done.returncode, done.stderr) == (0, "")
     assert {"frames", "figures", "report.html"} <= {path.name for path in tmp_path.iterdir()}
+
+
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "--help"], ["completion", "bash"]])
+def test_what_needs_no_numbers_loads_no_numpy(words: list[str]) -> None:
+    """The version not even the commands: it takes no longer than Python itself, nearly."""
+    heavy = ("numpy", "scipy", "shapely", "yaml", *(["argparse"] if words == ["--version"] else []))
+    code = f"""
+import contextlib, io, sys
+from crackgrow.cli import main
+with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
+    main({words})
+assert told.getvalue()
+sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
