@@ -67,7 +67,7 @@ class TipResult:
     kink_error_deg: float = float("nan")  # degrees, bound of what the direction of growth is off by; nan without growth
     velocity: float = float("nan")  # m/s, by the law of subcritical growth; nan where growth takes no time
     K_error_expected: float = float("nan")  # Pa sqrt(m), of K_I and K_II together; nan where it was not measured
-    sticks: bool = False  # its crack is closed, sticks everywhere and has not moved: its K is zero, but for round-off
+    sticks: bool = False  # its crack has faces that have not moved: its K is zero, and K_I, K_II what cells leave of it
     K_growth: float = float("nan")  # Pa sqrt(m), at which the tip grows: K_eq in tension, |K_II| in shear; nan: unknown
 
 
