@@ -96,9 +96,10 @@ wheel: $(STAMP)
 # In an environment of its own, with the newest versions that fit pyproject.toml.
 lock:
 	@folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && $(PYTHON) -m venv "$$folder" && \
-		"$$folder/bin/python" -m pip install --quiet setuptools wheel ".[dev,maps,sweep]" && \
+		"$$folder/bin/python" -m pip install --quiet --upgrade setuptools wheel ".[dev,maps,sweep]" && \
 		"$$folder/bin/python" -m pip freeze --all --exclude pip --exclude crackgrow > "$$folder/found" && \
 		LC_ALL=C sort -f "$$folder/found" > .requirements.lock
+	@rm -rf build
 
 readme: $(STAMP)
 	@$(PY) -m tests.readme.run $(ARGS)

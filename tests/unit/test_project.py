@@ -38,6 +38,9 @@ def test_all_that_is_imported_is_declared_with_the_oldest_version_that_will_do()
     declared = [*PROJECT["dependencies"], *optional["sweep"], *optional["maps"]]
     assert all(re.fullmatch(r"[a-z][a-z0-9]*>=[\d.]+", text) for text in declared)
     assert {text.split(">=")[0] for text in declared} == imported() | THROUGH_OTHERS
+    assert f'".[{",".join(sorted(optional))}]"' in (ROOT / "Makefile").read_text(
+        encoding="utf-8"
+    )  # what `make lock` pins
     pinned = (ROOT / ".requirements.lock").read_text(encoding="utf-8").lower()
     assert all(f"\n{text.split('>=')[0]}==" in f"\n{pinned}" for text in declared)
 
