@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, quoted
 from crackgrow.case.scalars import Context, refuse
@@ -30,6 +30,17 @@ class EdgeRegion:
     edge: str
     sides: Ints  # (k,) numbers of the body's sides, in order along the ring
     limits: Floats  # (k, 2) where the part begins and ends on each of them: 0 at its first corner, 1 at its second
+
+    def holds(self, side: Ints, share: Floats) -> Bools:
+        """Which places (n,) on sides of the body, at shares of their lengths, lie on it."""
+        order = np.argsort(self.sides, kind="stable")
+        first, last = (np.searchsorted(self.sides[order], side, at) for at in ("left", "right"))  # parts of each side
+        found = np.zeros(len(side), dtype=bool)
+        for part in range(int(np.max(last - first, initial=0))):
+            there = np.flatnonzero(first + part < last)
+            low, high = self.limits[order[first[there] + part]].T
+            found[there] |= (low <= share[there]) & (share[there] <= high)
+        return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)

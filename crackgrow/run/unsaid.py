@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Bools, Floats
+from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import component_at
 from crackgrow.cover.cover import Cover
@@ -60,27 +60,21 @@ def _left_over(case: model.Case, body: model.Body, places: Floats, outward: Floa
     """
     stress, left = np.zeros((2, 2, len(places), 2))  # of scaled, of held loads
     free = np.ones((len(places), 2), dtype=bool)
+    side, share = np.arange(len(places)) // POINTS, np.tile(gauss(POINTS)[0], len(places) // POINTS)
     for load in case.loads:
         if isinstance(load, model.InSituStress) and load.body == body.name:
             stress[int(load.held)] += across(InSitu().plus(load, 1.0).at(places), outward)
         elif isinstance(load, model.EdgeLoad) and load.region.body == body.name:
-            on = _along(load.region, len(places))
+            on = load.region.holds(side, share)
             left[int(load.held), on] -= load.traction_at(places[on], outward[on])
     for support in case.supports:
         if isinstance(support, model.ContactSupport | model.EdgeSupport) and support.region.body == body.name:
             parts = (0.0, 0.0) if isinstance(support, model.ContactSupport) else support.displacement
-            free[_along(support.region, len(places))] &= [part is None for part in parts]
+            free[support.region.holds(side, share)] &= [part is None for part in parts]
     left += stress
     sizes = np.hypot(*np.moveaxis(free * np.stack([*left, left.sum(axis=0)]), -1, 0))
     apart = sizes[:2][stress.any(axis=(1, 2))].max(axis=0, initial=0.0)
     return float(np.hypot(*stress.sum(axis=0).T).max()), np.minimum(apart, sizes[2])
-
-
-def _along(region: model.EdgeRegion, n: int) -> Bools:
-    """Which of the n places on the sides of an outline lie on a region."""
-    side, share = np.arange(n) // POINTS, np.tile(gauss(POINTS)[0], n // POINTS)[:, None]
-    within = (region.limits[:, 0] <= share) & (share <= region.limits[:, 1])
-    return np.asarray((within & (side[:, None] == region.sides)).any(axis=1))
 
 
 def dry_joints(scene: Scene, cover: Cover) -> Iterator[Caution]:

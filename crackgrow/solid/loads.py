@@ -93,8 +93,7 @@ def _rim_tractions(cover: Cover, body: int, stress: InSitu, region: model.EdgeRe
         side = outlines.side[mine]
         corner, step = np.moveaxis(np.diff(cover.bodies[body].sides[side], axis=1, prepend=0.0), 1, 0)
         share = np.sum((outlines.points[mine].mean(axis=1) - corner) * step, axis=1) / np.sum(step * step, axis=1)
-        inside = (region.limits[:, 0] < share[:, None]) & (share[:, None] < region.limits[:, 1])
-        mine = mine[(inside & (side[:, None] == region.sides)).any(axis=1)]
+        mine = mine[region.holds(side, share)]
     ends, element = outlines.points[mine], outlines.element[mine]
     edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
     outward = outward_normals(ends[:, 1] - ends[:, 0])
