@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case
+from crackgrow.case.on_map import on_map
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results.gathered import Gathered
@@ -140,7 +141,8 @@ class Solution(_Tables):
         """The specimen as a mesh, double along cracks: displacement (m) and stress (Pa) of nodes, stress of cells."""
         solved = self._solved
         with single_threaded():
-            return make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
+            frame = make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
+            return on_map(frame, self.case.origin)
 
     @property
     def mesh(self) -> pyvista.UnstructuredGrid:
@@ -182,6 +184,7 @@ class Solution(_Tables):
     def _located(self, at: Floats) -> tuple[Ints, Floats, Ints]:
         """Which of the points (n, 2) lie in the rock (m,), their lattice coordinates (m, 2) and elements (m,)."""
         lattice, cells = self._solved.cover.lattice, self._solved.cover.elements
+        at = at - lattice.map_origin
         low, high = lattice.to_metres(np.array([[0, 0], lattice.shape]))
         near = np.flatnonzero(np.all((at >= low) & (at <= high), axis=1))
         local = lattice.to_lattice(at[near])

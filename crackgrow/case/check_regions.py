@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from typing import Any
 
 from crackgrow.case.layout import Scene, named
@@ -89,6 +90,8 @@ def _settle(scene: Scene, key: Path, on: dict[str, Any], end: str, edge: Edge) -
     if value is None:
         scene.report.fault(key, f"a place on edge '{on['edge']}' is given by {_an(kind)}, not by {_an(other)}")
         return
+    if edge.measure in ("x", "y"):
+        value = scene.units.along(repr(value), Fraction(1), "xy".index(edge.measure))
     on[end] = value
     low, high = edge.reach
     if edge.measure == "angle":
@@ -96,8 +99,18 @@ def _settle(scene: Scene, key: Path, on: dict[str, Any], end: str, edge: Edge) -
             message = f"{value:g} deg is out of range; wanted: an angle from {-FULL_CIRCLE:g} to {2 * FULL_CIRCLE:g}"
             scene.report.fault(key, message)
     elif not low - scene.tolerance <= value <= high + scene.tolerance:
-        reach = f"{edge.measure} from {scene.length(low)} to {scene.length(high)}"
-        scene.report.fault(key, f"{scene.length(value)} is not on edge '{on['edge']}', which has {reach}")
+        shown, first, last = (_shown(scene, edge, place) for place in (value, low, high))
+        reach = f"{edge.measure} from {first} to {last}"
+        scene.report.fault(key, f"{shown} is not on edge '{on['edge']}', which has {reach}")
+
+
+def _shown(scene: Scene, edge: Edge, place: float) -> str:
+    """Write a place on an edge."""
+    if edge.measure == "angle":
+        return f"{place:g} deg"
+    return (
+        scene.length(place) if edge.measure == "distance" else scene.units.coordinate(place, "xy".index(edge.measure))
+    )
 
 
 def _check_part(scene: Scene, key: Path, on: dict[str, Any], edge: Edge) -> None:
@@ -105,7 +118,7 @@ def _check_part(scene: Scene, key: Path, on: dict[str, Any], edge: Edge) -> None
     start, end = on.get("from", edge.reach[0]), on.get("to", edge.reach[1])
     at = (*key, "from" if "from" in on else "to")
     is_arc = edge.measure == "angle"
-    shown = " to ".join(f"{value:g} deg" if is_arc else scene.length(value) for value in (start, end))
+    shown = " to ".join(_shown(scene, edge, value) for value in (start, end))
     least = FULL_CIRCLE * SAME_PLACE if is_arc else scene.tolerance
     if end - start < -least:
         hint = f"; angles grow counter-clockwise, past {FULL_CIRCLE:g} deg too: `to: {end + FULL_CIRCLE:g}`"

@@ -114,9 +114,9 @@ def check_contacts(scene: Scene) -> None:
 
 
 def contact_laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
-    """Yield every law that is given and sound, with its key."""
-    for name in named(scene.resolved, "cracks"):
-        law = scene.get("cracks", name, "contact")
+    """Yield every law that is given and sound, with its key; that of a set of cracks once."""
+    laws = {name: scene.get("cracks", name, "contact") for name in named(scene.resolved, "cracks")}
+    for name, law in {id(law): (name, law) for name, law in reversed(laws.items())}.values():
         if isinstance(law, dict):
             yield ("cracks", name, "contact"), law
     for kind in ("interfaces", "supports"):

@@ -12,8 +12,11 @@ import numpy as np
 import yaml
 
 from crackgrow.case.declared import keys_of, written
+from crackgrow.case.formula import MapFormula
 from crackgrow.case.load import REDUCTION, read_case
 from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
+from crackgrow.case.read_only import writable
+from crackgrow.case.units import Coordinate
 from crackgrow.errors import CaseError, Fault
 
 T = TypeVar("T")
@@ -29,12 +32,26 @@ class _Dumper(yaml.SafeDumper):
         return True
 
 
+def _on_map(dumper: _Dumper, value: Coordinate) -> yaml.ScalarNode:
+    """A coordinate as the map has it, with all its digits."""
+    return dumper.represent_scalar("tag:yaml.org,2002:float", value.text)
+
+
+_Dumper.add_representer(Coordinate, _on_map)
+_Dumper.add_representer(MapFormula, _Dumper.represent_str)
+
+
 def dump_case(case: Case) -> str:
     """Return the case as YAML: SI units, every default filled in, floats with all their digits.
 
     All that is not drawn is written as the fields of the case have it. Raises CaseError where the geometry is another
     one than was read, or bodies, cracks, supports or loads are more or in another order: they cannot be written.
     """
+    return yaml_text(_again(case).resolved)
+
+
+def _again(case: Case) -> Case:
+    """The case read once more from what its fields say; raises CaseError where that is another one."""
     again = _without_lines(yaml_text(_as_it_is(case)), "the case as it is", case.name)
     changed = [
         part.name
@@ -45,7 +62,7 @@ def dump_case(case: Case) -> str:
         remedy = "change the case file, or load it with overrides such as 'cracks.flaw.path.angle=30'"
         message = f"differs from what was read, and cannot be written: {remedy}"
         raise CaseError([Fault("the case as it is", None, name, message) for name in changed])
-    return yaml_text(again.resolved)
+    return again
 
 
 def yaml_text(resolved: object) -> str:
@@ -113,7 +130,7 @@ def changed(case: Case, settings: Sequence[str]) -> Case:
 
     A spacing that was automatic follows from the case as it is then.
     """
-    mapping = mapping_of(case)
+    mapping = writable(_again(case).resolved)
     if mapping["numerics"].pop("auto_rule", None) is not None:
         mapping["numerics"]["spacing"] = "auto"
     return _without_lines(yaml_text(mapping), "the mapping", case.name, settings)

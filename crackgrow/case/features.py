@@ -62,10 +62,14 @@ def rim_lengths(
     interfaces: Iterable[tuple[tuple[str, str], Sequence[Floats]]],
     supported: Sequence[EdgeRegion],
     loaded: Sequence[EdgeRegion],
+    origin: tuple[float, float] = (0.0, 0.0),
 ) -> Iterator[Length]:
-    """All lengths of rims, those that two bodies share by these and their lines (n, 2) m."""
+    """All lengths of rims, those that two bodies share by these and their lines (n, 2) m.
+
+    origin: m, on the map on which places are told
+    """
     for body in bodies:
-        yield from feature_lengths(body)
+        yield from feature_lengths(body, origin)
     yield from part_lengths("support", bodies, supported, "supported")
     yield from part_lengths("load", bodies, loaded, "loaded")
     for (first, second), lines in interfaces:
@@ -73,7 +77,7 @@ def rim_lengths(
         yield from (Length("support", line_length(line), what, shapely.LineString(line)) for line in lines)
 
 
-def feature_lengths(body: Outlined) -> Iterator[Length]:
+def feature_lengths(body: Outlined, origin: tuple[float, float] = (0.0, 0.0)) -> Iterator[Length]:
     """Widths of the holes of a body, notches and re-entrant corners, and the rock between its rings and corners."""
     rings = [ring.points for ring in body.rings]
     lines = np.array([shapely.LinearRing(ring) for ring in rings], dtype=object)
@@ -89,8 +93,8 @@ def feature_lengths(body: Outlined) -> Iterator[Length]:
         shape = _simplified(line, ROUGHNESS * width)
         least, most = ROUGHNESS * width, NARROWER * width if number else np.inf
         where = f"{_ring_name(number)} of body '{body.name}'"
-        yield from (length for length in _corner_lengths(shape, least, where) if length.metres < most)
-        yield from _bridges(shape, region, least, where)
+        yield from (length for length in _corner_lengths(shape, least, where, origin) if length.metres < most)
+        yield from _bridges(shape, region, least, where, origin)
 
 
 def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeRegion], verb: str) -> Iterator[Length]:
@@ -176,7 +180,7 @@ def _turns(points: Floats) -> Floats:
     return np.asarray((angle - np.roll(angle, 1) + np.pi) % (2.0 * np.pi) - np.pi)
 
 
-def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length]:
+def _corner_lengths(points: Floats, least: float, where: str, origin: tuple[float, float]) -> Iterator[Length]:
     """The re-entrant corners and curves of a ring, as diameters of circles.
 
     A curve has sides of l and turns by 2 l / d from one to the next; a corner counts by the shorter of its two sides,
@@ -192,10 +196,13 @@ def _corner_lengths(points: Floats, least: float, where: str) -> Iterator[Length
     inward = np.flatnonzero((turns < 0.0) & (smaller >= least))
     for place, diameter in zip(inward.tolist(), (2.0 * smaller[inward] / -turns[inward]).tolist(), strict=True):
         corner = points[place]
-        yield Length("feature", diameter, f"corner or curve at {place_text(corner)} of {where}", shapely.Point(corner))
+        what = f"corner or curve at {place_text(corner + origin)} of {where}"
+        yield Length("feature", diameter, what, shapely.Point(corner))
 
 
-def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) -> Iterator[Length]:
+def _bridges(
+    points: Floats, region: shapely.Polygon, least: float, where: str, origin: tuple[float, float]
+) -> Iterator[Length]:
     """The shortest ways through rock, not below the `least` (m), from re-entrant corners of a ring to far sides."""
     turns = _turns(points)
     sharp = np.flatnonzero(np.abs(turns) > SHARP)
@@ -210,7 +217,7 @@ def _bridges(points: Floats, region: shapely.Polygon, least: float, where: str) 
         lengths = shapely.length(links)
         for link in np.flatnonzero(lengths >= least)[np.argsort(lengths[lengths >= least])]:
             if _is_in_rock(links[link], region):
-                what = f"rock beside the corner {place_text(points[corner])} of {where}"
+                what = f"rock beside the corner {place_text(points[corner] + origin)} of {where}"
                 yield Length("bridge", float(lengths[link]), what, _ends(links[link]))
                 break
 

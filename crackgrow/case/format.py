@@ -11,7 +11,7 @@ from crackgrow.case.outline_file import with_file_edges
 from crackgrow.case.overrides import OfFile
 from crackgrow.case.references import Definitions
 from crackgrow.case.report import Path
-from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Number, Text, WordOr
+from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Number, Quantity, Text, WordOr
 from crackgrow.case.schema import (
     BY_PARTS,
     OPTIONAL,
@@ -30,6 +30,11 @@ UNITS_SPEC: Final = Mapping(
     {
         "length": Field(Choice(tuple(UNITS["length"])), "unit of bare lengths", "m"),
         "stress": Field(Choice(tuple(UNITS["stress"])), "unit of bare stresses, tractions and moduli", "Pa"),
+        "origin": Field(
+            ListOf(Quantity("length"), 2),
+            "a round place near the scene, [x, y], where coordinates are of a map",
+            OPTIONAL,
+        ),
     }
 )
 
@@ -56,6 +61,11 @@ CRACK: Final = Mapping(
         "path": _CRACK_KEYS["path"],
         "tips": Field(TIPS, "ends at which the crack can grow", "both"),
         "contact": _CRACK_KEYS["contact"],
+        "contact_by": Field(
+            Named("attribute", Named("value", _CRACK_KEYS["contact"].spec, any_name=True), at_most=1, any_name=True),
+            "laws of lines of a map by the value of an attribute; others have `contact`",
+            OPTIONAL,
+        ),
     }
 )
 

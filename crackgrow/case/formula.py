@@ -68,11 +68,18 @@ class FormulaError(ValueError):
     """A text that is no formula; the message says why."""
 
 
+class MapFormula(str):
+    """The text of a formula whose x and y are those of a map."""
+
+    origin: tuple[float, float]  # m, of the case on the map
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class CoordinateFormula:
     """A value as a function of the place; made by `parse_formula` only, so that the text is known to be one."""
 
     text: str  # in SI
+    origin: tuple[float, float] = (0.0, 0.0)  # m, x and y of the formula at the origin of the case
 
     @property
     def scaled(self) -> tuple[float, str]:
@@ -94,17 +101,18 @@ class CoordinateFormula:
         return values
 
     def values(self, points: Floats) -> tuple[Floats, Floats | None]:
-        """The same, finite or not, and the first of the points (2,) m where the formula has no finite value."""
-        x, y = np.asarray(points, dtype=float).T
+        """The same, finite or not, and the first place (2,) m, on the map, where the formula has no finite value."""
+        places = np.asarray(points, dtype=float) + self.origin
+        x, y = places.T
         with np.errstate(all="ignore"):
             values = np.array(np.broadcast_to(_evaluate(_tree(self.text), x, y), x.shape), dtype=float)
         finite = np.isfinite(values)
-        return values, None if finite.all() else points[int(np.argmin(finite))]
+        return values, None if finite.all() else places[int(np.argmin(finite))]
 
 
 def component_of(value: float | str) -> Component:
     """A component of a resolved case: a number, or the text of a formula."""
-    return CoordinateFormula(value) if isinstance(value, str) else value
+    return CoordinateFormula(str(value), getattr(value, "origin", (0.0, 0.0))) if isinstance(value, str) else value
 
 
 def component_at(component: Component, places: Floats) -> Floats:
@@ -156,7 +164,12 @@ class OrFormula:
             formula = parse_formula(text, *units)
         except FormulaError as error:
             return context.refused(path, f"{given(node)} {error}; wanted: {self.describe()}")
-        return parse_number(formula) if is_number(formula) else formula
+        if is_number(formula):
+            return parse_number(formula)
+        if context.units.origin is not None:
+            formula = MapFormula(formula)
+            formula.origin = context.units.origin
+        return formula
 
 
 @lru_cache(maxsize=64)

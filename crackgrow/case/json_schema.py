@@ -147,7 +147,7 @@ def _written(spec: Spec) -> Schema:
         case specs.Components(mapping):
             return {"anyOf": [_written(spec.listing), _written(mapping)]}
         case specs.Named(_, inner, at_most):
-            names = {"propertyNames": _NAME, "maxProperties": at_most}
+            names = {**({} if spec.any_name else {"propertyNames": _NAME}), "maxProperties": at_most}
             return {"type": "object", **names, "additionalProperties": _written(inner)}
         case specs.ListOf(inner, length, at_most):
             sized = {"maxItems": at_most} if length is None else {"minItems": length, "maxItems": length}

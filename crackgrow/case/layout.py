@@ -12,14 +12,15 @@ from shapely import LineString
 
 from crackgrow.arrays import Floats
 from crackgrow.case.features import line_length
+from crackgrow.case.joining import joined, rims_of
 from crackgrow.case.model import Cut, EdgeRegion, Move
 from crackgrow.case.neighbours import close_pairs, overlap, shared_lines
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
-from crackgrow.case.snapping import SNAP, size_of, snapped_bodies, snapped_cracks
+from crackgrow.case.snapping import ITS_OWN, SNAP, size_of, snapped_bodies
 from crackgrow.case.toughness import BY_K, MODE_I, radius_of, shear_radius_of
-from crackgrow.case.units import Units
+from crackgrow.case.units import UNITS, Units
 
 EXACT: Final = 12  # digits of a place that the user is to write
 ENDS_WITH_TIP: Final[dict[str | None, tuple[str, ...]]] = {
@@ -131,11 +132,11 @@ class Scene:
 
     def point(self, point: Floats | list[float]) -> str:
         """Write a point in the units of the case."""
-        return f"({self.length(point[0])}, {self.length(point[1])})"
+        return self.units.place(point)
 
     def exact_point(self, point: Floats) -> str:
         """Write a point with as many digits as tell it from what lies within reach of it."""
-        return f"({', '.join(self.units.show(float(value), 'length', EXACT) for value in point)})"
+        return self.units.place(point, EXACT)
 
 
 def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
@@ -164,10 +165,24 @@ def place_cracks(scene: Scene) -> None:
             least = min(np.inf if spacing is None else spacing, line_length(points_of(crack["path"])))
             scene.cracks[name] = points_of(crack["path"], SHORTEST * least)
     scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
-    hosts = {name: scene.bodies[host] for name, host in scene.hosts.items()}
-    cracks, moves = snapped_cracks(scene.cracks, hosts, scene.reach)
+    cracks, moves, _ = joined(
+        scene.cracks,
+        {name: _reach_of(scene, points) for name, points in scene.cracks.items()},
+        rims_of(scene.bodies.values()),
+        scene.tolerance,
+    )
     scene.cracks.update(cracks)
     scene.moves.extend(moves)
+
+
+def _reach_of(scene: Scene, points: Floats) -> tuple[float, float]:
+    """How far (m) the ends of a crack may move: the segments that move with them turn by less than half a degree."""
+    first, last = (
+        (float(np.hypot(*step)) for step in (points[1] - points[0], points[-1] - points[-2]))
+        if len(points) > 1
+        else (0.0, 0.0)
+    )
+    return min(scene.reach, ITS_OWN * first), min(scene.reach, ITS_OWN * last)
 
 
 def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
@@ -198,7 +213,10 @@ def _place(scene: Scene) -> None:
     name, distance = max(far.items(), key=lambda item: item[1])
     if distance > FARTHEST * scene.size:
         message = f"{scene.length(distance)} from the origin is too far for a scene of size {scene.length(scene.size)}"
-        scene.report.fault(("bodies", name, "shape"), f"{message}: coordinates lose accuracy; move the scene")
+        step = 10.0 ** np.ceil(np.log10(scene.size))
+        near = step * np.round(scene.box[0] / step) / float(UNITS["length"][scene.units.length])
+        remedy = f"give the map an origin near it, such as `units: {{origin: [{near[0]:.0f}, {near[1]:.0f}]}}`"
+        scene.report.fault(("bodies", name, "shape"), f"{message}: coordinates lose accuracy; {remedy}")
         scene.bodies.clear()
         return
     bodies, moves = snapped_bodies(list(scene.bodies.values()), scene.reach)

@@ -15,7 +15,7 @@ from crackgrow.case.check_regions import check_regions, settle_bodies
 from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
 from crackgrow.case.check_supports import check_agreement, check_foundations, check_supports
 from crackgrow.case.checks import check_contacts, check_counts, check_material, check_numerics
-from crackgrow.case.crack_sets import expand_crack_sets
+from crackgrow.case.crack_sets import place_ends_and_sets
 from crackgrow.case.declared import made
 from crackgrow.case.format import CASE, DEFINITIONS, UNITS_SPEC
 from crackgrow.case.layout import Scene, place_cracks, scene_of
@@ -26,7 +26,7 @@ from crackgrow.case.outline import settle_outlines
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Place, Report
-from crackgrow.case.scalars import Context
+from crackgrow.case.scalars import INVALID, Context
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
 from crackgrow.case.spacing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
@@ -38,7 +38,7 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_outlines,
     settle_bodies,
     check_regions,
-    expand_crack_sets,
+    place_ends_and_sets,
     settle_spacing,
     place_cracks,
     settle_supports,
@@ -117,7 +117,7 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
         stage(scene)
     if report.faults:
         raise report.error()
-    resolved["units"] = {"length": "m", "stress": "Pa"}
+    resolved["units"] |= {"length": "m", "stress": "Pa"}
     return _built(path.stem, scene)
 
 
@@ -125,10 +125,16 @@ def _units_of(root: Table) -> Units | None:
     """Return what bare numbers mean, None if that is faulty; the faults are reported with the rest of the case."""
     if "units" not in root.entries:
         return Units()
-    scratch = Report("")
-    values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), Context(scratch, Units()))
-    sound = isinstance(values, dict) and all(isinstance(unit, str) for unit in values.values())
-    return Units(**values) if sound else None  # what the parser refused is no fault of the scratch report
+    units: Units | None = Units()
+    for _ in range(2):  # once more for the origin: its bare numbers are in the unit that stands beside it
+        scratch = Report("")
+        context = Context(scratch, units or Units())
+        values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), context)
+        parts = [*values.values(), *values.get("origin", ())] if isinstance(values, dict) else [INVALID]
+        if scratch.faults or INVALID in parts:  # what the parser refused is no fault of the scratch report
+            return None
+        units = Units(values["length"], values["stress"], tuple(values["origin"]) if "origin" in values else None)
+    return units
 
 
 def _built(name: str, scene: Scene) -> model.Case:
@@ -146,6 +152,7 @@ def _built(name: str, scene: Scene) -> model.Case:
         loading=_loading(resolved),
         output=_output(scene, resolved["output"]),
         resolved=resolved,
+        origin=scene.units.origin or (0.0, 0.0),
         moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
         cut=tuple(scene.cuts),
     )

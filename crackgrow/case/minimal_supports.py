@@ -74,8 +74,8 @@ def _points(scene: Scene, body: BodyShape) -> list[dict[str, Any]] | None:
     first, second = found[np.argmin(found[:, axis])], found[np.argmax(found[:, axis])]
     across = "yx"[axis]
     return [
-        {"at": first.tolist(), "displacement": {"x": 0.0, "y": 0.0}, "body": body.name},
-        {"at": second.tolist(), "displacement": {across: 0.0}, "body": body.name},
+        {"at": scene.units.coordinates(first), "displacement": {"x": 0.0, "y": 0.0}, "body": body.name},
+        {"at": scene.units.coordinates(second), "displacement": {across: 0.0}, "body": body.name},
     ]
 
 

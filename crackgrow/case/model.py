@@ -679,12 +679,14 @@ class Move:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """What of a line of a set of cracks lies outside of the rock, and was left out."""
+    """What of a crack was left out, such as what lies outside of the rock."""
 
-    crack: str  # name of the set with the number of the line
-    length: float  # m, of what was left out
-    whole: bool  # whether all of the line was
+    crack: str  # its name, of a line of a map that of the set with the number of the line
+    length: float  # m, of what was left out; 0 where none of its length was
+    whole: bool  # whether all of the crack was
     place: tuple[float, float]  # m, a point of it
+    why: str
+    where: str = ""  # in the file of a map, such as "feature 12"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -712,6 +714,10 @@ class Case:
     numerics: Annotated[Numerics, Doc("settings of the discretization", default=BY_PARTS)]
     output: Annotated[Output, Doc("what is written", default=BY_PARTS)]
     resolved: dict[str, object]
+    origin: tuple[float, float] = (
+        0.0,
+        0.0,
+    )  # m on a map: places of the case are seen from there, in `resolved` on the map
     moved: tuple[Move, ...] = ()  # farther than rounding; `resolved` has the points where they were given
     cut: tuple[Cut, ...] = ()  # more than rounding; `resolved` has what is left
 

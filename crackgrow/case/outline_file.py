@@ -1,76 +1,47 @@
-"""Outlines and cracks in files, in the length unit of the case.
+"""Outlines and cracks in files, brought to the unit and the origin of the case.
 
-A GeoJSON or WKT file holds one polygon, perhaps with holes, or the lines of many cracks; a CSV file such lines, as
-paths.csv of a run has them; a mesh holds regions, names of their edges, and curves.
+A file of a map holds one polygon, perhaps with holes, or the lines of many cracks; a mesh holds regions, names of their
+edges, and curves.
 """
 
 from __future__ import annotations
 
-import csv
-import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from fractions import Fraction
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case import mesh_file
-from crackgrow.case.mesh_file import ContentError, PlaneMesh, checked_file, read_mesh
+from crackgrow.case import map_file, mesh_file
+from crackgrow.case.map_file import Feature, features_of
+from crackgrow.case.mesh_file import ContentError, PlaneMesh, read_mesh
 from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, clean, quoted
+from crackgrow.case.report import Path, clean, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
-from crackgrow.case.units import UNITS, QuantityError, parse_number
+from crackgrow.case.units import UNITS, QuantityError
 
-MAX_BYTES = 2 * 2**20
-MOST_CORNERS = 5000  # of an outline; a disk has 360
-MOST_LINES = 1000  # of a set of cracks
+MOST_CORNERS: Final = 5000  # of an outline; a disk has 360
+MOST_LINES: Final = 1000  # of a set of cracks
+SHOWN_VALUES: Final = 12  # longer lists of values are cut in messages
 
 Corners = list[list[float]]  # m, not closed
 
-COLUMNS = ("crack", "x", "y")  # of a CSV file; others are passed over
+TEXTS: Final = (".geojson", ".json", ".wkt")
 
 
-def _from_csv(text: str) -> shapely.Geometry:
-    """The lines of a table with a row for each vertex: rows in turn of one crack are a line."""
-    rows = csv.DictReader(text.splitlines())
-    missing = [name for name in COLUMNS if name not in (rows.fieldnames or ())]
-    if missing:
-        raise ContentError(
-            f"has no column {' or '.join(missing)}; its columns are {', '.join(rows.fieldnames or ()) or 'none'}"
-        )
-    lines = []
-    for name, vertices in groupby(rows, key=lambda row: row["crack"]):
-        try:
-            points = [(float(row["x"]), float(row["y"])) for row in vertices]
-        except (TypeError, ValueError):
-            raise ContentError(f"has a vertex of {quoted(str(name))} whose x or y is no number") from None
-        if len(points) < 2:
-            told = "and a line has two or more, in rows one after the other"
-            raise ContentError(f"has one vertex of {quoted(str(name))}, {told}")
-        lines.append(points)
-    if not np.isfinite(np.concatenate([np.zeros((1, 2)), *lines])).all():
-        raise ContentError("has a vertex whose x or y is not finite")
-    return shapely.MultiLineString(lines)
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """A line of a map, in m of the case."""
 
-
-def _from_geojson(text: str) -> shapely.Geometry:
-    """The shapes of a GeoJSON text. Features without a place (RFC 7946, section 3.2) are none; shapely refuses them."""
-    try:
-        content = json.loads(text)
-    except (ValueError, RecursionError):
-        return shapely.from_geojson(text)  # which raises, and says why
-    features = content.get("features") if isinstance(content, dict) else None
-    if not isinstance(features, list):
-        return shapely.from_geojson(text)
-    placed = [each for each in features if not (isinstance(each, dict) and each.get("geometry", each) is None)]
-    return shapely.from_geojson(text if len(placed) == len(features) else json.dumps({**content, "features": placed}))
-
-
-_READERS = {".geojson": _from_geojson, ".json": _from_geojson, ".wkt": shapely.from_wkt}
-_TABLES = {".csv": _from_csv}
+    points: Floats  # (n, 2) m
+    file: str  # as it is given in the case
+    where: str  # such as "feature 12"
+    line: int | None  # of a table, that it begins in
+    attributes: Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,79 +53,48 @@ class OutlineFile:
     @property
     def endings(self) -> tuple[str, ...]:
         """How the names of such files end."""
-        return (*_READERS, *(_TABLES if self.of_cracks else ()), *mesh_file.ENDINGS)
+        return (*TEXTS, *((".csv",) if self.of_cracks else ()), *map_file.GDAL, *mesh_file.ENDINGS)
 
     def describe(self) -> str:
         content = "lines" if self.of_cracks else "one polygon"
-        kinds = ".geojson, .wkt or .csv" if self.of_cracks else ".geojson or .wkt"
-        return f"the name of a {kinds} file with {content}, or a mesh ({', '.join(mesh_file.ENDINGS)})"
+        maps = ", ".join(ending for ending in self.endings if ending not in (".json", *mesh_file.ENDINGS))
+        return f"the name of a file with {content} ({maps}), or of a mesh ({', '.join(mesh_file.ENDINGS)})"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the corners of the outline and then of each hole, or the lines, in m; of a mesh the mesh itself."""
+        """Return the file; what it holds is read together with the keys beside it."""
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
         file = context.folder_of(node) / node.text
+        if file.suffix.lower() not in self.endings:
+            return context.refused(
+                path, f"{quoted(node.text)} ends in {quoted(file.suffix)}; wanted: {self.describe()}"
+            )
         try:
-            if file.suffix.lower() not in self.endings:
-                raise ContentError(f"ends in {quoted(file.suffix)}")
-            if file.suffix.lower() in mesh_file.ENDINGS:
-                return read_mesh(file)
-            if self.of_cracks:
-                return [_corners(shapely.get_coordinates(line), context) for line in _lines_of(file)]
-            polygon = _polygon_of(file)
-            rings = [polygon.exterior, *polygon.interiors]
-            return [_corners(shapely.get_coordinates(ring)[:-1], context) for ring in rings]
-        except (ContentError, QuantityError) as error:
+            return GivenFile(file, node.text, read_mesh(file) if file.suffix.lower() in mesh_file.ENDINGS else None)
+        except ContentError as error:
             return context.refused(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
 
 
-def _parts_of(file: FilePath) -> list[shapely.Geometry]:
-    """Return the shapes of a file, one by one."""
-    try:
-        geometry = {**_READERS, **_TABLES}[file.suffix.lower()](_text_of(file))
-    except (shapely.errors.ShapelyError, NotImplementedError) as error:  # NotImplementedError: curves
-        raise ContentError(f"cannot be read as {file.suffix.lower()[1:]}: {clean(str(error))}") from None
-    return list(shapely.get_parts(shapely.get_parts(geometry))) if geometry is not None else []
+@dataclass(frozen=True, slots=True)
+class GivenFile:
+    """A file of a case, with what the keys beside it say of it."""
+
+    path: FilePath
+    text: str  # its name as it is given
+    mesh: PlaneMesh | None
 
 
-def _lines_of(file: FilePath) -> list[shapely.LineString]:
-    """Return the lines of a file, in its order."""
-    parts = _parts_of(file)
-    strange = sorted({part.geom_type for part in parts} - {"LineString"})
-    if strange or not parts:
-        raise ContentError(f"holds {', '.join(strange) or 'nothing'}")
-    if len(parts) > MOST_LINES:
-        raise ContentError(f"holds {len(parts)} lines, more than {MOST_LINES}")
-    return parts
+def _corners(points: Floats, unit: str | None, given: Mapping[str, Any], context: Context) -> Corners:
+    """Points (n, 2) of a file in m of the case, whose unit it has if None is told; raises QuantityError.
 
-
-def _polygon_of(file: FilePath) -> shapely.Polygon:
-    """Return the one polygon of a file."""
-    parts = _parts_of(file)
-    if len(parts) != 1 or parts[0].geom_type != "Polygon" or parts[0].is_empty:
-        kinds = [part.geom_type for part in parts]
-        found = f"{len(kinds)} shapes" if len(kinds) > 1 else kinds[0] if kinds and not parts[0].is_empty else "nothing"
-        raise ContentError(f"holds {found}")
-    if len(shapely.get_coordinates(parts[0])) > MOST_CORNERS:
-        raise ContentError(f"has {len(shapely.get_coordinates(parts[0]))} corners, more than {MOST_CORNERS}")
-    if not parts[0].is_valid:
-        raise ContentError(f"holds a polygon that is not valid: {clean(shapely.is_valid_reason(parts[0]))}")
-    return parts[0]
-
-
-def _text_of(file: FilePath) -> str:
-    checked_file(file, MAX_BYTES)
-    try:
-        return file.read_bytes().decode("utf-8-sig")
-    except UnicodeDecodeError:
-        raise ContentError("is not a text in UTF-8") from None
-    except OSError as error:
-        raise ContentError(f"cannot be read: {error.strerror or error}") from None
-
-
-def _corners(points: Floats, context: Context) -> Corners:
-    unit = UNITS["length"][context.units.length]
-    return [[parse_number(repr(float(value)), unit) for value in point] for point in points]
+    given: the file with the keys beside it
+    """
+    metres = UNITS["length"][unit or context.units.length]
+    own = [Fraction(repr(along)) * metres for along in given.get("origin", (0.0, 0.0))]
+    return [
+        [context.units.along(repr(value), metres, axis, own[axis]) for axis, value in enumerate(point)]
+        for point in points.tolist()
+    ]
 
 
 def with_file_holes(value: object, path: Path, context: Context) -> object:
@@ -195,39 +135,103 @@ def without_file(value: object, path: Path, context: Context) -> object:
 
 
 def with_file_points(value: object, path: Path, context: Context) -> object:
-    """Return a path with the points of a curve of a mesh, or with the lines of a file, in the place of the file."""
+    """Return a path with the points of a curve of a mesh, or with the traces of a map, in the place of the file."""
     if not isinstance(value, dict) or "file" not in value:
         return value
-    source, curve = value["file"], value.get("curve")
-    if not isinstance(source, PlaneMesh):
-        if curve is not None:
+    file, curve = value["file"], value.get("curve")
+    if file.mesh is None:
+        try:
+            traces = _traces(file, value, context)
+            if curve is None:
+                return {**value, "traces": traces}
             return context.refused((*path, "curve"), "the file has lines and no curves; a mesh has some")
-        return {"lines": source}
+        except (ContentError, QuantityError) as error:
+            return context.refused((*path, "file"), f"{quoted(file.text)} {error}")
+    others = [key for key in value if key not in ("file", "curve", "units", "origin")]
+    if others:
+        return context.refused((*path, others[0]), "is for lines of a map; a curve of a mesh is one crack")
     if curve is None:
         return context.refused((*path, "curve"), "missing: name or number of a group of the mesh's lines (a text)")
     try:
-        return {"points": _corners(source.path(curve), context)}
+        return {"points": _corners(file.mesh.path(curve), value.get("units"), value, context)}
     except (ContentError, QuantityError) as error:
         return context.refused((*path, "curve"), f"the mesh {error}")
 
 
+def _traces(file: GivenFile, value: Mapping[str, Any], context: Context) -> list[Trace]:
+    """The lines of a map that `where` wants, in its order; raises ContentError and QuantityError."""
+    features, unit = features_of(file.path, value.get("units"), value.get("layer"), value.get("columns"))
+    for name, wanted in value.get("where", {}).items():
+        words = wanted if isinstance(wanted, list) else [wanted]
+        there = attribute(features, name)
+        features = [feature for feature, word in zip(features, there, strict=True) if word in words]
+        if not features:
+            raise ContentError(f"has no {name} {' or '.join(map(quoted, words))}; it has: {_shown(there)}")
+    strange = [feature for feature in features if feature.shape.geom_type != "LineString" or feature.shape.is_empty]
+    if strange or not features:
+        odd = "an empty line" if strange and strange[0].shape.is_empty else strange and strange[0].shape.geom_type
+        raise ContentError(f"holds {f'{odd} in {strange[0].where}; wanted: lines' if strange else 'nothing'}")
+    if len(features) > MOST_LINES:
+        raise ContentError(f"holds {len(features)} lines, more than {MOST_LINES}; `where` chooses some")
+    return [
+        Trace(
+            np.array(_corners(shapely.get_coordinates(feature.shape), unit, value, context)),
+            file.text,
+            feature.where,
+            feature.line,
+            feature.attributes,
+        )
+        for feature in features
+    ]
+
+
+def attribute(features: Sequence[Feature | Trace], name: str) -> list[str]:
+    """The values of an attribute, which some of the features have; raises ContentError."""
+    known = list(dict.fromkeys(key for feature in features for key in feature.attributes))
+    if name not in known:
+        raise ContentError(f"has no attribute {quoted(name)}; it has: {_shown(known)}{did_you_mean(name, known)}")
+    return [feature.attributes.get(name, "") for feature in features]
+
+
+def _shown(words: Sequence[str]) -> str:
+    """Words, each once, cut if they are many."""
+    each = [clean(word) or "''" for word in dict.fromkeys(words)]
+    return ", ".join(each[:SHOWN_VALUES] + ["..."] * (len(each) > SHOWN_VALUES)) or "none"
+
+
 def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[list[Corners], dict[str, object]] | None:
     """The outline of a file and its holes, and its named edges; None after reporting why there is none."""
-    source, region = shape["file"], shape.get("region")
-    if not isinstance(source, PlaneMesh):
-        if region is not None:
-            message = "the file has one polygon and no regions; a mesh has some"
-            context.report.fault((*path, "region"), message)
-            return None
-        return source, {}
+    file, region, edges = shape["file"], shape.get("region"), {}
+    if region is not None and file.mesh is None:
+        context.report.fault((*path, "region"), "the file has one polygon and no regions; a mesh has some")
+        return None
     try:
-        rings, edges = source.outline(region)
-        corners = [_corners(ring, context) for ring in rings]
+        if file.mesh is None:
+            polygon = _polygon_of(file)
+            rings = [shapely.get_coordinates(ring)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
+        else:
+            rings, edges = file.mesh.outline(region)
+        n_corners = sum(map(len, rings))
+        if n_corners > MOST_CORNERS:
+            raise ContentError(f"has {n_corners} corners, more than {MOST_CORNERS}")
+        return [_corners(ring, shape.get("units"), shape, context) for ring in rings], dict(edges)
     except (ContentError, QuantityError) as error:
-        context.report.fault((*path, "region" if region is not None else "file"), f"the mesh {error}")
+        told = (
+            f"{quoted(file.text)} {error}; wanted: {OutlineFile().describe()}"
+            if file.mesh is None
+            else f"the mesh {error}"
+        )
+        context.report.fault((*path, "region" if region is not None else "file"), told)
         return None
-    n_corners = sum(map(len, corners))
-    if n_corners > MOST_CORNERS:
-        context.report.fault((*path, "file"), f"the outline has {n_corners} corners, more than {MOST_CORNERS}")
-        return None
-    return corners, dict(edges)
+
+
+def _polygon_of(file: GivenFile) -> shapely.Polygon:
+    """Return the one polygon of a file."""
+    parts = [feature.shape for feature in features_of(file.path)[0]]
+    if len(parts) != 1 or parts[0].geom_type != "Polygon" or parts[0].is_empty:
+        kinds = [part.geom_type for part in parts]
+        found = f"{len(kinds)} shapes" if len(kinds) > 1 else kinds[0] if kinds and not parts[0].is_empty else "nothing"
+        raise ContentError(f"holds {found}")
+    if not parts[0].is_valid:
+        raise ContentError(f"holds a polygon that is not valid: {clean(shapely.is_valid_reason(parts[0]))}")
+    return parts[0]

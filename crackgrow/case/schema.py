@@ -302,6 +302,7 @@ class Named:
     thing: str
     spec: Spec
     at_most: int = MOST_ITEMS
+    any_name: bool = False  # whether names are those of another file, whatever they are
 
     def describe(self) -> str:
         return f"a mapping of names, each a {self.thing}"
@@ -320,7 +321,7 @@ class Named:
                 known = [other for other, its in node.entries.items() if not its.implied]
                 message = f"the case has no {self.thing} {quoted(name)}; it has: {', '.join(known) or 'none'}"
                 context.report.fault(inner, message + did_you_mean(name, known), entry.place)
-            elif not _NAME.fullmatch(name):
+            elif not (self.any_name or _NAME.fullmatch(name)):
                 message = f"{quoted(name)} is not a name; use letters, digits, _ and -, 64 at most"
                 context.report.fault(inner, message, entry.place)
             else:

@@ -200,8 +200,7 @@ def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | N
         apart = (second - first >= 2) & (second - first <= n - 2)  # if neighbours fold back, one next to them touches
         if apart.any():
             one, other = min(zip(first[apart].tolist(), second[apart].tolist(), strict=True))
-            x, y = shapely.shortest_line(sides[one], sides[other]).coords[0]
-            place = f"({units.show(x, 'length')}, {units.show(y, 'length')})"
+            place = units.place(shapely.shortest_line(sides[one], sides[other]).coords[0])
             return f"edges {names[one]} and {names[other]} cross or touch at {place}"
     return None
 

@@ -61,7 +61,7 @@ def _lengths(scene: Scene) -> Iterator[Length]:
         yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
     supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
     loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
-    yield from rim_lengths(bodies, scene.shared.items(), supported, loaded)
+    yield from rim_lengths(bodies, scene.shared.items(), supported, loaded, scene.units.origin or (0.0, 0.0))
     increment = scene.get("growth", "increment")
     if increment is not None:
         yield Length("increment", increment, "growth.increment")

@@ -2,16 +2,34 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Final
 
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, with_file_points, without_file
+from crackgrow.case.reader import Listing, Node, Scalar
 from crackgrow.case.regions import LengthOrAngle
-from crackgrow.case.scalars import POSITIVE, Quantity, Text
-from crackgrow.case.schema import OPTIONAL, Components, Converted, Field, ListOf, Mapping, OneOf
+from crackgrow.case.report import Path
+from crackgrow.case.scalars import POSITIVE, Choice, Context, Number, Quantity, Text
+from crackgrow.case.schema import OPTIONAL, Components, Converted, Field, ListOf, Mapping, Named, OneOf, OneOrList
+from crackgrow.case.units import UNITS, parse_quantity
+
+
+@dataclass(frozen=True, slots=True)
+class Point(ListOf):
+    """Both coordinates of a place, from the origin of the case."""
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return them in m."""
+        values = ListOf.read(self, node, path, context)
+        if context.units.origin is None or not isinstance(node, Listing) or not context.report.sound(*path):
+            return values
+        texts = (item.text for item in node.items if isinstance(item, Scalar))
+        return [parse_quantity(text, "length", context.units, axis) for axis, text in enumerate(texts)]
+
 
 SIZE: Final = Quantity("length", POSITIVE)
-POINT: Final = ListOf(Quantity("length"), 2)
+POINT: Final = Point(Quantity("length"), 2)
 POINTS: Final = ListOf(POINT, at_most=MOST_CORNERS)
 PAIR: Final = ListOf(Text(), 2)  # names of two bodies
 
@@ -23,6 +41,13 @@ _RECTANGLE: Final = Mapping(
 
 _DISK: Final = Mapping({"center": _CENTER, "radius": Field(SIZE, "radius")})
 
+_BESIDE_FILE: Final = {
+    "units": Field(
+        Choice(tuple(UNITS["length"])), "unit of its coordinates; left out: what it tells, or the case's", OPTIONAL
+    ),
+    "origin": Field(ListOf(Number(), 2), "its coordinates, [x, y], of what is [0, 0] in the case", OPTIONAL),
+}
+
 _SIMPLE_SHAPES: Final = (
     {"rectangle": Field(_RECTANGLE, "a rectangle along the axes")},
     {"polygon": Field(POINTS, "corners in drawing order, [[x, y], ...]")},
@@ -30,6 +55,7 @@ _SIMPLE_SHAPES: Final = (
     {
         "file": Field(OutlineFile(), "a file with a polygon, or a mesh"),
         "region": Field(Text(), "name or number of a group of the mesh's cells; left out: all of them", OPTIONAL),
+        **_BESIDE_FILE,
     },
 )
 
@@ -38,6 +64,26 @@ HOLE: Final = Converted(OneOf(tuple(Mapping(form) for form in _SIMPLE_SHAPES)), 
 _HOLES: Final = Field(ListOf(HOLE, at_most=300), "holes: shapes inside of the outline", OPTIONAL)
 
 SHAPE: Final = Converted(OneOf(tuple(Mapping({**form, "holes": _HOLES}) for form in _SIMPLE_SHAPES)), with_file_holes)
+
+_PAIR_OF_COLUMNS: Final = ListOf(Text(), 2)
+
+_COLUMNS: Final = OneOf(
+    (
+        Mapping(
+            {
+                "crack": Field(Text(), "column that tells cracks apart; rows of one follow each other"),
+                "x": Field(Text(), "column of x of a vertex"),
+                "y": Field(Text(), "column of y of a vertex"),
+            }
+        ),
+        Mapping(
+            {
+                "start": Field(_PAIR_OF_COLUMNS, "columns of x and y of the start of a crack, which is a row"),
+                "end": Field(_PAIR_OF_COLUMNS, "columns of x and y of its end"),
+            }
+        ),
+    )
+)
 
 _PATHS: Final = OneOf(
     (
@@ -53,6 +99,20 @@ _PATHS: Final = OneOf(
             {
                 "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
                 "curve": Field(Text(), "name or number of a group of the mesh's lines: the crack", OPTIONAL),
+                **_BESIDE_FILE,
+                "tolerance": Field(
+                    SIZE, "how far ends may lie off what they end on; left out: 1e-5 of the scene", OPTIONAL
+                ),
+                "where": Field(
+                    Named("attribute", OneOrList(Text()), any_name=True),
+                    "values that attributes of the lines must have; left out: all lines",
+                    OPTIONAL,
+                ),
+                "names": Field(Text(), "attribute that cracks are named by; left out: their number", OPTIONAL),
+                "layer": Field(Text(), "layer of a .gpkg file with several", OPTIONAL),
+                "columns": Field(
+                    _COLUMNS, "columns of a table; left out: crack, x, y, or x_mm, y_mm and so on", OPTIONAL
+                ),
             }
         ),
     )

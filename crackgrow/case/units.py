@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass
+from decimal import Decimal, localcontext
 from fractions import Fraction
 
 # One unit of each name in SI (angles in degrees). The first unit of a kind is what the program computes in.
@@ -52,6 +53,10 @@ UNITS["stiffness"] = {
 LARGEST = 1e60
 SMALLEST = 1e-60
 
+OF_A_MAP = 1e5  # m: coordinates as large as that are those of a map, whose places are told to the mm
+
+EXACT = 15  # digits that a float has
+
 LONGEST_EXACT = 64  # characters; a longer number is rounded before its unit is applied
 
 _NUMBER = r"[-+]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][-+]?[0-9]+)?"
@@ -64,12 +69,48 @@ class QuantityError(ValueError):
     """A text that is not the number or quantity wanted; the message says why."""
 
 
+class Coordinate(float):
+    """A coordinate in m from the origin of a case on a map; in case files it stands as on the map."""
+
+    def __new__(cls, value: float, origin: float = 0.0) -> Coordinate:
+        """A coordinate `value` (m) from an origin (m)."""
+        found = super().__new__(cls, value)
+        found.origin = origin
+        return found
+
+    origin: float  # m
+
+    @property
+    def text(self) -> str:
+        """The coordinate on the map in m, with all the digits that read back to the same float."""
+        with localcontext(prec=LONGEST_EXACT):
+            return f"{Decimal(repr(float(self))) + Decimal(repr(self.origin)):f}"
+
+
 @dataclass(frozen=True, slots=True)
 class Units:
     """What bare numbers mean."""
 
     length: str = "m"
     stress: str = "Pa"
+    origin: tuple[float, float] | None = None  # m, the place on a map that is the origin of what is computed
+
+    def along(self, text: str, factor: Fraction, axis: int, less: Fraction = Fraction(0)) -> float:
+        """A coordinate in m from the origin, of a decimal number times `factor` of which `less` is taken off.
+
+        Raises QuantityError.
+        """
+        if self.origin is None:
+            return parse_number(text, factor, less)
+        origin = self.origin[axis]
+        return Coordinate(parse_number(text, factor, less + Fraction(repr(origin))), origin)
+
+    def coordinates(self, point: Iterable[float]) -> list[float]:
+        """Both coordinates of a point, in m from the origin, for a case."""
+        return [
+            Coordinate(along, off) if self.origin else float(along)
+            for along, off in zip(point, self.origin or (0.0, 0.0), strict=True)
+        ]
 
     def of(self, kind: str) -> str:
         """Return the unit of a bare number of this kind, as far as it has one (`bare`)."""
@@ -92,6 +133,17 @@ class Units:
         unit = self.of(kind)
         return f"{value / float(UNITS[kind][unit]):.{digits}g} {unit}"
 
+    def coordinate(self, value: float, axis: int, digits: int = 6) -> str:
+        """Write a coordinate, in m from the origin, as the case has it: on a map with as many digits more."""
+        origin = self.origin[axis] if self.origin else 0.0
+        more = len(f"{abs(origin):.0f}") if self.origin else 0
+        return self.show(value + origin, "length", min(digits + more, EXACT))
+
+    def place(self, point: Iterable[float], digits: int = 6) -> str:
+        """Write a point in the same way."""
+        shown = (self.coordinate(float(along), axis, digits) for axis, along in enumerate(point))
+        return f"({', '.join(shown)})"
+
 
 class Metres(float):
     """A length or a coordinate in m, written in the unit that suits its size: 0.775 mm, 12 m."""
@@ -104,8 +156,11 @@ class Metres(float):
 
 
 def place_text(point: Iterable[float], digits: int = 6) -> str:
-    """A point (m) with so many digits, without the round-off of zeros: (4.33 mm, -2.5 mm)."""
-    return f"({', '.join(f'{Metres(round(float(along), 12) + 0.0):.{digits}g}' for along in point)})"
+    """A point (m) with so many digits, without the round-off of zeros: (4.33 mm, -2.5 mm); of a map to mm."""
+    rounded = [round(float(along), 12) + 0.0 for along in point]
+    if max(map(abs, rounded)) >= OF_A_MAP:
+        digits = max(digits, len(f"{max(map(abs, rounded)):.0f}") + 3)
+    return f"({', '.join(f'{Metres(along):.{digits}g}' for along in rounded)})"
 
 
 def is_number(text: str) -> bool:
@@ -113,8 +168,8 @@ def is_number(text: str) -> bool:
     return bool(_NUMBER_ONLY.fullmatch(text) or _NOT_FINITE.fullmatch(text))
 
 
-def parse_number(text: str, factor: Fraction = Fraction(1)) -> float:
-    """Return the float nearest to the decimal number `text` times `factor`.
+def parse_number(text: str, factor: Fraction = Fraction(1), less: Fraction = Fraction(0)) -> float:
+    """Return the float nearest to the decimal number `text` times `factor`, `less` taken off.
 
     Raises QuantityError if it is no number, not finite, or beyond any physical size.
     """
@@ -126,7 +181,7 @@ def parse_number(text: str, factor: Fraction = Fraction(1)) -> float:
     if abs(rounded) > LARGEST:
         raise QuantityError(f"is too large (limit {LARGEST:g} in SI)")
     exact = Fraction(text) if rounded and len(text) <= LONGEST_EXACT else Fraction(rounded)
-    value = float(exact * factor)
+    value = float(exact * factor - less)
     if abs(value) > LARGEST:
         raise QuantityError(f"is too large (limit {LARGEST:g} in SI)")
     if 0 < abs(value) < SMALLEST:
@@ -134,14 +189,20 @@ def parse_number(text: str, factor: Fraction = Fraction(1)) -> float:
     return value
 
 
-def parse_quantity(text: str, kind: str, units: Units) -> float:
+def parse_quantity(text: str, kind: str, units: Units, axis: int | None = None) -> float:
     """Return the SI value of "31", "31 mm", "10GPa" as a quantity of this kind (angles in degrees). 0 needs no unit.
+
+    axis: of a coordinate, which is one from the origin of `units`
 
     Raises QuantityError for a text that is none, for a unit of another kind and for one that is unknown.
     """
     text = text.strip()
+
+    def read(number: str, factor: Fraction) -> float:
+        return parse_number(number, factor) if axis is None else units.along(number, factor, axis)
+
     if is_number(text):
-        value = parse_number(text, UNITS[kind][units.of(kind)])
+        value = read(text, UNITS[kind][units.of(kind)])
         if value and not units.bare(kind):
             given = f"units.length is {units.length}" + (f" and units.stress {units.stress}" if kind == "force" else "")
             raise QuantityError(f"needs a unit, such as {units.of(kind)}, where {given}")
@@ -153,4 +214,4 @@ def parse_quantity(text: str, kind: str, units: Units) -> float:
     if unit not in UNITS[kind]:
         others = [other for other, names in UNITS.items() if unit in names]
         raise QuantityError(f"has a unit of {others[0]}" if others else "has an unknown unit")
-    return parse_number(number, UNITS[kind][unit])
+    return read(number, UNITS[kind][unit])

@@ -36,6 +36,7 @@ class Lattice:
     tiles: Tiles
     tiling: Tiling
     windows: Windows  # of the tiles
+    map_origin: tuple[float, float] = (0.0, 0.0)  # m, on the map that the scene comes from
 
     @property
     def reach(self) -> int:
@@ -68,6 +69,10 @@ class Lattice:
     def to_metres(self, points: Floats) -> Floats:
         """Positions in metres of points (..., 2) in lattice coordinates."""
         return np.asarray(points * self.spacing + self.origin)
+
+    def to_map(self, points: Floats) -> Floats:
+        """The same on the map, for what is told of places."""
+        return self.to_metres(points) + self.map_origin
 
 
 def place_lattice(

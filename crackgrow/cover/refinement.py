@@ -7,7 +7,7 @@ factor of four.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -36,7 +36,8 @@ def refined(lattice: Lattice, focus: Focus, rings: float, before: Lattice | None
     for known in (lattice, before):
         if known is not None and cells.equal(known.cells):
             return known
-    return lattice_of(lattice.spacing, lattice.support, lattice.origin, cells)
+    finer = lattice_of(lattice.spacing, lattice.support, lattice.origin, cells)
+    return replace(finer, map_origin=lattice.map_origin)
 
 
 def divided(lattice: Lattice, focus: Focus, rings: float) -> Squares:

@@ -16,6 +16,7 @@ from matplotlib.transforms import Bbox
 from crackgrow.arrays import Floats
 from crackgrow.case.features import line_length
 from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
+from crackgrow.case.on_map import case_on_map
 from crackgrow.cover.squares import QUANTA
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.figures import body_path
@@ -25,7 +26,7 @@ from crackgrow.results.signs import Polygon as Shape
 from crackgrow.results.style import own_style, wrapped
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of
-from crackgrow.run.scene import make_scene
+from crackgrow.run.scene import Scene, make_scene
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE: Final = 6.5  # inches, the longer one of the scene
@@ -52,6 +53,7 @@ _ARROW = {"shrinkA": 0.0, "shrinkB": 0.0}  # from the very tail to the very head
 @own_style()
 def draw_scene(path: Path, case: Case) -> None:
     """Draw the case into a .png or .svg file; raises OutputError."""
+    scene, case = make_scene(case), case_on_map(case)
     scale, unit = length_unit(case)
     low, high = extent(case)
     size = float((high - low).max())
@@ -66,7 +68,7 @@ def draw_scene(path: Path, case: Case) -> None:
     axes.set_axis_off()
     for number, body in enumerate(case.bodies):
         _draw_body(axes, body, COLOURS[number % len(COLOURS)], named=len(case.bodies) > 1)
-    _draw_cells(axes, case)
+    _draw_cells(axes, case, scene)
     _draw_interfaces(axes, case)
     for crack in case.cracks:
         _draw_crack(axes, crack)
@@ -84,12 +86,11 @@ def draw_scene(path: Path, case: Case) -> None:
     write_atomically(path, lambda temporary: figure.savefig(temporary, format=path.suffix[1:].lower()))
 
 
-def _draw_cells(axes: Axes, case: Case) -> None:
+def _draw_cells(axes: Axes, case: Case, scene: Scene) -> None:
     """The cells before anything grows, inside of the bodies."""
-    scene = make_scene(case)
     cells = cells_of(scene, beginning(scene.case).cracks)
     corners = cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
-    squares = scene.lattice.to_metres(corners / QUANTA)
+    squares = scene.lattice.to_map(corners / QUANTA)
     for body in case.bodies:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         near = np.all((squares.max(axis=1) > low) & (squares.min(axis=1) < high), axis=1)

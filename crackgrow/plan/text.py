@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import asdict
 
 from crackgrow.case.accuracy import name_of
+from crackgrow.case.changes import changes_of
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import Cost, estimated_cost
 from crackgrow.plan.overview import overview
@@ -38,6 +39,7 @@ def plan_record(case: Case) -> dict[str, object]:
         "model": {name: value for name, value in known.items() if name != "cautions"},
         "cost": {**asdict(cost), "total": cost.total},
         "warnings": _warnings(sizes, cost),
+        "changes": [text for kind in changes_of(case) for text in kind],
     }
 
 

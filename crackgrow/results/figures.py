@@ -17,6 +17,7 @@ from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, Case, Stages
+from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
@@ -40,6 +41,7 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
 
     Raises OutputError.
     """
+    case = case_on_map(case)
     scale, unit = length_unit(case)
     low, high = extent(case)
     figure, axes = _equal_axes(low * scale, high * scale, unit)

@@ -14,8 +14,8 @@ LONGEST = 60  # signs of a formula that are shown
 
 
 def extent(case: Case) -> tuple[Floats, Floats]:
-    """Lower left and upper right corner (2,) m of the box round all bodies."""
-    outlines = np.concatenate([body.outline for body in case.bodies])
+    """Lower left and upper right corner (2,) m of the box round all bodies, on the map."""
+    outlines = np.concatenate([body.outline for body in case.bodies]) + case.origin
     return outlines.min(axis=0), outlines.max(axis=0)
 
 

@@ -7,12 +7,16 @@ import os
 import textwrap
 import threading
 from collections.abc import Iterator
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 LETTER: Final = 0.085  # inches that a letter of a title takes
+PLAIN: Final[dict[Any, Any]] = {
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-5, 8),
+}  # coordinates of maps in full
 _ALONE = threading.RLock()  # matplotlib's settings are those of the whole process
 
 
@@ -35,7 +39,7 @@ def own_style(*, math: bool = False) -> Iterator[None]:
 
     with _ALONE, mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams["text.parse_math"] = math
+        mpl.rcParams.update({"text.parse_math": math, **PLAIN})
         yield
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
+from crackgrow.case.changes import changes_of
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results import tables
@@ -101,6 +102,9 @@ class RunWriter:
         write_text(self.folder / CASE, self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
         self._warn_of_lock()
+        for kind in changes_of(self.case):
+            for text in kind:
+                self._log.write(f"changed when it was read: {text}")
         for table in self._tables.values():
             table.write()
         self._write_paths(())

@@ -188,11 +188,17 @@ class Cause(Enum):
     )  # fmt: skip
     MOVED = (
         0.0, "", "corners and ends that nearly touch do so in the scene that is solved",
-        "what comes nearer than {share:g} of the scene's size, {metres:.2g}, touches; so these were moved: {shown}",
+        "what nearly touches (within {share:g} of the scene's size, {metres:.2g}, or the tolerance of a map) was "
+        "brought together; these were moved: {shown}",
     )  # fmt: skip
     CUT = (
-        0.0, "", "cracks of a set end where they leave the rock, and those outside are missing",
-        "what lies outside of the rock was left out of sets of cracks, lines: {n}: {shown}",
+        0.0, "", "cracks end where they leave the rock; what lies outside, or on another one, is missing",
+        "what lies outside of the rock, on another line or nowhere was left out of cracks, {n} times: {shown}",
+    )  # fmt: skip
+    TINY_CRACKS = (
+        1e-3, "size of the body", "lengths of a file that are read in another unit than they are in",
+        "all cracks of {place} lie within {size:.2g} of its size: is the unit of their coordinates right? A file with "
+        "others than the case has `units` beside it",
     )  # fmt: skip
     LEFT_OUT = (
         0.0, "", "vertices that repeat the one before them are no kinks",

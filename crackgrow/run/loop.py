@@ -12,6 +12,7 @@ import numpy as np
 from crackgrow.arrays import Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
+from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.run.advancing import BeforeAdvance
 from crackgrow.run.aimed_history import aimed_history
@@ -68,7 +69,10 @@ def through(steps: Generator[Told, None, End], each: Callable[[Told], object]) -
 def _steps(
     case: Case, checkpoint: Checkpoint | None, told: Callable[[StepResult, StepSolution], Told]
 ) -> Generator[Told, None, RunEnd]:
-    """What is `told` of each step, then the end; linear algebra has one thread while steps are made."""
+    """What is `told` of each step, then the end; linear algebra has one thread while steps are made.
+
+    Places of results are those of the map, if the case has one; what is computed, and checkpoints, are at its origin.
+    """
     with single_threaded():
         steps = _begun(make_scene(case), beginning(case) if checkpoint is None else restored(case, checkpoint))
     last: tuple[StepResult, StepSolution] | None = None
@@ -78,8 +82,10 @@ def _steps(
                 last = next(steps)
             except StopIteration as stop:
                 end: RunEnd = stop.value
+                end = on_map(end, case.origin)
                 return end if last is None else replace(end, norm_error=_last_error(*last))
-        yield told(*last)
+        result, solution = last
+        yield told(on_map(result, case.origin), solution)
 
 
 def _begun(scene: Scene, begun: RunState) -> Steps:

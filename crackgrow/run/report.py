@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.cover.cover import Cover
 from crackgrow.estimate.error_estimate import ErrorEstimate, error_estimate
@@ -104,8 +105,8 @@ def _estimated(
 def _mesh(solution: StepSolution, error: ErrorEstimate | None) -> Callable[[], Frame]:
     """Makes the mesh of a solution, of which it keeps what that takes and no more."""
     K = [tip.K for tip in solution.tips]
-    bodies = solution.scene.numbers_at_start
-    return partial(_frame, solution.cover, solution.materials, solution.outcome.u, K, error, bodies)
+    bodies, origin = solution.scene.numbers_at_start, solution.scene.case.origin
+    return partial(_frame, solution.cover, solution.materials, solution.outcome.u, K, error, bodies, origin)
 
 
 def _frame(
@@ -115,10 +116,11 @@ def _frame(
     K: Sequence[tuple[float, float]],
     error: ErrorEstimate | None,
     bodies: Ints,
+    origin: tuple[float, float],
 ) -> Frame:
-    """The mesh of a solution, its error estimated if it is not known; `bodies` are their numbers in the case."""
+    """The mesh of a solution on the map, its error estimated if it is not known; `bodies` are numbers in the case."""
     frame = make_frame(cover, materials, u, _estimated(cover, materials, u, K) if error is None else error)
-    return replace(frame, body=bodies[frame.body])
+    return on_map(replace(frame, body=bodies[frame.body]), origin)
 
 
 def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:

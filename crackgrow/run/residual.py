@@ -41,7 +41,7 @@ class Residual:
 
     def told(self, cover: Cover) -> str:
         """What to say of it where it is too large."""
-        near = place_text(cover.lattice.to_metres(_place_of(cover, self.dof // 2)), 4)
+        near = place_text(cover.lattice.to_map(_place_of(cover, self.dof // 2)), 4)
         what = f"the equilibrium residual is {self.size:.2g}, more than {WORST_RESIDUAL:g}, near {near}"
         if self.size > LOST_DIGITS * self.terms:
             return f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"

@@ -236,7 +236,7 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     corners = np.concatenate([body.outline for body in case.bodies])
     numerics, box, halvings = case.numerics, (corners.min(axis=0), corners.max(axis=0)), halvings_at_first(case)
     lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
-    scene = replace(_scene_on(case, lattice), halvings=halvings)
+    scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), halvings=halvings)
     return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene
 
 
@@ -318,4 +318,4 @@ def _lengths(case: Case) -> tuple[Length, ...]:
     supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
     loads = [load.region for load in case.loads if isinstance(load, EdgeLoad)]
     interfaces = ((interface.bodies, interface.lines) for interface in case.interfaces)
-    return tuple(rim_lengths(case.bodies, interfaces, supports, loads))
+    return tuple(rim_lengths(case.bodies, interfaces, supports, loads, case.origin))

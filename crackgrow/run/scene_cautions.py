@@ -10,6 +10,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.changes import changes_of
 from crackgrow.case.features import line_length
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import (
@@ -69,7 +70,7 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
         yield Cause.CONTACT_SPACING.at(spacing=contact.spacing)
     for load in case.loads:
         if isinstance(load, PointForce) and any(load.force):
-            yield Cause.POINT_FORCE.at(f"the force at {place_text(load.point)}")
+            yield Cause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
     yield from _soft_contact(scene, cover)
     yield from _contact_layers(scene, cover)
     yield from _incompressible(scene)
@@ -83,8 +84,22 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     yield from free_edges(scene)
     yield from _contradictions(scene, cover)
     yield from _unresolved(scene, cover)
+    yield from _tiny_cracks(case)
     yield from _moved(scene)
     yield from _cut(scene)
+
+
+def _tiny_cracks(case: Case) -> Iterator[Caution]:
+    """Bodies with cracks that are all in so small a part of them that their unit may be another one."""
+    for body in case.bodies:
+        lines = [crack.points for crack in case.cracks if crack.body == body.name]
+        share = (
+            float(np.hypot(*np.ptp(np.concatenate(lines), axis=0)) / np.hypot(*np.ptp(body.outline, axis=0)))
+            if lines
+            else 1.0
+        )
+        if share < Cause.TINY_CRACKS.limit:
+            yield Cause.TINY_CRACKS.at(f"body '{body.name}'", share)
 
 
 def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
@@ -104,7 +119,7 @@ def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
             mine, its = (_at_point(displacement, support.point) for displacement in pair)
             if mine is None or its is None or abs(mine - its) <= Cause.CONTRADICTION.limit * max(abs(mine), abs(its)):
                 continue
-            told = {"mine": Metres(mine), "its": Metres(its), "point": place_text(support.point)}
+            told = {"mine": Metres(mine), "its": Metres(its), "point": place_text(support.point + scene.case.origin)}
             yield Cause.CONTRADICTION.at(
                 f"supports.{n}", abs(mine - its), other=f"supports.{m}", component=component, **told
             )
@@ -182,28 +197,22 @@ def _largest_cell(cover: Cover, rim: shapely.Geometry | None) -> float:
 
 def _moved(scene: Scene) -> Iterator[Caution]:
     """What was brought to what it nearly touched when the case was read."""
-    moved = scene.case.moved
-    if not moved:
-        return
-    shown = ", ".join(
-        f"{move.what} by {Metres(move.distance):.2g} onto {move.onto} at {place_text(move.place, 12)}"
-        for move in moved[:MOST_MOVED]
-    )
-    shown += f", and {len(moved) - MOST_MOVED} more" if len(moved) > MOST_MOVED else ""
-    shown += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
-    yield Cause.MOVED.at(share=SNAP, metres=Metres(SNAP * scene_size(scene.case)), shown=shown)
+    moved, told = scene.case.moved, changes_of(scene.case)[0]
+    if told:
+        shown = _listed(told)
+        shown += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
+        yield Cause.MOVED.at(share=SNAP, metres=Metres(SNAP * scene_size(scene.case)), shown=shown)
 
 
 def _cut(scene: Scene) -> Iterator[Caution]:
-    """What of sets of cracks was left out when the case was read."""
-    cut = scene.case.cut
-    if cut:
-        shown = ", ".join(
-            f"{'all' if part.whole else f'{Metres(part.length):.3g}'} of '{part.crack}' at {place_text(part.place)}"
-            for part in cut[:MOST_MOVED]
-        )
-        more = f", and {len(cut) - MOST_MOVED} more" if len(cut) > MOST_MOVED else ""
-        yield Cause.CUT.at(n=len(cut), shown=shown + more)
+    """What of cracks was left out when the case was read."""
+    told = changes_of(scene.case)[1]
+    if told:
+        yield Cause.CUT.at(n=len(told), shown=_listed(told))
+
+
+def _listed(told: list[str]) -> str:
+    return ", ".join([*told[:MOST_MOVED], *([f"and {len(told) - MOST_MOVED} more"] if len(told) > MOST_MOVED else [])])
 
 
 def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:

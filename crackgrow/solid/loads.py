@@ -53,7 +53,9 @@ def _at_point(cover: Cover, body: int, load: model.PointForce) -> Floats:
     at = cover.lattice.to_lattice(load.point[None])
     element = locate(cover.lattice, cover.elements, at, body)
     if element[0] < 0:
-        raise GeometryError(f"the force at {place_text(load.point)} lies outside of body '{load.body}'")
+        raise GeometryError(
+            f"the force at {place_text(load.point + cover.lattice.map_origin)} lies outside of body '{load.body}'"
+        )
     return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
 
 

@@ -40,7 +40,7 @@ class FreePiece:
     motions: (
         Floats  # (k, 3) orthonormal, its free motions: translation x, y and rotation (1 at `reach` from the centre)
     )
-    centre: Floats  # (2,) m
+    centre: Floats  # (2,) m, on the map
     reach: float  # m
 
     def __str__(self) -> str:
@@ -153,7 +153,7 @@ def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
     for index in np.flatnonzero(moving).tolist():
         _, sizes, rows = np.linalg.svd(by_piece[:, index], full_matrices=False)
         nodes = cover.patches.nodes[found[index]]
-        centre, reach = cover.lattice.to_metres(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
+        centre, reach = cover.lattice.to_map(nodes.mean(axis=0)), cover.lattice.spacing * _reach(nodes)
         name, whole = cover.bodies[body[index]].name, int(np.sum(body == body[index])) == 1
         pieces.append(FreePiece(index, found[index], name, whole, rows[sizes > HOLDS_NOTHING], centre, reach))
     return RigidMotions(tuple(pieces), cover.patches.nodes, of_pieces, free, np.empty(0, dtype=np.int64), np.empty(0))

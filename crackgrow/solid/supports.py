@@ -188,7 +188,8 @@ def _at_point(cover: Cover, support: PointSupport) -> _Averages:
     at = cover.lattice.to_lattice(support.point[None])
     element = locate(cover.lattice, cover.elements, at, body_index(cover.bodies, support.body))
     if element[0] < 0:
-        raise GeometryError(f"the support at {place_text(support.point)} lies outside of body '{support.body}'")
+        there = place_text(support.point + cover.lattice.map_origin)
+        raise GeometryError(f"the support at {there} lies outside of body '{support.body}'")
     return _Averages(csr_array(np.ones((1, 1))), at, element)
 
 

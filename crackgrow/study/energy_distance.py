@@ -62,7 +62,7 @@ def _stress(solution: StepSolution, metres: Floats, body: NDArray[np.int64]) -> 
     points = cover.lattice.to_lattice(metres)
     element = locate(cover.lattice, cover.elements, points, body)
     if element.min(initial=0) < 0:
-        alone = place_text(metres[np.argmin(element)])
+        alone = place_text(metres[np.argmin(element)] + cover.lattice.map_origin)
         raise GeometryError(f"the two solutions have different bodies: {alone} is in one of them alone")
     return stress_at(cover, solution.materials, solution.outcome.u, points, element)
 

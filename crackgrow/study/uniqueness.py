@@ -154,7 +154,7 @@ def _found(solution: StepSolution) -> str:
     if second is None:
         return f"no second solution was found, which is no proof that there is none: {beyond}"
     point = int(second.points[0])
-    there = solution.cover.lattice.to_metres(solution.faces.nodes.points[[point]])[0]
+    there = solution.cover.lattice.to_map(solution.faces.nodes.points[[point]])[0]
     place = solution.cover.surfaces[solution.faces.surface[point]].name
     return (
         f"friction leaves more than one solution ({beyond}): in another one the point {place_text(there, 4)} of "

@@ -23,7 +23,7 @@ from tests.readme.commands import Command, commands
 ROOT = Path(__file__).resolve().parents[2]
 
 READMES = (
-    "README.md", "cases/README.md", "cases/PYTHON.md", "cases/GLOSSARY.md", "cases/sweeps/README.md",
+    "README.md", "cases/README.md", "cases/PYTHON.md", "cases/GLOSSARY.md", "cases/MAPS.md", "cases/sweeps/README.md",
     "outputs/README.md", "crackgrow/README.md", "tests/README.md", "tests/verification/README.md",
     "tests/benchmarks/README.md", "tests/stability/README.md", "tests/experiments/README.md",
 )  # fmt: skip

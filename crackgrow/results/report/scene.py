@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Body, Case
+from crackgrow.case.on_map import case_on_map
+from crackgrow.case.units import Coordinate
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import extent
 from crackgrow.results.signs import Arrow, Circle, Polygon, Sign, Strokes, load_signs, support_signs
@@ -94,13 +96,14 @@ def _arrow(tail: Floats, head: Floats) -> Markup:
 
 def draw_scene(run: RunFolder) -> Markup:
     """The scene as SVG; every grown segment of a crack carries its step as `data-step`."""
-    view = view_of(run.case)
+    case = case_on_map(run.case)
+    view = view_of(case)
     width, height = view.size
     parts = [
-        tag("g", *(_body(body, view) for body in run.case.bodies), class_="bodies"),
-        tag("g", *_interfaces(run.case, view), class_="interfaces"),
-        tag("g", *(svg_of(sign, view) for sign in support_signs(run.case)), class_="supports"),
-        tag("g", *(svg_of(sign, view) for sign in load_signs(run.case)), class_="loads"),
+        tag("g", *(_body(body, view) for body in case.bodies), class_="bodies"),
+        tag("g", *_interfaces(case, view), class_="interfaces"),
+        tag("g", *(svg_of(sign, view) for sign in support_signs(case)), class_="supports"),
+        tag("g", *(svg_of(sign, view) for sign in load_signs(case)), class_="loads"),
         tag("g", *_cracks(run, view), class_="cracks"),
         tag("g", id="tips"),
     ]
@@ -132,7 +135,7 @@ def _cracks(run: RunFolder, view: View) -> Iterator[Markup]:
     """Segments of all cracks, the given ones last, on top."""
     paths = run.table("paths")
     if not len(paths):  # nothing was solved: the cracks are those given
-        for crack in run.case.cracks:
+        for crack in case_on_map(run.case).cracks:
             yield tag("path", d=line_data(view.pixels(crack.points)), class_="given", data_step=0)
         return
     names, steps = np.array(paths.words("crack")), paths.steps()
@@ -172,4 +175,6 @@ def _value(value: object) -> str:
         return "[" + ", ".join(_value(inner) for inner in value) + "]"
     if isinstance(value, bool):
         return "true" if value else "false"
+    if isinstance(value, Coordinate):
+        return value.text
     return f"{value:g}" if isinstance(value, float) else str(value)

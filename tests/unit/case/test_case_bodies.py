@@ -278,7 +278,7 @@ def test_a_crack_on_a_slanting_interface_lies_where_its_inside_does(tmp_path: Pa
 @pytest.mark.parametrize(
     ("points", "words"),
     [
-        ([[1, 1], [1, -1]], "end (1 m, -1 m) lies outside the outline of body 'low'"),
+        ([[1, 1], [1, -1], [2, -1], [2, 1], [3, -1]], "vertex 1 (1 m, -1 m) lies outside the outline of body 'low'"),
         ([[9, 9], [9, 10]], "start (9 m, 9 m) lies outside the outline of body 'top'"),
         ([[4, 1], [4, 2.5]], "end (4 m, 2.5 m) lies in body 'top'"),
     ],
@@ -300,7 +300,7 @@ HOLED = {**rectangle(0, 0, 6, 4), "holes": [rectangle(2, 1, 2, 2)]}
             "none",
             "touches hole0 of body 'rock' at (2 m, 3 m); only an end may: give it as two cracks",
         ),
-        ([[1, 2], [3, 2]], "none", "end (3 m, 2 m) lies in hole0 of body 'rock'"),
+        ([[1, 2], [5, 2], [3, 2.5]], "none", "end (3 m, 2.5 m) lies in hole0 of body 'rock'"),
         ([[3, 2], [3, 2.5]], "none", "start (3 m, 2 m) lies in hole0 of body 'rock'"),
         ([[1, 2], [2, 2]], "both", "the tip at the end (2 m, 2 m) lies on hole0 of body 'rock'"),
         ([[1, 2], [2, 2], [1, 3]], "none", "vertex 1 (2 m, 2 m) lies on hole0"),
@@ -316,6 +316,30 @@ HOLED = {**rectangle(0, 0, 6, 4), "holes": [rectangle(2, 1, 2, 2)]}
 def test_a_crack_may_not_cross_a_hole(points: list[list[float]], tips: str, words: str, tmp_path: Path):
     scene = changed(with_body(HOLED), supports=held("rock"))
     assert words in fault(tmp_path, cracked(scene, points, tips))[1]
+
+
+@pytest.mark.parametrize(
+    ("points", "tips", "cut", "lost"),
+    [
+        ([[1, 2], [3, 2]], ["start"], [[1, 2], [2, 2]], [1.0]),
+        ([[3, 2], [1, 2]], ["end"], [[2, 2], [1, 2]], [1.0]),
+        ([[-1, 2], [1, 2.5], [3, 2.5]], [], [[0, 2.25], [1, 2.5], [2, 2.5]], [np.hypot(1, 0.25), 1.0]),
+        ([[1, 1], [1, -1]], ["start"], [[1, 1], [1, 0]], [1.0]),
+    ],
+)
+def test_an_end_in_a_hole_or_outside_is_cut_at_the_rim_and_listed(
+    points: list[list[float]], tips: list[str], cut: list[list[float]], lost: list[float], tmp_path: Path
+):
+    case = load(tmp_path, cracked(changed(with_body(HOLED), supports=held("rock")), points, "both"))
+    (crack,) = case.cracks
+    np.testing.assert_allclose(crack.points, cut, atol=1e-15)
+    assert [end for end in ("start", "end") if getattr(crack, f"tip_at_{end}")] == tips
+    assert [(part.crack, part.whole, part.why) for part in case.cut] == [("flaw", False, "outside of the rock")] * len(
+        lost
+    )
+    np.testing.assert_allclose([part.length for part in case.cut], lost, rtol=1e-12)
+    again = Case.from_dict(case.to_dict())
+    assert again.cracks[0].points.tolist() == crack.points.tolist()
 
 
 def test_a_crack_may_end_on_a_hole(tmp_path: Path):

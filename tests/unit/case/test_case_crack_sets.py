@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import crackgrow
 from crackgrow import cli
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.errors import CaseError
@@ -69,7 +70,7 @@ def test_two_hundred_joints_load_and_the_check_lists_what_was_changed(
     assert len(case.cut) == sum(x < 0 or x + 60 > 1000 for (x, _), _ in lines)
     assert cli.main(["check", str(tmp_path / "scene.yaml")]) == 0
     told = " ".join(capsys.readouterr().out.split())
-    assert f"what lies outside of the rock was left out of sets of cracks, lines: {len(case.cut)}: 26.4 mm of" in told
+    assert f"was left out of cracks, {len(case.cut)} times: 36.9 mm of 'joints-1" in told
 
 
 def test_names_of_a_set_are_its_own(tmp_path: Path) -> None:
@@ -100,21 +101,76 @@ def test_a_set_runs_and_its_run_is_gone_on_with(tmp_path: Path) -> None:
     assert cli.main([*run, "--set", "output.frames=none"]) == 0
     assert cli.main([*run, "--set", "output.frames=none", "--resume"]) == 0
     warnings = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
-    assert any("left out of sets of cracks, lines: 1: 0.2 m of 'joints-2'" in words for words in warnings)
+    words = "1 times: 0.2 m of 'joints-2' (the shape, part 2) at (1.1 m, 0.5 m): outside of the rock"
+    assert any(words in text for text in warnings)
+    assert "changed when it was read: 0.2 m of 'joints-2'" in (tmp_path / "out" / "run.log").read_text()
 
 
-def test_a_table_of_vertices_is_a_set_as_the_paths_of_a_run_are(tmp_path: Path) -> None:
-    """Rows in turn of one crack are a line; columns besides do no harm."""
-    lines = [[[200, 200], [300, 250], [400, 250]], [[600, 500], [700, 500]]]
-    load(tmp_path, lines)
-    rows = [f"{name},{k},{x},{y},0" for name, line in zip("ab", lines, strict=True) for k, (x, y) in enumerate(line)]
-    (tmp_path / "traces.csv").write_text("\n".join(["crack,vertex,x,y,step", *rows]) + "\n")
-    scene = (tmp_path / "scene.yaml").read_text()
-    (tmp_path / "table.yaml").write_text(scene.replace("traces.geojson", "traces.csv"))
-    one, other = (load_case(tmp_path / f"{name}.yaml") for name in ("scene", "table"))
+LINES = [[[200, 200], [300, 250], [400, 250]], [[600, 500], [700, 500]]]  # mm
+
+
+def table(header: str, separator: str = ",", scale: float = 1.0, comma: str = ".") -> str:
+    """LINES as a table with these columns, in mm times a scale."""
+    rows = []
+    for name, line in zip("ab", LINES, strict=True):
+        for k, (x, y) in enumerate(line):
+            values = {"crack": name, "vertex": str(k), "step": "0", "": ""}
+            place = {"x": round(x * scale, 9), "y": round(y * scale, 9)}
+            cells = [
+                values.get(key) or repr(place[key[0].lower()]).replace(".", comma) for key in header.split(separator)
+            ]
+            rows.append(separator.join(cells))
+    return "\n".join([header, *rows]) + "\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "beside"),
+    [
+        (table("crack,x,y"), {}),
+        (table("crack;x;y", ";", 0.1, ","), {"units": "cm"}),
+        (table("crack\tx\ty", "\t"), {}),
+        ("\ufeff" + table("crack,x,y").replace("\n", "\r\n"), {}),
+        (table("crack,vertex,x,y,step", scale=1e-3), {}),
+        (table("crack,vertex,x,y,step"), {"units": "mm"}),
+        (table("crack,x_m,y_m", scale=1e-3), {}),
+        (table("crack,y_mm,x_mm"), {}),
+        (table("crack,X,Y"), {"columns": {"crack": "crack", "x": "X", "y": "Y"}}),
+    ],
+    ids=["plain", "decimal commas", "tabs", "byte order mark", "paths of a run", "units", "x_m", "x_mm", "columns"],
+)
+def test_a_table_of_vertices_is_a_set(text: str, beside: dict[str, Any], tmp_path: Path) -> None:
+    """Rows in turn of one crack are a line; columns besides do no harm; paths.csv of a run is in m."""
+    one = load(tmp_path, LINES)
+    (tmp_path / "traces.csv").write_text(text)
+    other = of_file(tmp_path, "traces.csv", beside)
     for first, second in zip(one.cracks, other.cracks, strict=True):
         assert first.name == second.name
         np.testing.assert_array_equal(first.points, second.points)
+
+
+def of_file(folder: Path, name: str, beside: dict[str, Any], **crack: Any) -> Case:
+    """The block of `load` with the lines of another file, with keys beside it."""
+    scene = json.loads((folder / "scene.yaml").read_text())
+    scene["cracks"]["joints"] |= {"path": {"file": name, **beside}, **crack}
+    (folder / "other.yaml").write_text(json.dumps(scene))
+    return load_case(folder / "other.yaml")
+
+
+def test_a_table_with_a_row_for_each_line(tmp_path: Path) -> None:
+    load(tmp_path, LINES)
+    (tmp_path / "traces.csv").write_text("FID,START_X,START_Y,END_X,END_Y\n7,0.2,0.2,0.3,0.25\n9,0.6,0.5,0.7,0.5\n")
+    columns = {"start": ["START_X", "START_Y"], "end": ["END_X", "END_Y"]}
+    case = of_file(tmp_path, "traces.csv", {"columns": columns, "units": "m", "names": "FID"})
+    assert {crack.name: crack.points.tolist() for crack in case.cracks} == {
+        "joints-7": [[0.2, 0.2], [0.3, 0.25]], "joints-9": [[0.6, 0.5], [0.7, 0.5]]
+    }  # fmt: skip
+
+
+def test_what_columns_tell_of_units_is_not_contradicted(tmp_path: Path) -> None:
+    load(tmp_path, LINES)
+    (tmp_path / "traces.csv").write_text(table("crack,x_mm,y_mm"))
+    with pytest.raises(CaseError, match="has the columns x_mm and y_mm, and `units` is m"):
+        of_file(tmp_path, "traces.csv", {"units": "m"})
 
 
 @pytest.mark.parametrize(
@@ -122,11 +178,12 @@ def test_a_table_of_vertices_is_a_set_as_the_paths_of_a_run_are(tmp_path: Path) 
     [
         ("x,y\n1,2\n", "has no column crack; its columns are x, y"),
         ("", "has no column crack or x or y; its columns are none"),
-        ("crack,x,y\na,1,1\nb,2,2\nb,3,3\na,4,4\n", "one vertex of 'a', and a line has two or more, in rows one after"),
+        ("crack,x,y\na,1,1\nb,2,2\nb,3,3\na,4,4\n", "in line 2 one vertex of 'a', and a line has two or more, in rows"),
         ("crack,x,y\na,1,2\n", "one vertex of 'a'"),
-        ("crack,x,y\na,1,two\na,3,4\n", "whose x or y is no number"),
-        ("crack,x,y\na,1\na,3,4\n", "whose x or y is no number"),
-        ("crack,x,y\na,nan,0\na,3,4\n", "finite"),
+        ("crack,x,y\na,1,two\na,3,4\n", "has in line 2 a vertex whose y is no number: 'two'"),
+        ("crack,x,y\na,3,4\na,1\n", "has in line 3 a vertex whose y is no number: ''"),
+        ("crack,x,y\na,1,0\n\na,nan,0\na,3,4\n", "has in line 4 a vertex whose x is not finite: 'nan'"),
+        ("FID,START_X,START_Y\n1,2,3\n", "its columns are FID, START_X, START_Y; `columns` of the path tells which"),
         ("crack,x,y\n", "nothing"),
     ],
 )
@@ -140,3 +197,220 @@ def test_fault_of_a_table(text: str, words: str, tmp_path: Path) -> None:
     (fault,) = caught.value.faults
     assert fault.key == "cracks.joints.path.file"
     assert words in fault.message
+
+
+T = [[20, 50], [80, 50]], [[50, 50], [50, 20]]  # mm
+TIPS = [("start", "end"), ("end",)]
+
+
+def scaled(lines: Any, by: float) -> list[Any]:
+    return (by * np.array(lines)).tolist()
+
+
+@pytest.mark.parametrize("off", [0.0, 1e-6, -1e-6, 4.0, -4.0])
+def test_an_end_on_or_near_another_trace_is_no_tip(off: float, tmp_path: Path) -> None:
+    """Exactly on it, short of it or beyond it by no more than the tolerance."""
+    lines = scaled(T, 10.0)
+    lines[1][0][1] -= off
+    load(tmp_path, lines)
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "5 mm"})
+    assert tips_of(case) == TIPS
+    np.testing.assert_allclose(case.cracks[1].points[0], [0.5, 0.5], atol=1e-15)
+    assert len(case.moved) == (abs(off) > 1e-5)
+    beyond = of_file(tmp_path, "traces.geojson", {"tolerance": "3 mm"})
+    assert tips_of(beyond) == (TIPS if abs(off) < 3.0 else [("start", "end")] * 2)
+
+
+def test_what_is_brought_together_reads_back_to_the_same(tmp_path: Path) -> None:
+    load(tmp_path, [[[200, 500], [800, 500]], [[502, 503], [500, 200]], [[300, 300], [300, 497], [300, 501]]])
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "5 mm"})
+    again = Case.from_dict(case.to_dict())
+    assert [crack.points.tolist() for crack in again.cracks] == [crack.points.tolist() for crack in case.cracks]
+    assert tips_of(again) == tips_of(case) == [("start", "end"), ("end",), ("start",)]
+    assert dump_case(again) == dump_case(case)
+
+
+def test_ends_of_three_traces_near_each_other_become_one_place(tmp_path: Path) -> None:
+    ways = np.deg2rad([90, 210, 330])
+    lines = [
+        [[500 + 3 * np.cos(a + 1), 500 + 3 * np.sin(a + 1)], [500 + 200 * np.cos(a), 500 + 200 * np.sin(a)]]
+        for a in ways
+    ]
+    load(tmp_path, lines)
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "8 mm"})
+    assert len({tuple(crack.points[0].tolist()) for crack in case.cracks}) == 1
+    assert tips_of(case) == [("end",)] * 3
+
+
+def test_traces_that_cross_or_are_near_a_named_crack(tmp_path: Path) -> None:
+    """Crossings stay as they are; a crack of the case stays where it is, and a trace ends on it."""
+    fault = {"fault": {"path": {"points": [[100, 700], [900, 700]]}, "contact": CONTACT}}
+    load(tmp_path, [[[200, 600], [200, 800]], [[400, 500], [400, 698]]], fault)
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "5 mm"})
+    joints = {crack.name: crack.points.tolist() for crack in case.cracks}
+    assert joints["joints-1"] == [[0.2, 0.6], [0.2, 0.8]]
+    np.testing.assert_allclose(joints["joints-2"], [[0.4, 0.5], [0.4, 0.7]], atol=1e-15)
+    assert tips_of(case) == [("start", "end"), ("start",), ("start", "end")]
+
+
+def test_what_is_drawn_twice_or_over_another_trace_is_there_once(tmp_path: Path) -> None:
+    long = [[200, 300], [500, 310], [800, 300]]
+    near = [[250, 304], [500, 308], [700, 301]]
+    goes_on = [[700, 303], [800, 301], [900, 340]]
+    load(tmp_path, [long, long[::-1], near, goes_on, [[400, 200], [400, 290]]])
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "5 mm"})
+    assert [crack.name for crack in case.cracks] == ["joints-1", "joints-4", "joints-5"]
+    first, rest, _ = case.cracks
+    np.testing.assert_allclose(first.points, np.array(long) / 1000, atol=0.005)
+    np.testing.assert_allclose(rest.points, [first.points[-1], [0.9, 0.34]], atol=1e-15)
+    assert tips_of(case) == [("start",), ("end",), ("start", "end")]
+    told = [(cut.crack, cut.whole, cut.why) for cut in case.cut]
+    assert told == [(f"joints-{k}", k < 4, "runs along crack 'joints-1'") for k in (2, 3, 4)]
+
+
+def test_crossings_at_a_small_angle_stay(tmp_path: Path) -> None:
+    """At half a degree two traces are within the tolerance of each other over more than a metre."""
+    rise = 400 * np.tan(np.deg2rad(0.5))
+    load(tmp_path, [[[100, 500], [900, 500]], [[100, 500 - rise], [900, 500 + rise]]])
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "1 mm"})
+    assert [len(crack.points) for crack in case.cracks] == [2, 2]
+    assert case.cut == ()
+
+
+def test_what_is_no_line_is_left_out_and_told(tmp_path: Path) -> None:
+    loop = [[100, 600], [300, 700], [350, 650], [300, 600], [100, 700]]
+    ring = [[600, 600], [700, 600], [700, 700], [600, 700], [600, 600]]
+    repeated = [[500, 100], [500, 100], [500, 200], [500, 200], [500, 300]]
+    load(tmp_path, [[[100, 100], [100, 100]], [[200, 100], [203, 100]], loop, ring, repeated])
+    case = of_file(tmp_path, "traces.geojson", {"tolerance": "5 mm"})
+    names = [crack.name for crack in case.cracks]
+    assert names == ["joints-3-1", "joints-3-2", "joints-3-3", "joints-3-4", "joints-4-1", "joints-4-2", "joints-5"]
+    assert case.cracks[-1].points.tolist() == [[0.5, 0.1], [0.5, 0.2], [0.5, 0.3]]
+    told = {cut.crack: (cut.whole, cut.why, cut.where) for cut in case.cut}
+    assert told == {
+        "joints-1": (True, "has no length", "the shape, part 1"),
+        "joints-2": (True, "is shorter than the tolerance", "the shape, part 2"),
+        "joints-3": (False, "meets itself, and is divided there", "the shape, part 3"),
+        "joints-4": (False, "meets itself, and is divided there", "the shape, part 4"),
+        "joints-5": (False, "2 of its vertices repeat others", "the shape, part 5"),
+    }
+
+
+ATTRIBUTES = [{"set": "J1", "id": 4}, {"set": "J2", "id": 5.0}, {"set": "J3", "id": None}, {"set": "J1", "id": "a/b"}]
+
+
+def with_attributes(folder: Path, crs: str | None = None) -> None:
+    """Four lines with attributes as GeoJSON, z and all."""
+    load(folder, LINES)
+    features = [
+        {"type": "Feature", "properties": values,
+         "geometry": {"type": "LineString", "coordinates": [[200, 100 * k, 7], [400, 100 * k, 8]]}}
+        for k, values in enumerate(ATTRIBUTES, 1)
+    ]  # fmt: skip
+    system = {"crs": {"type": "name", "properties": {"name": crs}}} if crs else {}
+    text = json.dumps({"type": "FeatureCollection", **system, "features": features})
+    (folder / "map.geojson").write_text(text)
+
+
+def test_attributes_choose_lines_name_them_and_give_laws(tmp_path: Path) -> None:
+    with_attributes(tmp_path)
+    rough, smooth = {"friction": 0.8, "cohesion": 0}, {"friction": 0.1, "cohesion": 0}
+    beside = {"where": {"set": ["J1", "J2"]}, "names": "id"}
+    case = of_file(tmp_path, "map.geojson", beside, contact=rough, contact_by={"set": {"J2": smooth}})
+    frictions = {crack.name: crack.contact.friction for crack in case.cracks if crack.contact}
+    assert frictions == {"joints-4": 0.8, "joints-5": 0.1, "joints-a_b": 0.8}
+    assert "contact_by" not in dump_case(case)
+    (one,) = of_file(tmp_path, "map.geojson", {"where": {"set": "J1", "id": 4}}).cracks
+    assert one.name == "joints-1"
+    open_ = of_file(tmp_path, "map.geojson", {}, contact_by={"set": {"J1": "none", "J3": smooth}})
+    assert [crack.contact and crack.contact.friction for crack in open_.cracks] == [None, 0.3, 0.1, None]
+
+
+@pytest.mark.parametrize(
+    ("beside", "crack", "key", "words"),
+    [
+        ({"where": {"sets": "J1"}}, {}, "path.file", "has no attribute 'sets'; it has: id, set; did you mean 'set'?"),
+        ({"where": {"set": "J9"}}, {}, "path.file", "has no set 'J9'; it has: J1, J2, J3"),
+        ({"names": "name"}, {}, "path.names", "has no attribute 'name'"),
+        ({}, {"contact_by": {"type": {"a": "none"}}}, "contact_by.type", "has no attribute 'type'"),
+        ({}, {"contact_by": {"set": {"J9": "none"}}}, "contact_by.set.J9", "no line has the set 'J9'"),
+        ({"curve": "a"}, {}, "path.curve", "has lines and no curves"),
+        ({"layer": "a"}, {}, "path.file", "has no layers"),
+        ({"columns": {"start": ["a", "b"], "end": ["c", "d"]}}, {}, "path.file", "is no table"),
+    ],
+)
+def test_fault_beside_a_map(
+    beside: dict[str, Any], crack: dict[str, Any], key: str, words: str, tmp_path: Path
+) -> None:
+    with_attributes(tmp_path)
+    with pytest.raises(CaseError) as caught:
+        of_file(tmp_path, "map.geojson", beside, **crack)
+    assert caught.value.faults[0].key == f"cracks.joints.{key}"
+    assert words in caught.value.faults[0].message
+
+
+def test_laws_by_attribute_are_for_maps(tmp_path: Path) -> None:
+    other = {
+        "flaw": {"path": {"points": [[100, 100], [200, 100]]}, "contact": CONTACT, "contact_by": {"set": {"a": "none"}}}
+    }
+    with pytest.raises(CaseError, match=r"cracks\.flaw\.contact_by: is for lines of a map"):
+        load(tmp_path, LINES, other)
+
+
+@pytest.mark.parametrize("system", ["urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:EPSG::4326", "EPSG:4258"])
+def test_degrees_are_refused(system: str, tmp_path: Path) -> None:
+    with_attributes(tmp_path, system)
+    with pytest.raises(CaseError, match=r"is in degrees of longitude and latitude .* project it, such as to UTM"):
+        of_file(tmp_path, "map.geojson", {})
+
+
+def test_a_projected_system_and_a_shift_are_taken(tmp_path: Path) -> None:
+    with_attributes(tmp_path, "urn:ogc:def:crs:EPSG::3067")
+    case = of_file(tmp_path, "map.geojson", {"units": "cm", "origin": [190.5, 90]})
+    np.testing.assert_allclose(case.cracks[0].points, [[0.095, 0.1], [1.0, 0.1]], rtol=1e-15)  # cut at 1 m
+
+
+def collection(*shapes: str) -> str:
+    """Features with these places."""
+    features = ", ".join(f'{{"type": "Feature", "properties": null, "geometry": {shape}}}' for shape in shapes)
+    return f'{{"type": "FeatureCollection", "features": [{features}]}}'
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ('{"type": "FeatureCollection",\n"features": [}', "cannot be read as geojson: line 2: Expecting value"),
+        ("[1, 2]", "it holds no mapping"),
+        (collection('{"type": "Point", "coordinates": [0, 0]}'), "holds Point in feature 1; wanted: lines"),
+        (collection("null", '{"type": "LineString", "coordinates": [[0, 0], [NaN, 1]]}'), "geojson at feature 2: "),
+        (collection('{"type": "LineString", "coordinates": [[0, 0]]}'), "cannot be read as geojson at feature 1"),
+        (collection("[1]"), "cannot be read as geojson at feature 1: it has no `type`"),
+    ],
+)
+def test_fault_of_a_map(text: str, words: str, tmp_path: Path) -> None:
+    load(tmp_path, LINES)
+    (tmp_path / "map.geojson").write_text(text)
+    with pytest.raises(CaseError) as caught:
+        of_file(tmp_path, "map.geojson", {})
+    assert words in caught.value.faults[0].message
+
+
+def test_faults_of_cracks_name_the_feature_or_the_row(tmp_path: Path) -> None:
+    """What is wrong with the law stands in the case, once; what is wrong with a trace in the map."""
+    with_attributes(tmp_path)
+    rows = ["crack,x,y", "a,100,100", "a,200,200", "b,300,300", "b,300,300.001"]
+    (tmp_path / "traces.csv").write_text("\n".join(rows) + "\n")
+    with pytest.raises(CaseError, match=r"^traces\.csv:4: cracks\.joints-2\.path: length 0\.001 mm is less than"):
+        of_file(tmp_path, "traces.csv", {"tolerance": "0.1 um"})
+    with pytest.raises(CaseError) as caught:
+        of_file(tmp_path, "map.geojson", {}, contact={**CONTACT, "residual_friction": 0.5})
+    (fault,) = caught.value.faults
+    assert fault.source.endswith("other.yaml")
+    assert fault.key == "cracks.joints-1.contact.residual_friction"
+
+
+def test_cracks_in_another_unit_than_the_case_has_are_told(tmp_path: Path) -> None:
+    load(tmp_path, [scaled(line, 1e-3) for line in LINES])
+    told = crackgrow.solve(load_case(tmp_path / "scene.yaml", ["numerics.accuracy=draft"])).warnings
+    words = "all cracks of body 'rock' lie within 0.00041 of its size: is the unit of their coordinates right?"
+    assert any(words in text for text in told)

@@ -120,7 +120,13 @@ def test_fault_of_the_format(old: str, new: str, key: str, words: str, at: str, 
 
 # as above, for what only a look at several parts can tell
 SCENE_FAULTS = [
-    ("length: 10 ", "length: 40 ", "cracks.flaw.path", "lies outside the outline of body 'rock'", "path:"),
+    (
+        "center: [0, 0]               # midpoint",
+        "center: [40, 0]",
+        "cracks.flaw.path",
+        "lies outside the outline of body 'rock'",
+        "path:",
+    ),
     ("length: 10 ", "length: 0.0001 ", "cracks.flaw.path", "less than 0.0001 of the lattice spacing", "path:"),
     (
         "0.0                # cohesion",

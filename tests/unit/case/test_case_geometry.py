@@ -28,8 +28,7 @@ def message(*overrides: str) -> str:
 @pytest.mark.parametrize(
     ("points", "tips", "words"),
     [
-        ("[[0, 0], [16, 0]]", "both", "end (16 mm, 0 mm) lies outside the outline of body 'rock'"),
-        ("[[0, 0], [16, 0]]", "none", "end (16 mm, 0 mm) lies outside"),
+        ("[[16, 0], [17, 0]]", "none", "start (16 mm, 0 mm) lies outside the outline of body 'rock'"),
         ("[[0, 0], [20, 0], [1, 1]]", "both", "vertex 1 (20 mm, 0 mm) lies outside"),
         ("[[0, 0], [15.5, 0]]", "both", "the tip at the end (15.5 mm, 0 mm) lies on the outline"),
         ("[[0, 0], [15.5, 0]]", "end", "the tip at the end"),

@@ -85,7 +85,7 @@ def test_everything_is_accepted():
           "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
         (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}"], ["{center: [0, 0], length: 3}"]),
         (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
-         ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dxf}", "{circle: 1}"]),
+         ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dwg}", "{circle: 1}"]),
         (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
         (OrFormula(), ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
          ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),

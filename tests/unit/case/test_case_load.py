@@ -268,7 +268,7 @@ def test_last_override_wins():
         ("numerics.spacing=*a", "numerics.spacing", "no value before it has the anchor"),
         ("numerics.spacing={a: 1, a: 2}", "numerics.spacing.a", "given twice"),
         ("numerics.spacing=\x00", "numerics.spacing", "not valid YAML"),
-        ("cracks.flaw.path.length=90", "cracks.flaw.path", "outside"),
+        ("cracks.flaw.path.center=[90, 0]", "cracks.flaw.path", "outside"),
     ],
 )
 def test_fault_in_an_override_names_it(override: str, key: str, words: str):

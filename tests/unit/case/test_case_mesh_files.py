@@ -176,7 +176,7 @@ def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path) -> None
     ({"path": {"file": "joint.wkt", "curve": "a"}}, "cracks.flat.path.curve", "has lines and no curves"),
     ({"path": {"file": "joint.wkt"}}, "cracks.flat.path.file", "none of its lines lies in the rock"),
     ({"path": {"file": "rock.wkt", "curve": "a"}}, "cracks.flat.path.file",
-     "'rock.wkt' holds Polygon; wanted: the name of a .geojson, .wkt or .csv file with lines, or a mesh"),
+     "'rock.wkt' holds Polygon in shape 1; wanted: lines"),
 ])  # fmt: skip
 def test_what_the_files_do_not_hold_is_told(tmp_path: Path, change: dict[str, Any], key: str, words: str) -> None:
     write(plate(), tmp_path / "plate.msh")

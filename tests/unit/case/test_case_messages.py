@@ -26,7 +26,7 @@ def told(*overrides: str) -> str:
 @pytest.mark.parametrize(
     ("override", "words"),
     [
-        ("bodies.rock.shape={circle: {radius: 3}}", "polygon, disk, file, region; did you mean 'disk'?"),
+        ("bodies.rock.shape={circle: {radius: 3}}", "polygon, disk, file, region, units, origin; did you mean 'disk'?"),
         ("supports=[{point: [0, 0], displacement: {x: 0}}]", "did you mean 'at'?"),
         ("supports=[{at: [0, 0], displacment: {x: 0}}]", "did you mean 'displacement'?"),
         ("bodies.rock.material={E: 1, poisson: 0.2}", "did you mean 'young'?"),

@@ -268,7 +268,7 @@ def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
     [
         ("none.wkt", None, "does not exist in"),
         (".", None, "ends in ''"),
-        ("rock.dxf", "", "ends in '.dxf'; wanted: the name of a .geojson or .wkt file with one polygon"),
+        ("rock.dwg", "", "ends in '.dwg'; wanted: the name of a file with one polygon (.geojson, .wkt, "),
         ("rock.wkt", "", "cannot be read as wkt"),
         ("rock.wkt", "POLYGON ((0 0, 1", "cannot be read as wkt"),
         ("rock.wkt", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "cannot be read as wkt: Nonlinear"),

@@ -11,7 +11,7 @@ import pytest
 import crackgrow
 from crackgrow.case import dump_case, load_case
 from crackgrow.plan.sizes import sizes_of
-from tests.unit.case.scenes import MATERIAL, fault, held, load, rectangle, with_body
+from tests.unit.case.scenes import MATERIAL, held, load, rectangle, with_body
 
 HEAVY = {**MATERIAL, "density": "2500 kg/m^3"}
 DOWN = [0, "-9.81 m/s^2"]
@@ -121,11 +121,14 @@ def test_joint_that_ends_beside_a_wall_ends_on_it(x: float, tips: str, tmp_path:
     assert len(told) == len(case.moved) == int(abs(x - np.sqrt(2.0)) > 1e-8)
 
 
-def test_an_end_too_far_off_tells_how_far_and_where_it_belongs(tmp_path: Path):
-    key, message = fault(tmp_path, tunnel(1.41, 1.41))
-    assert key == "cracks.joint.path"
-    assert "lies in hole0 of body 'rock', 0.00596 m from it at (1.4141764731 m, 1.4142500099 m)" in message
-    assert "within 0.00057 m of it is moved there" in message
+def test_an_end_too_far_off_to_be_moved_is_cut_off_at_the_wall(tmp_path: Path):
+    case = load(tmp_path, tunnel(1.41, 1.41))
+    assert case.moved == ()
+    (cut,) = case.cut
+    assert (cut.crack, cut.why) == ("joint", "outside of the rock")
+    assert cut.length == pytest.approx(0.00596, rel=0.02)
+    assert np.hypot(*case.cracks[0].points[0]) == pytest.approx(2.0, rel=1e-4)
+    assert not case.cracks[0].tip_at_start
 
 
 @pytest.mark.parametrize("off", [3e-5, -3e-5, 1e-8, 0.0])

@@ -1,0 +1,213 @@
+"""A case in the coordinates of a map: computed as at its origin, and everything told on the map."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import crackgrow
+from crackgrow import cli
+from crackgrow.case import Case, dump_case, load_case
+from crackgrow.case.on_map import case_on_map
+
+ORIGIN = (466000.5, 6700000.0)  # m, as of UTM
+ULP = 2e-9  # m, two of the largest coordinate's
+LOADS = 1e6  # N/m, about
+ROUND_OFF = ("residual", "penetration", "complementarity", "overlap", "overlap_share", "energy_error")
+FORMULA = 1e-9  # what x of a formula loses of its digits
+
+
+def scene(x: float, y: float) -> dict[str, Any]:
+    """Two blocks with a hole, a joint of a file and a crack that grows into the outline, at a place."""
+
+    def at(*point: float) -> list[float]:
+        return [round(point[0] + x, 9), round(point[1] + y, 9)]
+
+    rock = {"material": {"young": "30 GPa", "poisson": 0.2},
+            "strength": {"tension": "1 MPa", "cohesion": "5 MPa", "friction_angle": 30}}  # fmt: skip
+    low = [at(0, 0), at(8, 0), at(8, 6.4), at(0, 6)]
+    top = [at(0, 6), at(8, 6.4), at(8, 8), at(0, 8)]
+    contact = {"friction": 0.4, "cohesion": 0}
+    return {
+        "title": "a case on a map", "plane": "strain", "units": {"length": "m", "stress": "MPa"},
+        "bodies": {
+            "low": {"shape": {"polygon": low, "holes": [{"disk": {"center": at(6, 4), "radius": 0.5}}]}, **rock},
+            "top": {"shape": {"polygon": top}, **rock},
+        },
+        "interfaces": [{"between": ["low", "top"], "contact": "bonded"}],
+        "cracks": {
+            "flaw": {"path": {"center": at(1.3, 2.2), "length": 1.7, "angle": 20}, "contact": contact},
+            "joints": {"path": {"file": "joints.geojson"}, "contact": contact},
+        },
+        "supports": [
+            {"at": at(8, 0), "displacement": {"x": 0, "y": 0}, "body": "low"},
+            {"on": {"body": "low", "edge": "0", "from": at(1, 0)[0], "to": at(5, 0)[0]}, "displacement": {"y": 0}},
+        ],
+        "loads": [
+            {"on": {"body": "top", "edge": "2"}, "traction": [0, f"3 + 0.1*(x - {x!r})"]},
+            {"at": at(0, 3), "force": ["-20 kN/m", "0 N/m"], "body": "low"},
+        ],
+        "growth": {"steps": 2, "increment": 0.8, "criterion": "strength", "tip_stress": {"radius": 0.4}},
+        "numerics": {"spacing": 0.8},
+        "output": {"points": {
+            "wall": {"at": at(5.5, 4), "body": "low"}, "way": {"between": [at(1, 1), at(7, 1)]},
+            "mouth": {"crack": "flaw", "at": at(1.3, 2.2)},
+        }},
+    }  # fmt: skip
+
+
+def write(folder: Path, x: float, y: float, **units: Any) -> Path:
+    folder.mkdir()
+    content = scene(x, y)
+    content["units"] |= units
+    line = [[round(x + a, 9), round(y + b, 9)] for a, b in ((3.1, 4.2), (4.7, 4.9), (6.3, 4.1))]  # ends in the hole
+    shape = {"type": "LineString", "coordinates": line}
+    (folder / "joints.geojson").write_text(json.dumps(shape))
+    (folder / "rock.yaml").write_text(json.dumps(content))
+    return folder / "rock.yaml"
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    folder = tmp_path_factory.mktemp("on_map")
+    return {"here": write(folder / "here", 0.0, 0.0), "map": write(folder / "map", *ORIGIN, origin=list(ORIGIN))}
+
+
+@pytest.fixture(scope="module")
+def cases(files: dict[str, Path]) -> tuple[Case, Case]:
+    return load_case(files["here"]), load_case(files["map"])
+
+
+@pytest.fixture(scope="module")
+def runs(files: dict[str, Path], cases: tuple[Case, Case]) -> tuple[crackgrow.Run, crackgrow.Run]:
+    here, there = (
+        crackgrow.run_case(case, files[name].parent / "out") for case, name in zip(cases, files, strict=True)
+    )
+    return here, there
+
+
+def test_a_case_is_seen_from_its_origin(cases: tuple[Case, Case]) -> None:
+    here, there = cases
+    assert there.origin == ORIGIN
+    assert len(there.cut) == 1
+    for one, other in zip(here.cracks, there.cracks, strict=True):
+        np.testing.assert_array_equal(one.points, other.points)
+    for one, other in zip(here.bodies, there.bodies, strict=True):
+        for ring, its in zip(one.rings, other.rings, strict=True):
+            np.testing.assert_array_equal(ring.points, its.points)
+    on_map = case_on_map(there)
+    np.testing.assert_allclose(on_map.cracks[0].points - here.cracks[0].points, [ORIGIN] * 2, rtol=1e-15)
+    np.testing.assert_allclose(on_map.output.points[1].points[0], np.add(ORIGIN, 1.0), rtol=1e-15)  # type: ignore[union-attr]
+
+
+def test_a_case_as_it_ran_stands_on_the_map_and_reads_back_to_the_same_bits(
+    cases: tuple[Case, Case], tmp_path: Path
+) -> None:
+    here, there = cases
+    text = dump_case(there)
+    assert "center: [466001.8, 6700002.2]" in text
+    assert "from: 466001.5" in text
+    (tmp_path / "rock.yaml").write_text(text)
+    again = load_case(tmp_path / "rock.yaml")
+    assert dump_case(again) == text
+    for one, other in zip(there.cracks, again.cracks, strict=True):
+        np.testing.assert_array_equal(one.points, other.points)
+    changed = there.with_("cracks.flaw.path.center=[466003.5, 6700002]", "output.points={}")
+    np.testing.assert_allclose(changed.cracks[0].points.mean(axis=0), [3.0, 2.0], rtol=1e-14)
+    np.testing.assert_array_equal(changed.cracks[1].points, there.cracks[1].points)
+    mapping = there.to_dict()
+    assert mapping["supports"][0]["at"] == [466008.5, 6700000.0]
+    np.testing.assert_allclose(Case.from_dict(mapping).cracks[1].points, here.cracks[1].points, atol=1e-9)
+
+
+def test_results_are_the_same_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run]) -> None:
+    here, there = runs
+    for name in ("tips", "contact", "paths", "events", "steps", "reactions", "history"):
+        one, other = getattr(here, name), getattr(there, name)
+        assert len(one) == len(other) > 0, name
+        for column in one:
+            if column.startswith("seconds") or column in ROUND_OFF:
+                continue
+            if column in "xy":
+                shifted = one[column] + ORIGIN["xy".index(column)]
+                np.testing.assert_allclose(other[column], shifted, rtol=0.0, atol=ULP, err_msg=f"{name}.{column}")
+            elif one[column].dtype.kind == "f":
+                alike = [other for other in one if other.partition(".")[2] == column.partition(".")[2]]
+                of_loads = LOADS if "force" in column else 0.0  # that balance: reactions are their round-off
+                size = FORMULA * max(np.abs(one[alike if "." in column else [column]].to_numpy()).max(), of_loads)
+                np.testing.assert_allclose(other[column], one[column], FORMULA, size, err_msg=f"{name}.{column}")
+            else:
+                assert one[column].equals(other[column]), f"{name}.{column}"
+
+
+def test_fields_and_meshes_are_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run], files: dict[str, Path]) -> None:
+    here, there = runs
+    points = np.array([[1.0, 1.0], [4.0, 7.2], [20.0, 0.0]])
+    for name in ("displacement_at", "stress_at"):
+        one, other = getattr(here.last, name)(points), getattr(there.solution(2), name)(points + ORIGIN)
+        np.testing.assert_allclose(one, other, rtol=FORMULA)
+    folder = crackgrow.open_run(files["map"].parent / "out")
+    for mesh in (there.mesh(1), folder.mesh(1)):
+        np.testing.assert_allclose(mesh.points[:, :2], here.mesh(1).points[:, :2] + ORIGIN, rtol=0.0, atol=ULP)
+    for one, other in zip(here.results[1].faces, there.results[1].faces, strict=True):
+        np.testing.assert_allclose(other.points, one.points + ORIGIN, rtol=0.0, atol=ULP)
+
+
+def test_what_is_told_of_places_is_on_the_map(
+    runs: tuple[crackgrow.Run, crackgrow.Run], files: dict[str, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    _, there = runs
+    told = " ".join(there.warnings)
+    assert "'joints-1' (the shape) at (466006.5 m, 6700004.25 m)" in told
+    folder = files["map"].parent
+    log = (folder / "out" / "run.log").read_text()
+    event = there.events.iloc[0]
+    assert f"({event.x:.4f}"[:9] in log
+    assert cli.main(["check", str(files["map"]), "--picture", str(folder / "scene.svg")]) == 0
+    assert "(466006.5 m, 6700004.25 m)" in capsys.readouterr().out
+    page = (folder / "out" / "report.html").read_text()
+    assert "466008.5" in page  # of a support
+
+
+def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(files: dict[str, Path], tmp_path: Path) -> None:
+    run = ["run", str(files["map"]), "--quiet", "--set", "output.frames=none", "--set", "output.figures=false"]
+    whole, parts = tmp_path / "whole", tmp_path / "parts"
+    assert cli.main([*run, "--out", str(whole)]) == 0
+    assert cli.main([*run, "--out", str(parts), "--set", "growth.steps=1"]) == 0
+    assert cli.main([*run, "--out", str(parts), "--resume"]) == 0
+    for name in ("tips.csv", "paths.csv", "events.csv", "contact.csv"):
+        assert (whole / name).read_text() == (parts / name).read_text()
+
+
+def test_paths_of_a_run_on_a_map_are_cracks_of_a_case_on_it(
+    runs: tuple[crackgrow.Run, crackgrow.Run], files: dict[str, Path], tmp_path: Path
+) -> None:
+    """In a case in mm, with outlines of files in m."""
+    (tmp_path / "paths.csv").write_text((files["map"].parent / "out" / "paths.csv").read_text())
+    for name, polygon in (("low", [(0, 0), (8, 0), (8, 6.4), (0, 6)]), ("top", [(0, 6), (8, 6.4), (8, 8), (0, 8)])):
+        ring = ", ".join(f"{a + ORIGIN[0]!r} {b + ORIGIN[1]!r}" for a, b in [*polygon, polygon[0]])
+        (tmp_path / f"{name}.wkt").write_text(f"POLYGON (({ring}))")
+    material = {"young": "30 GPa", "poisson": 0.2}
+    content = {
+        "title": "once more", "plane": "strain",
+        "units": {"length": "mm", "origin": ["466000.5 m", "6700000 m"]},
+        "bodies": {n: {"shape": {"file": f"{n}.wkt", "units": "m"}, "material": material} for n in ("low", "top")},
+        "interfaces": [{"between": ["low", "top"], "contact": "bonded"}],
+        "cracks": {"old": {"path": {"file": "paths.csv"}, "contact": "none"}},
+        "supports": "minimal",
+    }  # fmt: skip
+    (tmp_path / "again.yaml").write_text(json.dumps(content))
+    case = load_case(tmp_path / "again.yaml")
+    _, there = runs
+    np.testing.assert_allclose(case.cracks[0].points + ORIGIN, there.path("flaw"), atol=2e-9)
+
+
+def test_a_map_far_away_without_an_origin_names_the_key(tmp_path: Path) -> None:
+    with pytest.raises(crackgrow.CaseError) as caught:
+        load_case(write(tmp_path / "far", *ORIGIN))
+    (fault,) = [fault for fault in caught.value.faults if "too far" in fault.message]
+    assert "give the map an origin near it, such as `units: {origin: [466000, 6700000]}`" in fault.message
