@@ -156,9 +156,7 @@ def _add_defects(
         add("stub", np.vstack([points[0], points[0] + 0.4 * tolerance]), name)
     for points, name in some(0.02):
         moved = points + rng.uniform(-0.3, 0.3, 2)
-        add(
-            "repeated vertices", np.repeat(moved, rng.integers(1, 3, len(moved)), axis=0)[[0, *range(len(moved))]], name
-        )
+        add("repeated vertices", np.repeat(moved, [2, *rng.integers(1, 3, len(moved))[1:]], axis=0), name)
     for _, name in some(0.01):
         loop = np.array([[-0.8, -0.3], [0.3, 0.25], [0.45, 0.0], [0.3, -0.25], [-0.8, 0.35]])
         add("crosses itself", _place(rng, 0.8 * half) + loop, name)

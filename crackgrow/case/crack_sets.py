@@ -67,7 +67,7 @@ def place_ends_and_sets(scene: Scene) -> None:
         *(crack_thing(name, line) for name, line in given.items() if len(line) > 1),
     ]
     made = _cracks_of(
-        scene, [piece for name in cracks if name in sets for piece in _pieces(scene, name, cracks[name])], fixed
+        scene, [piece for name in cracks if name in sets for piece in _pieces(scene, name, cracks[name], rock)], fixed
     )
     every: dict[str, Any] = {}
     for name, crack in cracks.items():
@@ -111,7 +111,7 @@ def _cut_ends(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) 
     crack |= {"path": {"points": list(map(scene.units.coordinates, inside.tolist()))}, "tips": _word(tips)}
 
 
-def _pieces(scene: Scene, name: str, crack: Resolved) -> Iterator[_Piece]:
+def _pieces(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) -> Iterator[_Piece]:
     """The lines of a map, in parts that lie in one body and do not cross themselves; lists what of them is left out."""
     path, key = crack["path"], ("cracks", name)
     traces, tolerance = path["traces"], path.get("tolerance", scene.reach)
@@ -150,7 +150,6 @@ def _pieces(scene: Scene, name: str, crack: Resolved) -> Iterator[_Piece]:
         found = [part for parts in inside for part in parts]
         lost = line.length - sum(part.length for part in found)
         if lost > scene.tolerance:
-            rock = shapely.union_all([body.polygon for body in scene.bodies.values()])
             left = max(shapely.get_parts(line.difference(rock)), key=shapely.length, default=line)
             cut = _cut(full, left, OUTSIDE, trace.where, whole=not found)
             scene.cuts.append(replace(cut, length=float(lost)))
@@ -210,7 +209,7 @@ def _unstacked(scene: Scene, pieces: list[_Piece], fixed: Sequence[Thing]) -> li
     left: dict[int, list[LineString]] = {}
     for number in sorted(range(len(pieces)), key=lambda number: (-pieces[number].line.length, number)):
         piece = pieces[number]
-        near = tree.query(piece.line, predicate="dwithin", distance=piece.tolerance)
+        near = {*tree.query(piece.line, predicate="dwithin", distance=piece.tolerance).tolist()}
         longer = [other for other in left if other in near]  # the longest first
         things = [crack_thing(pieces[k].name, np.array(part.coords)) for k in longer for part in left[k]]
         left[number], gone = unstacked(piece.line, [*fixed, *things], piece.tolerance)

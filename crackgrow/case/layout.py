@@ -84,7 +84,8 @@ class Scene:
 
     def tips_of(self, crack: str) -> tuple[str, ...]:
         """The ends of a crack, `start` and `end`, with a tip that can grow: not those that were moved."""
-        moved = [move.end for move in self.moves if move.end is not None and move.distance > self.tolerance]
+        own = [move for move in self.moves if move.end is not None and move.end[0] == crack]
+        moved = [move.end for move in own if move.distance > self.tolerance]
         return tuple(end for end in ENDS_WITH_TIP[self.get("cracks", crack, "tips")] if (crack, end) not in moved)
 
     def get(self, *path: str) -> Any:
