@@ -18,17 +18,13 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
 
 
-def cost_of(states: Iterable[LoadState], paid: Configuration | None = None) -> tuple[Counter[str], int]:
-    """Seconds and factorizations of states in turn; the `paid` configuration, and each other one, is paid for once."""
-    seconds: Counter[str] = Counter()
-    factorizations = 0
-    for state in states:
-        seconds.update({"contact": state.seconds})
-        if state.configuration is not paid:
-            seconds.update(state.configuration.seconds)
-            factorizations += 1
-        paid = state.configuration
-    return seconds, factorizations
+def _add_cost(seconds: Counter[str], state: LoadState, paid: Configuration | None) -> int:
+    """Add what a state has cost, its configuration unless that is the `paid` one; return factorizations, 1 or 0."""
+    seconds.update({"contact": state.seconds})
+    if state.configuration is paid:
+        return 0
+    seconds.update(state.configuration.seconds)
+    return 1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -53,8 +49,11 @@ class NextStep:
 
         With it the seconds that it has taken, and those before it.
         """
-        states = list(self._states(scene, factor, like))
-        return states[-1], cost_of(states)[0]
+        seconds, paid = Counter[str](), None
+        for state in self._states(scene, factor, like):  # one at a time: each stage has factors of its own
+            _add_cost(seconds, state, paid)
+            paid = state.configuration
+        return state, seconds
 
     def _states(self, scene: Scene, factor: float, like: Configuration | None) -> Iterator[LoadState]:
         """The states up to that one."""
@@ -111,13 +110,13 @@ class LoadsInTurn:
 
         The cost is that of the states that were passed by, too. Raises GeometryError or SolveError where there is none.
         """
-        passed: list[LoadState] = []
+        seconds, factorizations = Counter[str](), 0
         for state, origin in self._states:
-            passed.append(state)
+            factorizations += _add_cost(seconds, state, self._paid)
+            self._paid = state.configuration
             self._next += 1
             if self._next > number:
-                cost, self._paid = cost_of(passed, self._paid), state.configuration
-                return state, origin, cost
+                return state, origin, (seconds, factorizations)
         raise NotSolvedError("an earlier load of the history has no solution on these cells")
 
     def solution(self, number: int) -> StepSolution:
@@ -170,7 +169,11 @@ def _through_history(
 
 def _at_last(states: Iterable[tuple[LoadState, Origin]]) -> StepSolution:
     """The solution of the last of some states in turn, with those that have led to it and the time of all."""
-    in_turn = [state for state, _ in states]
-    passed = [part for state in in_turn for part in history_of(state)]
-    solution = judged(in_turn[-1])
-    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **cost_of(in_turn)[0]})
+    passed: list[LoadState] = []
+    seconds, paid = Counter[str](), None
+    for state, _ in states:
+        passed += history_of(state)
+        _add_cost(seconds, state, paid)
+        paid = state.configuration
+    solution = judged(state)
+    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **seconds})
