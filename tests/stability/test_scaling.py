@@ -122,6 +122,11 @@ def over_units(result: StepResult, young: float, size: float, stress: float) -> 
     }
 
 
+def of_any_units(warnings: tuple[str, ...]) -> list[str]:
+    """Leave out what is said of strains: sigma / E is the one number that these scales change."""
+    return [text for text in warnings if "small strains and rotations are assumed" not in text]
+
+
 @pytest.fixture(scope="module")
 def plain(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], list[StepResult]]:
     """What solves the flaw in its own units."""
@@ -148,7 +153,7 @@ def test_growth_over_its_units_is_the_same(
         np.testing.assert_array_equal(there.contact.state, here.contact.state)
         assert [tip.kink_deg for tip in there.tips] == pytest.approx([tip.kink_deg for tip in here.tips], abs=KINK)
         assert [(tip.criterion, tip.advanced) for tip in there.tips] == [(t.criterion, t.advanced) for t in here.tips]
-        assert len(there.warnings) == len(here.warnings)
+        assert len(of_any_units(there.warnings)) == len(of_any_units(here.warnings))
 
 
 @pytest.mark.parametrize(
