@@ -1,4 +1,4 @@
-"""The pictures of README.md, drawn anew from runs of its commands: part of `make docs ARGS=--pictures`.
+"""The pictures of README.md and cases/MAPS.md, drawn anew from runs of their commands: part of `make docs ARGS=--pictures`.
 
 The one of the tutorial is drawn by VTK as ParaView draws it, with the filter, the factor and the colours that the
 tutorial names. Without a display VTK needs a driver that draws into memory: EGL or OSMesa.
@@ -29,7 +29,7 @@ BACKGROUND: Final = "#525870"  # ParaView's
 
 
 def draw_all() -> None:
-    """Run the cases of README.md in a folder that goes again, and draw its pictures."""
+    """Run the cases in a folder that goes again, and draw the pictures."""
     with tempfile.TemporaryDirectory() as folder:
         runs = Path(folder)
         run_case(load_case(ROOT / "cases" / "compression30.yaml"), runs / "compression30")
@@ -37,6 +37,8 @@ def draw_all() -> None:
         shutil.copy(last, PICTURES / "compression30.png")
         (runs / "my_rock.yaml").write_text(template_text("compression"), encoding="utf-8")
         run_case(load_case(runs / "my_rock.yaml"), runs / "my_rock")
+        run_case(load_case(ROOT / "cases" / "joint_map.yaml"), runs / "joint_map")
+        shutil.copy(runs / "joint_map" / "figures" / "path.png", PICTURES / "joint_map.png")
         draw_series(runs / "my_rock" / "my_rock.pvd", PICTURES / "paraview.png")
 
 

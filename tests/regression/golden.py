@@ -27,8 +27,8 @@ TABLE = HERE / "golden.csv"
 CASES = HERE.parents[1] / "cases"
 HEADER = ("scene", "step", "place", "quantity", "value")
 
-SETTINGS: Mapping[str, tuple[str, ...]] = {"random_flaws": ("growth.steps=4",)}
-"""What is left of cases that take minutes."""
+SETTINGS: Mapping[str, tuple[str, ...]] = {"random_flaws": ("growth.steps=4",), "joint_map": ("growth.steps=1",)}
+"""What is left of long runs."""
 
 SIZES: Mapping[str, str] = {
     **dict.fromkeys(("K_I", "K_II"), "K"),

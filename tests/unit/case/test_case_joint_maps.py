@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
+import json
+import re
 from collections import Counter
 from pathlib import Path
 
 import numpy as np
 import pytest
 import shapely
+import yaml
 
 from crackgrow import cli
 from crackgrow.case import Case, dump_case, load_case
-from tests.joint_maps import JointMap, case_text, joint_map
+from tests.joint_maps import SHIPPED, JointMap, case_text, joint_map
 
+CASES = Path(__file__).parents[3] / "cases"
 MAPS = [(50, seed) for seed in range(12)] + [(200, seed) for seed in range(3)] + [(700, 0)]
 
 
@@ -99,3 +103,31 @@ def test_fifty_joints_grow(tmp_path: Path) -> None:
     rows = np.genfromtxt(tmp_path / "out" / "paths.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
     assert set(rows["step"].tolist()) == {0, 1, 2}
     assert np.hypot(rows["x"] - map_.outline[0, 0], rows["y"] - map_.outline[0, 1]).max() < 20.0
+
+
+def test_the_shipped_map_is_one_of_these(tmp_path: Path) -> None:
+    joint_map(*SHIPPED).write(tmp_path, "joint_map_")
+    for name in ("joint_map_joints.geojson", "joint_map_outline.geojson"):
+        made, shipped = (json.loads((folder / name).read_text())["features"] for folder in (tmp_path, CASES))
+        for one, other in zip(made, shipped, strict=True):
+            assert one["properties"] == other["properties"]
+            np.testing.assert_allclose(one["geometry"]["coordinates"], other["geometry"]["coordinates"], atol=2e-6)
+
+
+def test_the_page_on_maps_shows_the_shipped_case() -> None:
+    (shown,) = re.findall(r"^```yaml\n(.*?)^```$", (CASES / "MAPS.md").read_text(), flags=re.MULTILINE | re.DOTALL)
+    whole = yaml.safe_load((CASES / "joint_map.yaml").read_text())
+    for key, value in yaml.safe_load(shown).items():
+        assert value == whole[key]
+
+
+def test_the_shipped_map_is_brought_together_and_told(capsys: pytest.CaptureFixture[str]) -> None:
+    case = load_case(CASES / "joint_map.yaml")
+    assert len(json.loads((CASES / "joint_map_joints.geojson").read_text())["features"]) == 46
+    assert (len(case.cracks), len({crack.name.split("-")[1] for crack in case.cracks})) == (43, 39)
+    frictions = Counter(crack.contact.friction for crack in case.cracks if crack.contact is not None)
+    assert set(frictions) == {0.4, 0.7}
+    assert cli.main(["check", str(CASES / "joint_map.yaml")]) == 0
+    told = capsys.readouterr().out
+    assert "these were moved: the end of crack 'joints-3'" in told
+    assert "all of 'joints-18' (feature 18)" in told
