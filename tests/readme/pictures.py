@@ -1,7 +1,8 @@
-"""The pictures of README.md and cases/MAPS.md, drawn anew from runs of their commands: part of `make docs ARGS=--pictures`.
+"""The pictures of README.md and cases/MAPS.md, drawn anew from runs of their commands.
 
-The one of the tutorial is drawn by VTK as ParaView draws it, with the filter, the factor and the colours that the
-tutorial names. Without a display VTK needs a driver that draws into memory: EGL or OSMesa.
+They are part of `make docs ARGS=--pictures`. The one of the tutorial is drawn by VTK as ParaView draws it, with the
+filter, the factor and the colours that the tutorial names. Without a display VTK needs a driver that draws into memory:
+EGL or OSMesa.
 """
 
 from __future__ import annotations
