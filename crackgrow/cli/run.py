@@ -18,13 +18,13 @@ import crackgrow
 from crackgrow.blas import warm_up
 from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
 from crackgrow.cli.parser import Commands, add_command, load_case_file, path, takes_case
-from crackgrow.errors import SolveError, is_out_of_memory, reason_of
+from crackgrow.errors import GeometryError, SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.log import Progress
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Case
-    from crackgrow.plan.cost import Outlook
+    from crackgrow.plan.cost import Cost
     from crackgrow.results.resume import Resumption
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
@@ -68,13 +68,13 @@ def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namesp
     case, folder = writer.case, writer.folder
     if found is None:
         _spare_case_file(arguments.case, folder)
-    expected = _outlook(case)
+    expected = _expected(case)
     steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
-    for remark in (*(() if found is None else found.remarks), *filter(None, [expected.warning])):
+    for remark in (*(() if found is None else found.remarks), *filter(None, [expected and expected.warning])):
         complain(f"warning: {remark}")
     with _uninterrupted():
         writer.begin() if found is None else writer.resume(found)
-    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step, expected.words)
+    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step, expected)
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
@@ -87,7 +87,7 @@ def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namesp
     except Exception as error:
         if is_out_of_memory(error):
             traceback.clear_frames(error.__traceback__)  # what they hold leaves no room for the last files
-            reason = f"{reason_of(error)} (the run takes {expected.needs})"
+            reason = f"{reason_of(error)}{f' (the run takes {expected.needs})' if expected else ''}"
             _break_off(writer, error, reason)
             raise SolveError(reason) from None
         _break_off(writer, error)
@@ -114,21 +114,29 @@ def _spare_case_file(file: Path, folder: Path) -> None:
         )
 
 
-def _outlook(case: Case) -> Outlook:
-    """What the run is about to take; from now on linear algebra has its work space, whatever memory is left."""
-    from crackgrow.plan.cost import outlook  # only now: it loads numpy
+def _expected(case: Case) -> Cost | None:
+    """What the run is about to take; None where no cover can be made, as its first step will say.
+
+    From now on linear algebra has its work space, whatever memory is left.
+    """
+    from crackgrow.plan.cost import cost_of  # only now: it loads numpy
 
     warm_up()
-    return outlook(case)
+    try:
+        return cost_of(case)
+    except Exception as error:
+        if isinstance(error, GeometryError) or is_out_of_memory(error):
+            return None
+        raise
 
 
-def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: str) -> Progress:
+def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: Cost | None) -> Progress:
     """What tells of a run that begins with step `first`."""
     if arguments.quiet:
         return Progress(case, lambda text, end: None, width=None, first=first)
     live = sys.stdout is not None and sys.stdout.isatty()
     width = shutil.get_terminal_size().columns - 1 if live else None
-    return Progress(case, say, width=width, first=first, expected=expected)
+    return Progress(case, say, width=width, first=first, expected=expected.words if expected else "")
 
 
 def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:

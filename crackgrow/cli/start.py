@@ -151,8 +151,8 @@ def add_new(commands: Commands) -> None:
 
 CHECK_HELP = """\
 Validate a case and print the plan of its run: bodies, cracks and tips, what is modelled and why, the unknowns of the
-first step, counted on its cover, what a step costs in seconds and memory, and what to beware of. Nothing is solved
-unless --unique asks whether friction leaves the contact one solution at every load factor.
+first step, counted on its cover, what the whole run costs in seconds and memory, and what to beware of. Nothing is
+solved unless --unique asks whether friction leaves the contact one solution at every load factor.
 """
 CHECK_EXAMPLES = """\
 exit codes: 0 the case can be run; 2 it is wrong, all faults are listed; 3 its cracks cannot be covered, or with

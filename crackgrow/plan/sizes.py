@@ -39,18 +39,13 @@ class Sizes:
     n_singular: int  # carriers of tip functions
     n_tips: int
     n_elements: int
-    n_pairs: int  # of the physical patches that meet on an element, over all elements
+    n_products: int  # of two functions that meet on an element, over all elements
     n_contact: int  # points
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
     cautions: tuple[Caution, ...]
     n_gathered: int = 0  # tips whose functions are gathered
     cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
-
-    @property
-    def n_halved(self) -> int:
-        """Cells that are smaller than the largest."""
-        return sum(n for _, n in self.cells[1:])
 
     @property
     def n_tractions(self) -> int:
@@ -80,7 +75,7 @@ def sizes_of(case: Case) -> Sizes:
         n_singular=sum(tip.carriers.n for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,
-        n_pairs=int((cover.patches.of_element.counts**2).sum()),
+        n_products=int((cover.functions_on(np.arange(cover.elements.n)).counts ** 2).sum()),
         n_contact=len(faces.surface),
         n_multipliers=len(held.given),
         surfaces=surfaces,

@@ -12,10 +12,9 @@ from crackgrow.plan.overview import overview
 from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.places import length_unit
-from crackgrow.results.units import counted, duration, memory_text
+from crackgrow.results.units import counted
 from crackgrow.run.caution import Cause, Caution
 
-LARGEST_SUPPORT = 3.0  # up to which the cost was measured
 SHOWN_SURFACES = 12  # of more the rest is summed up
 
 
@@ -24,7 +23,8 @@ def plan_text(case: Case) -> str:
     sizes = sizes_of(case)
     cost = estimated_cost(case, sizes)
     warnings = [f"warning: {text}" for text in _warnings(sizes, cost)] or ["no warnings"]
-    return "\n".join([overview(case), *_model(case, sizes), *_cost(case, cost), *warnings])
+    takes = f"the whole run takes {cost.words}, within a factor of two"
+    return "\n".join([overview(case), *_model(case, sizes), takes, *warnings])
 
 
 def plan_record(case: Case) -> dict[str, object]:
@@ -37,7 +37,7 @@ def plan_record(case: Case) -> dict[str, object]:
         "title": case.title,
         "spacing": case.numerics.spacing,
         "model": {name: value for name, value in known.items() if name != "cautions"},
-        "cost": {**asdict(cost), "total": cost.total},
+        "cost": asdict(cost),
         "warnings": _warnings(sizes, cost),
         "changes": [text for kind in changes_of(case) for text in kind],
     }
@@ -81,19 +81,7 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
     return lines
 
 
-def _cost(case: Case, cost: Cost) -> list[str]:
-    implicit = " (implicit directions: three solves)" if case.growth and case.growth.direction == "implicit" else ""
-    total = f"{implicit}; {duration(cost.total, 2)} in all" if cost.n_later else ""
-    sure = "within a factor of two" if case.numerics.support <= LARGEST_SUPPORT else "a tenth of it perhaps"
-    found = [
-        f"estimated cost, {sure}: {cost.words}{total}, without files and pictures; {memory_text(cost.memory)} of memory"
-    ]
-    if case.numerics.target is not None:
-        found.append("where cells have to be halved again for the target, the first step takes up to three times that")
-    return found
-
-
 def _warnings(sizes: Sizes, cost: Cost) -> list[str]:
-    gathered, memory = Gathered(), cost.memory_warning(Cause.MEMORY.limit)
+    gathered, memory = Gathered(), cost.warning
     gathered.add(0, [*sizes.cautions, *([Caution(Cause.MEMORY, memory)] if memory else [])])
     return list(gathered.sentences(with_steps=False))

@@ -14,7 +14,6 @@ from threadpoolctl import threadpool_info, threadpool_limits
 import crackgrow
 from crackgrow import blas
 from crackgrow.blas import THREAD_SETTINGS, one_thread, single_threaded
-from crackgrow.plan import cost
 from crackgrow.run import loop
 
 CASE = Path(__file__).resolve().parents[2] / "cases" / "compression30.yaml"
@@ -89,23 +88,6 @@ def test_settings_that_come_too_late_are_not_taken_for_the_user_s(monkeypatch: p
         with single_threaded():
             assert threads() == {1}
         assert threads() == {2}
-
-
-def test_the_machine_is_probed_as_it_solves(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Threads that wait for each other made the machine look 200 times slower, where it was busy."""
-    inside: list[set[int]] = []
-    cholesky = cost.np.linalg.cholesky
-
-    def looking(matrix: object) -> object:
-        inside.append(threads())
-        return cholesky(matrix)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(cost.np.linalg, "cholesky", looking)
-    with threadpool_limits(2, "blas"):
-        cost.probe()
-        assert threads() == {2}
-    assert inside
-    assert all(found == {1} for found in inside)
 
 
 def test_the_last_of_several_gives_the_threads_back() -> None:

@@ -73,7 +73,9 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert err == ""
     lines = out.splitlines()
     assert lines[0] == "block: A block with a crack"
-    assert re.fullmatch(r"about \d+ MiB of memory, 0\.\d+ s of CPU for the first step.*", lines[1])
+    assert re.fullmatch(r"about \d+(\.\d)? s of CPU and \d+ MiB of memory", lines[1])
+    assert cli.main(["check", "block.yaml"]) == 0
+    assert f"the whole run takes {lines[1]}, within a factor of two" in capsys.readouterr().out  # one estimate
     assert [line.split(",")[0] for line in lines[2:5]] == ["step 0/2", "step 1/2", "step 2/2"]
     assert re.fullmatch(
         r"step 0/2, load factor [\d.]+, criticality [\d.]+, grows at K [\d.]+ \w+ sqrt\(m\), "

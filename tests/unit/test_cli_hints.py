@@ -65,8 +65,8 @@ def test_check_tells_its_plan_as_json(capsys: pytest.CaptureFixture[str], tmp_pa
     assert plan["model"]["surfaces"] == [
         {"name": "flaw", "n_points": plan["model"]["n_contact"], "bonded": False, "touching": True, "rough": True}
     ]
-    cost = plan["cost"]
-    assert cost["total"] == pytest.approx(cost["first_step"] + cost["n_later"] * cost["later_step"])
+    assert set(plan["cost"]) == {"seconds", "memory", "n_dofs"}
+    assert plan["cost"]["n_dofs"] == plan["model"]["n_dofs"]
     assert all(isinstance(text, str) for text in [*plan["warnings"], *plan["unique"]])
     assert picture.is_file()
 
