@@ -53,7 +53,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.resume:
         _spare_case_file(arguments.case, folder)
     writer = RunWriter(case, folder)
-    with writer.held():
+    with writer.held(), _second_ends():
         found = find_resumption(case, folder) if arguments.resume else None
         if found is None or found.finished is None:
             return _run(writer, found, arguments)
@@ -161,8 +161,7 @@ def _uninterrupted(ends: bool = False) -> Iterator[None]:
 
     With `ends` the run is at its end with the block, and nothing is left to interrupt.
     """
-    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler  # else somebody else sees to it
-    if not ours or threading.current_thread() is not threading.main_thread():
+    if not _interrupts():
         yield
         return
     pressed: list[int] = []
@@ -173,6 +172,44 @@ def _uninterrupted(ends: bool = False) -> Iterator[None]:
         signal.signal(signal.SIGINT, signal.default_int_handler)
     if pressed and not ends:
         raise KeyboardInterrupt
+
+
+@contextlib.contextmanager
+def _second_ends() -> Iterator[None]:
+    """A second Ctrl-C in the block ends the process at once, as if it were killed; the first one says so.
+
+    Python raises KeyboardInterrupt between two of its own lines alone, and one solve of many contact points by LAPACK
+    can take minutes. A thread hears of the signal meanwhile: from a pipe, which the system's handler writes to.
+    """
+    if not _interrupts():
+        yield
+        return
+    heard, told = os.pipe()
+    os.set_blocking(told, False)
+
+    def listen() -> None:
+        numbers = (number[0] for number in iter(lambda: os.read(heard, 1), b""))
+        for pressed, _ in enumerate(number for number in numbers if number == signal.SIGINT):
+            if pressed:
+                os._exit(EXIT_INTERRUPTED)
+            complain("crackgrow: Ctrl-C ends the run when what is being solved is done; once more ends it at once")
+
+    listener = threading.Thread(target=listen, daemon=True)
+    before = signal.set_wakeup_fd(told, warn_on_full_buffer=False)
+    listener.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        os.close(told)
+        listener.join()
+        os.close(heard)
+
+
+def _interrupts() -> bool:
+    """Whether Ctrl-C raises KeyboardInterrupt here; else somebody else sees to it."""
+    ours = signal.getsignal(signal.SIGINT) is signal.default_int_handler
+    return ours and threading.current_thread() is threading.main_thread()
 
 
 def _break_off(writer: RunWriter, error: BaseException, reason: str = "") -> None:

@@ -260,6 +260,34 @@ def test_interrupt_while_the_end_is_written_leaves_a_complete_run(
     assert "go on with" not in capsys.readouterr().err
 
 
+STUCK = """
+import hashlib, sys
+import crackgrow
+from crackgrow import cli
+def stuck(case, checkpoint):
+    print("stuck", flush=True)
+    hashlib.pbkdf2_hmac("sha256", b"", b"", 2**31 - 1)  # minutes in a library that never looks for signals
+    yield
+crackgrow.grow = stuck
+sys.exit(cli.main(["run", sys.argv[1]]))
+"""
+
+
+def test_a_second_interrupt_ends_what_a_library_is_doing(tmp_path: Path) -> None:
+    words = [sys.executable, "-c", STUCK, str(ROOT / "cases" / "block_rigid.yaml")]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    with subprocess.Popen(words, cwd=tmp_path, env={**os.environ, "PYTHONPATH": str(ROOT)}, **pipes) as process:
+        assert process.stdout is not None
+        assert process.stderr is not None
+        assert "stuck\n" in iter(process.stdout.readline, "")
+        process.send_signal(signal.SIGINT)
+        assert "once more ends it at once" in process.stderr.readline()
+        process.send_signal(signal.SIGINT)
+        assert process.wait(timeout=60) == 130
+        assert process.stderr.read() == ""
+    assert summary(tmp_path / "outputs" / "block_rigid")["status"] == "running"  # as that of a run that was killed
+
+
 def test_report_that_fails_does_not_hide_why_a_run_broke_off(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
