@@ -80,7 +80,7 @@ def main() -> None:
     ]
     for (name, settings), case, (seconds, memory) in zip(scenes, cases, found, strict=True):
         told = cost_of(case)
-        of_time = f"{told.seconds:.2g} | {seconds:.3g} | {told.seconds / seconds:.2f}"
+        of_time = f"{told.seconds:.3g} | {seconds:.3g} | {told.seconds / seconds:.2f}"
         of_memory = f"{told.memory:.0f} | {memory:.0f} | {told.memory / memory:.2f}"
         lines.append(f"| {' '.join((name, *settings))} | {told.n_dofs} | {of_time} | {of_memory} |")
     write(ROOT / "tests" / "benchmarks" / "cost.md", "\n".join(lines))
