@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
-from crackgrow.case.model import Case
+from crackgrow.case.model import FIELDS, Case
 from crackgrow.case.on_map import on_map
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
@@ -25,7 +25,7 @@ from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import load_words
 from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
-from crackgrow.results.vtk_frames import FIELDS, as_pyvista, specimen_grid
+from crackgrow.results.vtk_frames import as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution

@@ -652,7 +652,7 @@ class PointPair:
 
 
 HistoryPoint = RockPoint | FacePoint | PointPair
-FIELDS: Final = ("displacement", "stress")
+FIELDS: Final = ("displacement", "stress", "energy_error")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -660,7 +660,11 @@ class Output:
     """What is written."""
 
     frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("steps written as frames")] = "every_step"
-    fields: Annotated[tuple[str, ...], ListOf(Choice(FIELDS)), Doc("fields in a frame")] = FIELDS
+    fields: Annotated[
+        tuple[str, ...],
+        ListOf(Choice(FIELDS)),
+        Doc("fields in a frame; an estimate of the error of each cell is made only if it is asked for"),
+    ] = FIELDS[:2]
     figures: Annotated[bool, Doc("draw pictures and plots")] = True
     report: Annotated[bool, Doc("write report.html at the end")] = True
     points: tuple[HistoryPoint, ...] = ()  # whose course is written

@@ -43,7 +43,8 @@ Draw the frames of a result folder: a field on the displaced specimen with its c
 animation, all in one colour scale. No display is needed. A report that is made afterwards shows the pictures.
 """
 RENDER_EXAMPLES = """\
-fields: sigma_1, sigma_3, stress_xx, stress_yy, stress_zz, stress_xy, displacement (its size), energy_error, body.
+fields: sigma_1, sigma_3, stress_xx, stress_yy, stress_zz, stress_xy, displacement (its size), body, and energy_error if
+`output.fields` of the case names it.
 Pictures go to DIR/render/FIELD/step_NNNN.png and animation.gif (or .mp4), in place of earlier ones of the field.
 
 examples:

@@ -47,7 +47,8 @@ def drawn_frame(run: RunFolder, step: int, field: str, mesh: pyvista.Unstructure
         raise FolderError(f"{run.frames[step]} has no displacement to draw: run the case with it among output.fields")
     fields = _fields(grid)
     if field not in fields:
-        raise FolderError(f"{run.frames[step]} has no field {field!r}; it has {', '.join(fields)}")
+        has = f"it has {', '.join(fields)}, by output.fields of its case"
+        raise FolderError(f"{run.frames[step]} has no field {field!r}; {has}")
     by_point, values = fields[field]
     return DrawnFrame(
         step=step,

@@ -34,10 +34,6 @@ if TYPE_CHECKING:
 STRESS_COMPONENTS = ("XX", "YY", "ZZ", "XY", "YZ", "XZ")  # the order that VTK expects of a symmetric tensor
 
 
-FIELDS = ("displacement", "stress")
-"""All that a frame can have."""
-
-
 def as_pyvista(grid: vtkUnstructuredGrid) -> pyvista.UnstructuredGrid:
     """The same mesh with pyvista's methods."""
     import pyvista  # here: a run that writes frames needs none of it
@@ -46,12 +42,12 @@ def as_pyvista(grid: vtkUnstructuredGrid) -> pyvista.UnstructuredGrid:
 
 
 def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:
-    """The specimen's mesh with the `fields` asked for ("displacement", "stress"); m and Pa.
+    """The specimen's mesh with the `fields` asked for, of `case.model.FIELDS`; m and Pa.
 
     Point data: displacement (n, 3); with stress also stress (n, 6) and the principal stresses in the plane, sigma_1
-    (most tensile) and sigma_3. Cell data: body; energy_error where it was estimated, the root of the energy density of
-    the stress' error over the mean energy density of the rock (1: as large as the stress is on average); and under the
-    names of the point data stress, sigma_1 and sigma_3 in the middles of cells.
+    (most tensile) and sigma_3. Cell data: body; energy_error, the root of the energy density of the stress' error over
+    the mean energy density of the rock (1: as large as the stress is on average); and under the names of the point data
+    stress, sigma_1 and sigma_3 in the middles of cells.
     """
     grid = vtkUnstructuredGrid()
     grid.SetPoints(_points(frame.points))
@@ -60,7 +56,7 @@ def specimen_grid(frame: Frame, fields: Sequence[str]) -> vtkUnstructuredGrid:
     sizes = np.repeat([3, 4], [len(frame.triangles), len(frame.quads)])
     grid.SetCells(numpy_to_vtk(kinds, deep=True), _cells(sizes, corners))
     _add(grid.GetCellData(), "body", np.asarray(frame.body, dtype=np.int32))
-    if frame.error_density is not None:
+    if "energy_error" in fields and frame.error_density is not None:
         _add(grid.GetCellData(), "energy_error", frame.error_density)
     if "displacement" in fields:
         _add(grid.GetPointData(), "displacement", _spatial(frame.displacement))

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 
@@ -54,7 +54,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     contact, faces = solution.state.along_surfaces
     errors, missed = errors_of(solution, faces), misfits(solution, faces)
     still = _sticking(contact, paths, pressed_strain(solution, faces))
-    estimate = estimated_error(solution) if state.step == 0 else None
+    estimate = cache(_estimate(solution))
     return StepResult(
         step=state.step,
         load_factor=solution.state.factor,
@@ -79,7 +79,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         load_displacement=_load_displacement(solution),
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         cautions=cautions(solution, faces, missed, state.step),
-        norm_error=estimate.relative if estimate else float("nan"),
+        norm_error=estimate().relative if state.step == 0 else float("nan"),
         time=float("nan") if scene.case.subcritical is None else state.time,
         goal_error=100.0 * errors.goal,
         load_factor_error=100.0 * errors.load_factor,
@@ -92,7 +92,13 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
 
 def estimated_error(solution: StepSolution) -> ErrorEstimate:
     """The estimate in the energy norm."""
-    return _estimated(solution.cover, solution.materials, solution.outcome.u, [tip.K for tip in solution.tips])
+    return _estimate(solution)()
+
+
+def _estimate(solution: StepSolution) -> Callable[[], ErrorEstimate]:
+    """Makes the estimate of a solution, of which it keeps what that takes and no more."""
+    K = [tip.K for tip in solution.tips]
+    return partial(_estimated, solution.cover, solution.materials, solution.outcome.u, K)
 
 
 def _estimated(
@@ -102,24 +108,23 @@ def _estimated(
     return error_estimate(cover, materials, u, [SingularStress(cover, tip, its) for tip, its in enumerate(K)])
 
 
-def _mesh(solution: StepSolution, error: ErrorEstimate | None) -> Callable[[], Frame]:
-    """Makes the mesh of a solution, of which it keeps what that takes and no more."""
-    K = [tip.K for tip in solution.tips]
-    bodies, origin = solution.scene.numbers_at_start, solution.scene.case.origin
-    return partial(_frame, solution.cover, solution.materials, solution.outcome.u, K, error, bodies, origin)
+def _mesh(solution: StepSolution, estimate: Callable[[], ErrorEstimate]) -> Callable[[], Frame]:
+    """Makes the mesh of a solution, of which it keeps what that takes, too; with the error where that is asked for."""
+    case, bodies = solution.scene.case, solution.scene.numbers_at_start
+    asked = estimate if "energy_error" in case.output.fields else None
+    return partial(_frame, solution.cover, solution.materials, solution.outcome.u, asked, bodies, case.origin)
 
 
 def _frame(
     cover: Cover,
     materials: Sequence[PlaneElasticity],
     u: Floats,
-    K: Sequence[tuple[float, float]],
-    error: ErrorEstimate | None,
+    estimate: Callable[[], ErrorEstimate] | None,
     bodies: Ints,
     origin: tuple[float, float],
 ) -> Frame:
-    """The mesh of a solution on the map, its error estimated if it is not known; `bodies` are numbers in the case."""
-    frame = make_frame(cover, materials, u, _estimated(cover, materials, u, K) if error is None else error)
+    """The mesh of a solution on the map; `bodies` are numbers in the case."""
+    frame = make_frame(cover, materials, u, None if estimate is None else estimate())
     return on_map(replace(frame, body=bodies[frame.body]), origin)
 
 

@@ -34,7 +34,7 @@ supports: [{on: {body: lower, edge: bottom}, displacement: {x: 0, y: 0}}]
 loads: [{on: {body: upper, edge: "2"}, traction: [0, -1 MPa]}]
 loading: {history: [0.5, 1]}
 numerics: {spacing: 0.4}
-output: {report: false, figures: false, frames: every_step}
+output: {report: false, figures: false, frames: every_step, fields: [displacement, stress, energy_error]}
 """
 
 

@@ -29,7 +29,10 @@ from tests.report_runs import make_run
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of four steps with frames."""
-    return make_run(tmp_path_factory.mktemp("run"), ["output.frames=every_step"])
+    return make_run(
+        tmp_path_factory.mktemp("run"),
+        ["output.frames=every_step", "output.fields=[displacement, stress, energy_error]"],
+    )
 
 
 BEAM = """

@@ -9,6 +9,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.run import report
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.report import estimated_error
 from crackgrow.run.result import RunEnd, StepResult
@@ -53,7 +54,7 @@ def test_units_and_loads_do_not_matter() -> None:
 
 
 def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
-    results, end = run("growth.steps=1")
+    results, end = run("growth.steps=1", "output.fields=[energy_error]")
     for result, expected in zip(results, (results[0].norm_error, end.norm_error), strict=True):
         frame = result.frame
         assert frame is not None
@@ -69,6 +70,18 @@ def test_the_first_and_the_last_step_are_estimated_alone() -> None:
     assert end.norm_error > results[0].norm_error  # the kinks
     (only,), end = run("growth.steps=0", "output.frames=none")
     assert end.norm_error == only.norm_error == results[0].norm_error
+
+
+def test_the_error_of_cells_is_estimated_where_it_is_asked_for_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+    estimate = report.error_estimate
+    monkeypatch.setattr(report, "error_estimate", lambda *of: made.append(1) or estimate(*of))
+    for fields, n in (("[displacement,stress]", 2), ("[energy_error]", 3)):  # of the first and the last of three steps
+        made.clear()
+        results, _ = run("growth.steps=2", f"output.fields={fields}")
+        known = [result.frame is not None and result.frame.error_density is not None for result in results]
+        assert known == [n == 3] * 3
+        assert len(made) == n + (n == 3)  # the last step is estimated when it is known to be the last
 
 
 def _areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
