@@ -8,7 +8,7 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -37,7 +37,8 @@ from crackgrow.results.displaced import (
     percentiles,
 )
 from crackgrow.results.drawn_frame import DrawnFrame, field_kind, field_unit
-from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.placing import with_bar
+from crackgrow.results.style import own_style
 from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given
@@ -103,7 +104,7 @@ class FieldPictures:
     def png(self, frame: DrawnFrame) -> bytes:
         """The picture of a frame, as PNG."""
         width, height = self.size[0] / self.dpi, self.size[1] / self.dpi
-        figure = Figure(figsize=(width, height), dpi=self.dpi, layout="compressed")
+        figure = Figure(figsize=(width, height), dpi=self.dpi)
         axes = figure.add_subplot(facecolor=BEHIND)
         points = self._moved(frame) / self.length[0]
         values = frame.values / self.unit[0]
@@ -119,13 +120,12 @@ class FieldPictures:
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
         axes.set(xlabel=f"x [{self.length[1]}]", ylabel=f"y [{self.length[1]}]")
-        colours, place = ScalarMappable(self.norm, self.colormap), bar_place(self.high - self.low)
-        bar = figure.colorbar(colours, ax=axes, extend="both", shrink=0.8, location=place)
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
-        bar.set_label(f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}")
+        label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
-        caption = f"step {frame.step}{load}, displacement x {factor_text(self.warp)}"
-        figure.suptitle(f"{wrapped(self.title, figure)}\n{caption}", fontsize=10)
+        title = f"{self.title}\nstep {frame.step}{load}, displacement x {factor_text(self.warp)}"
+        colours, beside = ScalarMappable(self.norm, self.colormap), bar_beside(self.high - self.low)
+        with_bar(figure, axes, colours, title, beside=beside, extend="both", label=label)
         return png_of(figure)
 
     def _moved(self, frame: DrawnFrame) -> Floats:
@@ -135,26 +135,23 @@ class FieldPictures:
 
 def _fitting(extent: Floats) -> tuple[int, int]:
     """Width and height in pixels of a picture of a specimen of this extent (2,), with its colour bar; even numbers."""
-    room = [COLOUR_BAR, 0.16] if bar_place(extent) == "right" else [0.12, COLOUR_BAR]
+    room = [COLOUR_BAR, 0.16] if bar_beside(extent) else [0.12, COLOUR_BAR]
     width, height = np.maximum(extent / extent.max(), LEAST_SHARE) + room
     scale = LONG_SIDE / max(width, height)
     return 2 * round(width * scale / 2), 2 * round(height * scale / 2)
 
 
 def png_of(figure: Figure) -> bytes:
-    """A figure as PNG, drawn once; `Figure.savefig` would draw it twice, where the layout is its own.
-
-    Raises MemoryError where there is less than DRAWING of memory.
-    """
+    """A figure as PNG; raises MemoryError where there is less than DRAWING of memory."""
     np.empty(DRAWING, dtype=np.uint8)  # compiled code that draws ends the process where its memory runs out
     data = io.BytesIO()
     FigureCanvasAgg(figure).print_png(data, pil_kwargs={"compress_level": COMPRESSION})
     return data.getvalue()
 
 
-def bar_place(extent: Floats) -> Literal["right", "bottom"]:
-    """The side of a picture of something of this width and height (2,) on which its colour bar has room."""
-    return "bottom" if extent[0] > WIDE * extent[1] else "right"
+def bar_beside(extent: Floats) -> bool:
+    """Whether a colour bar has room beside something of this width and height (2,); else it has below."""
+    return bool(extent[0] <= WIDE * extent[1])
 
 
 def shade(axes: Axes, frame: Displaced, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:

@@ -20,10 +20,11 @@ from crackgrow.case.model import Body, Case, Stages
 from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawn_frame import frame_with_sigma_1
-from crackgrow.results.field_picture import FieldPictures, bar_place, png_of
+from crackgrow.results.field_picture import FieldPictures, bar_beside, png_of
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
-from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.placing import in_rows, with_bar
+from crackgrow.results.style import own_style
 from crackgrow.results.summary import LoadPoint
 from crackgrow.results.units import LENGTHS, STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
@@ -60,12 +61,13 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
         grown = crack.steps > 0
         x, y = (crack.points[grown] * scale).T
         axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
-    axes.set_title(wrapped(case.title, figure), fontsize=10)
     if last > 0:
-        every, place = -(-last // MOST_STEP_TICKS), bar_place(high - low)
-        bar = figure.colorbar(colours, ax=axes, ticks=range(1, last + 1, every), shrink=0.8, location=place)
-        bar.minorticks_off()
-        bar.set_label("step of the advance (given crack: black)")
+        ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
+        with_bar(
+            figure, axes, colours, case.title, beside=bar_beside(high - low), ticks=ticks, label=label
+        ).minorticks_off()
+    else:
+        in_rows(figure, np.array([[axes]]), case.title)
     _save(path, figure)
 
 
@@ -89,7 +91,7 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     contact = result.contact
     touching = [face for face in result.faces if face.crack in contact.crack]
     faces = touching[:MOST_CONTACT_ROWS]
-    figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI, layout="constrained")
+    figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI)
     table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")
     owner = np.array(contact.crack)
     for row, face in zip(table, faces, strict=True):
@@ -117,7 +119,7 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
     rest = f" (the first {len(faces)} of {len(touching)} surfaces)" if len(touching) > len(faces) else ""
-    figure.suptitle(wrapped(f"{case.title}, step {result.step}{rest}", figure), fontsize=10)
+    in_rows(figure, table, f"{case.title}, step {result.step}{rest}")
     _save(path, figure)
 
 
@@ -139,8 +141,9 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
         named = [0, *turns.tolist(), len(curve) - 1]
     what_loads = "stages that are over" if isinstance(case.loading, Stages) else "load factor"
-    figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI, layout="constrained")
-    for axes, (values, label) in zip(figure.subplots(1, len(panels), squeeze=False)[0], panels, strict=True):
+    figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI)
+    table = figure.subplots(1, len(panels), squeeze=False)
+    for axes, (values, label) in zip(table[0], panels, strict=True):
         size, unit = unit_of(values.tolist(), LENGTHS)
         axes.plot(values / size, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
         for (x, y), steps in _labels(values / size, factor, named):
@@ -150,7 +153,7 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
         axes.set(xlabel=f"{label} [{unit}]", ylabel=what_loads)
         axes.grid(linewidth=0.3)
-    figure.suptitle(wrapped(f"{case.title} (points: steps)", figure), fontsize=10)
+    in_rows(figure, table, f"{case.title} (points: steps)")
     _save(path, figure)
 
 
@@ -198,9 +201,9 @@ def _step_colours(last: int) -> ScalarMappable:
 def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
     """A figure in the specimen's proportions, with room for titles and a colour bar."""
     width, height = LONG_SIDE * (high - low) / (high - low).max()
-    beside = bar_place(high - low) == "right"
+    beside = bar_beside(high - low)
     size = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2) if beside else (width + 1.0, max(height, 0.7) + 2.4)
-    figure = Figure(figsize=size, dpi=DPI, layout="constrained")
+    figure = Figure(figsize=size, dpi=DPI)
     axes = figure.add_subplot()
     margin = 0.03 * (high - low).max()
     axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from itertools import pairwise
+from dataclasses import fields, replace
+from itertools import combinations, pairwise
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -140,6 +140,34 @@ def test_words_beside_a_colour_bar_have_room(stretch: tuple[float, float], tmp_p
     figures.draw_paths(tmp_path / "b.png", replace(case, bodies=bodies), make_paths(3))
     assert white_rim(tmp_path / "a.png")
     assert white_rim(tmp_path / "b.png")
+
+
+@pytest.mark.parametrize("size", [1.0, 1.234567e-5, 1e12])
+@pytest.mark.parametrize("stretch", [1.0, 40.0])
+def test_words_of_a_panel_stay_clear_of_other_panels_of_the_title_and_of_the_edge(
+    size: float, stretch: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
+    curve = [LoadPoint(size * (1.0 - 0.1 * k), 1.1e-5 + 4e-7 * k**2, 0.01 + 0.002 * k, {}) for k in range(9)]
+    case, result = make_case(), make_result(3)
+    face, at = result.faces[0], result.contact
+    faces = tuple(replace(face, crack=name, normal_traction=size * face.normal_traction) for name in "abc")
+    parts = {part.name: getattr(at, part.name) for part in fields(at)}
+    contact = replace(at, **{name: np.concatenate([np.array(part)] * 3) for name, part in parts.items()})
+    contact = replace(contact, crack=tuple(name for name in "abc" for _ in at.s), slip=size * contact.slip)
+    figures.draw_load_curve(tmp_path / "a.png", case, curve)
+    figures.draw_contact(tmp_path / "b.png", case, replace(result, faces=faces, contact=contact))
+    rings = [tuple(replace(ring, points=ring.points * stretch) for ring in body.rings) for body in case.bodies]
+    bodies = tuple(replace(body, rings=mine) for body, mine in zip(case.bodies, rings, strict=True))
+    figures.draw_paths(tmp_path / "c.png", replace(case, bodies=bodies), make_paths(3))
+    for figure in drawn:
+        FigureCanvasAgg(figure).draw()
+        boxes = [axes.get_tightbbox() for axes in figure.axes] + [text.get_window_extent() for text in figure.texts]
+        assert figure.texts
+        assert all(0.0 < box.x0 and box.x1 < figure.bbox.width for box in boxes if box is not None)
+        assert all(0.0 < box.y0 and box.y1 < figure.bbox.height for box in boxes if box is not None)
+        assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
 @pytest.mark.parametrize("size", [1.0, 1e-4, 1e-9, 1e6])
