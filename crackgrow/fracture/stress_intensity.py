@@ -142,9 +142,9 @@ def _place(disc: Disc, material: PlaneElasticity) -> Place:
     """Where the integrals of a tip are read off, and all that they depend on besides the elements there."""
     tip, reach = disc.tip, disc.radii[-1]
     moduli = (material.c11, material.c12, material.c33, material.young_prime)
-    begin = tip.from_start(np.zeros(1))  # places on the faces are counted from there, to the last bit
-    geometry = (disc.radii, tip.point, tip.rotation.ravel(), begin, tip.radii, tip.path.ravel())
-    own = np.concatenate([[tip.size, tip.fade, *moduli, len(tip.path)], *geometry])
+    seen = int(np.searchsorted(tip.radii, reach)) + 1  # what lies farther away may grow
+    geometry = (disc.radii, tip.point, tip.rotation.ravel(), tip.radii[:seen], tip.path[:seen].ravel())
+    own = np.concatenate([[tip.size, tip.fade, *moduli], *geometry])
     return Place(tip.point - reach, tip.point + reach, own.tobytes())
 
 
@@ -162,7 +162,8 @@ def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Di
             beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
             faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
             kinked.append(beyond)
-            points += [own, faces.points, faces.points]
+            on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
+            points += [own, on_faces, on_faces]
             elements += [there, faces.plus, faces.minus]
         basis = basis_at(cover, np.concatenate(points), np.concatenate(elements))
         ends = np.cumsum([0, *(len(part) for part in points)])[::3].tolist()

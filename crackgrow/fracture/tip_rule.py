@@ -60,6 +60,7 @@ class FaceLine:
 
     arc: Floats  # (n,) arc length from the tip
     weight: Floats  # (n,)
+    place: Floats  # (n, 2) in the tip's axes
     toward_tip: Floats  # (n, 2) unit tangent, in the tip's axes
     r: Floats  # (n,) distance from the tip
     alpha: Floats  # (n,) angle of the left face
@@ -110,7 +111,7 @@ def _face_line(tip: TipView, size: float, radii: Floats) -> FaceLine:
     toward_tip = -segment_directions(tip.path)[segment]
     place = tip.path[segment] - (arc - arcs[segment])[:, None] * toward_tip
     r = np.hypot(place[:, 0], place[:, 1])
-    return FaceLine(arc, weight, toward_tip, r, crack_angle(tip, r))
+    return FaceLine(arc, weight, place, toward_tip, r, crack_angle(tip, r))
 
 
 def _stops(given: Floats, short: float, growth: float) -> Floats:

@@ -143,9 +143,8 @@ def _rule(cover: Cover, site: Site, radius: float) -> Rule:
 
 def _place(cover: Cover, site: Site, rule: Rule) -> Place:
     """Where the field of a site is read off, and all that it depends on besides the elements there."""
-    paths = _paths_near(cover, site, rule)
-    lengths = np.array([len(path) for path in paths], dtype=np.float64)
-    own = np.concatenate([[site.direction, site.body, rule.reach], site.point, lengths, *map(np.ravel, paths)])
+    cracks = _cracks_near(cover, site, rule)
+    own = np.concatenate([[site.direction, site.body, rule.reach], site.point, cracks.ravel()])
     return Place(site.point - rule.reach, site.point + rule.reach, own.tobytes())
 
 
@@ -154,10 +153,12 @@ def _box(site: Site, rule: Rule) -> shapely.Polygon:
     return shapely.box(*(site.point - rule.reach), *(site.point + rule.reach))
 
 
-def _paths_near(cover: Cover, site: Site, rule: Rule) -> list[Floats]:
-    """The cracks whose boxes reach into that of a site."""
-    near = np.sort(cover.crack_tree.query(_box(site, rule))).tolist()
-    return [cover.cracks[number].points for number in near]
+def _cracks_near(cover: Cover, site: Site, rule: Rule) -> Floats:
+    """The segments (n, 2, 2) of cracks whose boxes reach into that of a site: what lies farther away may grow."""
+    paths = [cover.cracks[number].points for number in np.sort(cover.crack_tree.query(_box(site, rule))).tolist()]
+    segments = np.concatenate([np.empty((0, 2, 2)), *(np.stack([path[:-1], path[1:]], axis=1) for path in paths)])
+    off = np.maximum(segments.min(axis=1) - site.point, site.point - segments.max(axis=1))
+    return segments[(off <= rule.reach).all(axis=1)]
 
 
 def _read(cover: Cover, sites: Sequence[Site], rules: Sequence[Rule]) -> Iterator[Made]:
@@ -202,8 +203,7 @@ def _on_rays(cover: Cover, site: Site, rule: Rule) -> _Points:
 def _met(cover: Cover, site: Site, rule: Rule) -> tuple[Floats, Floats]:
     """How far (rays,) it is to a rim, and to a crack, in parts of the reach; 1 where a ray meets none within it."""
     rims = cover.elements.outlines.points[cover.outline_tree.query(_box(site, rule))]
-    paths = _paths_near(cover, site, rule)
-    cracks = np.concatenate([np.empty((0, 2, 2)), *(np.stack([path[:-1], path[1:]], axis=1) for path in paths)])
+    cracks = _cracks_near(cover, site, rule)
     on_rims, on_cracks = (_crossings(segments - site.point, rule) for segments in (rims, cracks))
     return on_rims.min(axis=1, initial=1.0), on_cracks.min(axis=1, initial=1.0)
 
