@@ -23,7 +23,7 @@ help:
 	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint, test and test-physics"
-	@echo "make bench [ARGS=--quick]      benchmarks: ratios against a baseline, tables in tests/benchmarks"
+	@echo "make bench [ARGS=--quick]      speed beside an earlier commit, run in one go: tests/benchmarks/bench.md"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make lock                      renew the pinned versions: .requirements.lock"
 	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"

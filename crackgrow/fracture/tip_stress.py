@@ -158,7 +158,7 @@ def _cracks_near(cover: Cover, site: Site, rule: Rule) -> Floats:
     paths = [cover.cracks[number].points for number in np.sort(cover.crack_tree.query(_box(site, rule))).tolist()]
     segments = np.concatenate([np.empty((0, 2, 2)), *(np.stack([path[:-1], path[1:]], axis=1) for path in paths)])
     off = np.maximum(segments.min(axis=1) - site.point, site.point - segments.max(axis=1))
-    return segments[(off <= rule.reach).all(axis=1)]
+    return np.asarray(segments[(off <= rule.reach).all(axis=1)])
 
 
 def _read(cover: Cover, sites: Sequence[Site], rules: Sequence[Rule]) -> Iterator[Made]:

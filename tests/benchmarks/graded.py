@@ -3,7 +3,7 @@
     python -m tests.benchmarks.graded       graded.md and graded.svg beside this file
 
 CPU seconds of one thread, the least of some solves, as multiples of the uniform solve at 1.5 mm of the same scene.
-Those of finite elements are multiples of that solve as it was when they were measured, side by side with it.
+Finite elements were measured beside that solve by an earlier commit, which is run again: so they keep their scale.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import csv
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +23,8 @@ from matplotlib.figure import Figure
 from crackgrow.blas import single_threaded
 from crackgrow.case import Case, load_case
 from crackgrow.run import grow
-from tests.benchmarks.paths import HERE, REFERENCES
+from tests.benchmarks.beside import AGAINST, Scene, beside, program_of
+from tests.benchmarks.paths import HERE, REFERENCES, ROOT
 from tests.benchmarks.scenes import solved_once
 from tests.benchmarks.tables import number, table
 from tests.verification.solutions import rows
@@ -35,7 +36,7 @@ PRESETS = ("draft", "standard", "fine")
 BESIDE = "1.5 mm"
 REPETITIONS = 5
 COSTS, ERRORS = (0.5, 1, 2, 4, 8), (0.03, 0.1, 0.3, 1, 3, 10)  # where axes have ticks
-FINITE_ELEMENTS = "finite elements"
+FINITE_ELEMENTS = ("quadratic triangles graded to the tips", "quadratic triangles graded to tips and kinks")
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,25 +78,31 @@ def measured(scene: str, cells: str) -> Point:
     return Point(scene, cells, step.n_dofs, min(seconds), 100.0 * max(off))
 
 
-def of_finite_elements() -> Iterator[Point]:
-    """The solves of another program, over the uniform one that was measured beside them."""
+def of_finite_elements(scene: str, then: float) -> Iterator[Point]:
+    """The solves of another program, in seconds; `then`: of the uniform one by the commit, as it is measured now."""
     with (REFERENCES / "fe_cost.csv").open(newline="") as file:
         found = list(csv.DictReader(file))
-    (beside,) = (float(row["cpu_seconds"]) for row in found if row["scene"].startswith("grown30 at 1.5 mm"))
+    (beside_them,) = (row for row in found if row["scene"] == f"{scene} at {BESIDE} uniform, by commit {AGAINST}")
     for row in found:
-        if row["scene"] in SCENES:
-            cost = float(row["cpu_seconds"]) / beside
-            yield Point(row["scene"], FINITE_ELEMENTS, int(row["unknowns"]), cost, float(row["error_K_percent"]))
+        if row["scene"] == scene:
+            cost = float(row["cpu_seconds"]) / float(beside_them["cpu_seconds"]) * then
+            yield Point(scene, row["elements"], int(row["unknowns"]), cost, float(row["error_K_percent"]))
 
 
 def all_points() -> list[Point]:
     """Every solve, the costs over those of the uniform one at 1.5 mm."""
-    points = list(of_finite_elements())
-    for scene in SCENES:
-        own = [measured(scene, cells) for cells in (*UNIFORM, *PRESETS)]
-        (beside,) = (point.cost for point in own if point.cells == BESIDE)
-        points += [Point(p.scene, p.cells, p.unknowns, p.cost / beside, p.error) for p in own]
-    return points
+    found: list[Point] = []
+    with program_of(AGAINST) as program:
+        for scene in SCENES:
+            points = [[float(row["x_mm"]), float(row["y_mm"])] for row in rows(f"{scene}_path.csv")]
+            path = f"cracks.flaw.path={{points: {points}}}"
+            uniform = Scene(scene, "compression30", (path, f"numerics.spacing={BESIDE}", "growth.steps=0"))
+            then, now = (timed.first for timed in beside(uniform, (program, ROOT), REPETITIONS))
+            own = [measured(scene, cells) for cells in (*UNIFORM, *PRESETS)]
+            (least,) = (point.cost for point in own if point.cells == BESIDE)
+            own += of_finite_elements(scene, then / now * least)
+            found += [replace(point, cost=point.cost / least) for point in own]
+    return found
 
 
 def text_of(points: Sequence[Point]) -> str:
@@ -105,7 +112,8 @@ def text_of(points: Sequence[Point]) -> str:
     words = (
         "# K after growth against its cost\n\n"
         "Written by `python -m tests.benchmarks.graded`: wings of one increment (`young30`) and of eight (`grown30`),\n"
-        "without friction. Cells of one size, by their size; cells halved by the presets; graded quadratic triangles.\n"
+        "without friction. Cells of one size, by their size; cells halved by the presets; quadratic triangles of\n"
+        "another program with CHOLMOD, meshing by gmsh included, graded to the tips alone or to tips and kinks.\n"
         "The error is that of the worse tip and component, over K_I, against finite elements good to 0.05 %. CPU is\n"
         "that of one solve, over that of the uniform one at 1.5 mm, without what a name takes to measure its error.\n\n"
     )
@@ -116,13 +124,14 @@ def draw(points: Sequence[Point], path: Path) -> None:
     """Error over cost, a panel for each scene."""
     figure = Figure(figsize=(8.0, 3.6), layout="constrained")
     FigureCanvasAgg(figure)
-    kinds = (("one size", UNIFORM, "o-"), ("halved", PRESETS, "s-"), (FINITE_ELEMENTS, (FINITE_ELEMENTS,), "^--"))
+    kinds = [("one size", UNIFORM, "o-"), ("halved", PRESETS, "s-")]
+    kinds += [(name, (name,), style) for name, style in zip(FINITE_ELEMENTS, ("^--", "v--"), strict=True)]
     for scene, axes in zip(SCENES, figure.subplots(1, len(SCENES), sharey=True), strict=True):
         for label, names, style in kinds:
             own = [p for p in points if p.scene == scene and p.cells in names]
             cost, error = np.array(sorted((p.cost, p.error) for p in own)).T
             axes.loglog(cost, error, style, label=label)
-            if label != FINITE_ELEMENTS:
+            if label not in FINITE_ELEMENTS:
                 for p in own:
                     axes.annotate(p.cells, (p.cost, p.error), (4, 4), textcoords="offset points", fontsize=7)
         axes.set(title=scene, xlabel=f"CPU over the uniform solve at {BESIDE}")

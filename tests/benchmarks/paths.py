@@ -7,5 +7,3 @@ from pathlib import Path
 HERE = Path(__file__).parent
 ROOT = HERE.parents[1]
 REFERENCES = ROOT / "tests" / "verification" / "references"
-HISTORY = HERE / "history.csv"
-BASELINE = HERE / "baseline.json"

@@ -27,8 +27,8 @@ from crackgrow.study.trade.columns import ENERGY, ERRORS
 from crackgrow.study.trade.row import REFERENCE, Row
 
 TABLE: Final = "fe_cost.csv"
-BESIDE: Final = "grown30 at 1.5 mm"
-"""The scene of the row that was measured beside the others begins so."""
+BESIDE: Final = "grown30 at 1.5 mm uniform"
+"""The row that was measured beside the others."""
 
 ABOUT_AS_MANY: Final = 2.0
 """Times as many unknowns, or as few."""
@@ -62,7 +62,7 @@ def finite_elements(rows: Sequence[Row]) -> Floats:
     """CPU seconds on the scale of some rows, and relative errors of K (n, 2); none where no row gives the scale."""
     with files("crackgrow.study.trade").joinpath(TABLE).open(encoding="utf-8") as file:
         table = list(csv.DictReader(file))
-    (beside,) = (row for row in table if row["scene"].startswith(BESIDE))
+    (beside,) = (row for row in table if row["scene"] == BESIDE)
     unlike = {abs(math.log(row.number("n_dofs") / float(beside["unknowns"]))): row for row in rows}
     if not unlike or not min(unlike) <= math.log(ABOUT_AS_MANY):
         return np.zeros((0, 2))

@@ -165,8 +165,8 @@ def test_words_of_a_panel_stay_clear_of_other_panels_of_the_title_and_of_the_edg
         FigureCanvasAgg(figure).draw()
         boxes = [axes.get_tightbbox() for axes in figure.axes] + [text.get_window_extent() for text in figure.texts]
         assert figure.texts
-        assert all(0.0 < box.x0 and box.x1 < figure.bbox.width for box in boxes if box is not None)
-        assert all(0.0 < box.y0 and box.y1 < figure.bbox.height for box in boxes if box is not None)
+        assert all(box.x0 > 0.0 and box.x1 < figure.bbox.width for box in boxes if box is not None)
+        assert all(box.y0 > 0.0 and box.y1 < figure.bbox.height for box in boxes if box is not None)
         assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
 
 
