@@ -33,9 +33,7 @@ UNIT_GRADIENTS = np.eye(4).reshape(2, 2, 2, 2, 1)
 class Weights:
     """What M (radii, 2) of a rule, for both auxiliary modes, takes of the body's own field, in the tip's axes."""
 
-    around: (
-        Floats  # (radii, 2, 2, 2, n) of elastic displacement gradients [radius, mode, c, d] at points of the circles
-    )
+    around: Floats  # (radii, 2, 2, 2, n) of elastic gradients [radius, mode, c, d] at the points of the circles
     beside: Floats  # (radii, 2, 2, 2, m) of those at the points of the faces, the sums of both faces
     vectors: Floats  # (radii, 2, 2, m) of the stress vectors there, likewise
 
@@ -56,15 +54,10 @@ def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
             of_faces.append(_face_flux(material, rule, beside, np.zeros((2, 1)), UNIT_GRADIENTS[c, d]))
         of_vectors.append(_face_flux(material, rule, beside, np.eye(2)[c, :, None], np.zeros((2, 2, 1))))
     return Weights(
-        through[:, None, None, None] * _by_mode(of_circles).reshape(2, 2, 2, -1),
-        step[:, None, None, None] * _by_mode(of_faces).reshape(2, 2, 2, -1),
-        step[:, None, None] * _by_mode(of_vectors),
+        through[:, None, None, None] * np.stack(of_circles, axis=1).reshape(2, 2, 2, -1),
+        step[:, None, None, None] * np.stack(of_faces, axis=1).reshape(2, 2, 2, -1),
+        step[:, None, None] * np.stack(of_vectors, axis=1),
     )
-
-
-def _by_mode(flux: list[Floats]) -> Floats:
-    """(2, k, n) [mode, which, point] of k fluxes (2, n)."""
-    return np.stack(flux, axis=1)
 
 
 def of_body_force(material: PlaneElasticity, rule: TipRule, body_force: Floats) -> Floats:

@@ -76,8 +76,7 @@ def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
     assert result.frame is not None  # who draws has asked for it
     frame = frame_with_sigma_1(result.frame, result.step)
     loads = {result.step: load_words(case, result.load_factor)}
-    data = FieldPictures(case.title, "sigma_1", [frame], loads).png(frame)
-    write_bytes(path, data)
+    write_bytes(path, FieldPictures(case.title, "sigma_1", [frame], loads).png(frame))
 
 
 @own_style()
@@ -201,9 +200,8 @@ def _step_colours(last: int) -> ScalarMappable:
 def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
     """A figure in the specimen's proportions, with room for titles and a colour bar."""
     width, height = LONG_SIDE * (high - low) / (high - low).max()
-    beside = bar_beside(high - low)
-    size = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2) if beside else (width + 1.0, max(height, 0.7) + 2.4)
-    figure = Figure(figsize=size, dpi=DPI)
+    beside, below = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), (width + 1.0, max(height, 0.7) + 2.4)
+    figure = Figure(figsize=beside if bar_beside(high - low) else below, dpi=DPI)
     axes = figure.add_subplot()
     margin = 0.03 * (high - low).max()
     axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))

@@ -50,7 +50,7 @@ def _away_from_tips(cover: Cover, mesh: OutputMesh, stress: Floats) -> None:
     """Put the means of the neighbours into the stress (n, 3) at nodes at tips, where it is infinite."""
     at_tip = np.zeros(len(mesh.points), dtype=bool)
     for tip in cover.tips:
-        at_tip |= np.hypot(*(mesh.points - tip.point).T) < ON_LINE
+        at_tip |= (np.abs(mesh.points - tip.point) < ON_LINE).all(axis=1)
     ends = np.concatenate([mesh.sides, mesh.sides[:, ::-1]])
     ends = np.unique(ends[at_tip[ends[:, 0]] & ~at_tip[ends[:, 1]]], axis=0)
     nodes, index = np.unique(ends[:, 0], return_inverse=True)

@@ -10,6 +10,7 @@ from functools import cache, partial
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Case
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.cover.cover import Cover
@@ -38,6 +39,7 @@ from crackgrow.run.result import (
 )
 from crackgrow.solid.elasticity import PlaneElasticity
 
+Estimate = Callable[[], ErrorEstimate]
 STILL = 1e-6
 """Of what the stress could make a crack of its length slip: faces have not moved by less, 3e-9 of it in 56 joints."""
 
@@ -55,6 +57,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     errors, missed = errors_of(solution, faces), misfits(solution, faces)
     still = _sticking(contact, paths, pressed_strain(solution, faces))
     estimate = cache(_estimate(solution))
+    asked = estimate if "energy_error" in scene.case.output.fields else None
+    frame = partial(_frame, solution.cover, solution.materials, outcome.u, asked, scene.numbers_at_start, scene.case)
     return StepResult(
         step=state.step,
         load_factor=solution.state.factor,
@@ -64,7 +68,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
-        mesh=FrameOnDemand(_mesh(solution, estimate)) if with_frame else None,
+        mesh=FrameOnDemand(frame) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.points.n_unknowns,
         contact_iterations=outcome.points.iterations,
@@ -95,37 +99,18 @@ def estimated_error(solution: StepSolution) -> ErrorEstimate:
     return _estimate(solution)()
 
 
-def _estimate(solution: StepSolution) -> Callable[[], ErrorEstimate]:
+def _estimate(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
-    K = [tip.K for tip in solution.tips]
-    return partial(_estimated, solution.cover, solution.materials, solution.outcome.u, K)
-
-
-def _estimated(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, K: Sequence[tuple[float, float]]
-) -> ErrorEstimate:
-    """The estimate for displacements `u` (n_dofs,) m, with the singular stress of all tips told apart by their K."""
-    return error_estimate(cover, materials, u, [SingularStress(cover, tip, its) for tip, its in enumerate(K)])
-
-
-def _mesh(solution: StepSolution, estimate: Callable[[], ErrorEstimate]) -> Callable[[], Frame]:
-    """Makes the mesh of a solution, of which it keeps what that takes, too; with the error where that is asked for."""
-    case, bodies = solution.scene.case, solution.scene.numbers_at_start
-    asked = estimate if "energy_error" in case.output.fields else None
-    return partial(_frame, solution.cover, solution.materials, solution.outcome.u, asked, bodies, case.origin)
+    singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
+    return partial(error_estimate, solution.cover, solution.materials, solution.outcome.u, singular)
 
 
 def _frame(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    u: Floats,
-    estimate: Callable[[], ErrorEstimate] | None,
-    bodies: Ints,
-    origin: tuple[float, float],
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, error: Estimate | None, bodies: Ints, case: Case
 ) -> Frame:
-    """The mesh of a solution on the map; `bodies` are numbers in the case."""
-    frame = make_frame(cover, materials, u, None if estimate is None else estimate())
-    return on_map(replace(frame, body=bodies[frame.body]), origin)
+    """The mesh of a solution on the map, with the error where that is asked for; `bodies` are numbers in the case."""
+    frame = make_frame(cover, materials, u, None if error is None else error())
+    return on_map(replace(frame, body=bodies[frame.body]), case.origin)
 
 
 def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:

@@ -17,14 +17,9 @@ def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> 
     return np.asarray(values_at(cover, points, elements).field(u.reshape(-1, 2))[0])
 
 
-def gradient_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
-    """Displacement gradient du_c/dx_d (n, 2, 2) [point, c, d] at points (n, 2), in lattice coordinates."""
-    return np.asarray(basis_at(cover, points, elements).field(u.reshape(-1, 2))[1:].transpose(1, 2, 0))
-
-
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:
     """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
-    gradient = gradient_at(cover, u, points, elements)
+    gradient = basis_at(cover, points, elements).field(u.reshape(-1, 2))[1:].transpose(1, 2, 0)
     return stress_of(materials, gradient, cover.elements.body[elements], cover.lattice.to_metres(points))
 
 

@@ -1,18 +1,10 @@
-"""The table as a picture: a panel for each error, over the time, with the Pareto front and the presets.
-
-Beside them is what graded finite elements cost, by another program: K of the flaw of compression30, straight and with
-wings. Its seconds are those of another machine. There a solve of this program was measured, too, on cells of one size
-with some 2,500 unknowns: so the row of a trade that has about as many gives the scale.
-"""
+"""The table as a picture: a panel for each error, over the time, with the Pareto front and the presets."""
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
-from importlib.resources import files
 from pathlib import Path
-from typing import Final
 
 import numpy as np
 from matplotlib import colormaps
@@ -25,13 +17,6 @@ from crackgrow.results.atomic import write_atomically
 from crackgrow.results.style import own_style
 from crackgrow.study.trade.columns import ENERGY, ERRORS
 from crackgrow.study.trade.row import REFERENCE, Row
-
-TABLE: Final = "fe_cost.csv"
-BESIDE: Final = "grown30 at 1.5 mm uniform"
-"""The row that was measured beside the others."""
-
-ABOUT_AS_MANY: Final = 2.0
-"""Times as many unknowns, or as few."""
 
 TIME = "cpu_seconds"
 LABELS = {
@@ -50,25 +35,11 @@ LABELS = {
 PRESET_COLOUR = "tab:red"
 PRESET_MARKS = {"draft": "v", "standard": "s", "fine": "^"}
 SUPPORT_MARKS = ("o", "D", "P", "X")  # of the grid's points, by support
-OF_FINITE_ELEMENTS = ("K_error",)  # the panels that have them
 ACROSS = 3  # panels
 PANEL = (4.0, 3.2)  # inches
 LEAST = 1e-12  # of the errors drawn: zero has no place on a logarithmic scale
 DPI = 130
 COLOURS = colormaps["viridis"]
-
-
-def finite_elements(rows: Sequence[Row]) -> Floats:
-    """CPU seconds on the scale of some rows, and relative errors of K (n, 2); none where no row gives the scale."""
-    with files("crackgrow.study.trade").joinpath(TABLE).open(encoding="utf-8") as file:
-        table = list(csv.DictReader(file))
-    (beside,) = (row for row in table if row["scene"] == BESIDE)
-    unlike = {abs(math.log(row.number("n_dofs") / float(beside["unknowns"]))): row for row in rows}
-    if not unlike or not min(unlike) <= math.log(ABOUT_AS_MANY):
-        return np.zeros((0, 2))
-    scale = unlike[min(unlike)].number("cpu_seconds") / float(beside["cpu_seconds"])
-    triangles = [row for row in table if "triangles" in row["elements"]]
-    return np.array([(scale * float(row["cpu_seconds"]), 0.01 * float(row["error_K_percent"])) for row in triangles])
 
 
 @own_style(math=True)
@@ -108,9 +79,6 @@ def _panel(
         axes.plot(x, y, marker=mark, markersize=size, color=colour, linestyle="")
     front = pareto_front(cost, error)
     axes.step(cost[front], error[front], where="post", color="tab:blue", linewidth=1.2, zorder=0)
-    if name in OF_FINITE_ELEMENTS:
-        x, y = finite_elements(rows).T
-        axes.plot(x, y, marker="x", markersize=5, color="0.4", linestyle="")
     axes.set_xscale("log")
     axes.set_yscale("log")
     axes.set_title(LABELS[name], fontsize=9)
@@ -134,8 +102,6 @@ def _legend(supports: Sequence[float]) -> list[Line2D]:
         for i, s in enumerate(supports)
     ]
     marks.append(Line2D([], [], color="tab:blue", label="Pareto front"))
-    label = "K of compression30's wings by graded finite elements"
-    marks.append(Line2D([], [], color="0.4", marker="x", linestyle="", label=label))
     marks.append(Line2D([], [], color="0.0", marker="o", linestyle="", label="dark: fine, light: coarse spacing"))
     return marks
 
