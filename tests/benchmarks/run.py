@@ -21,17 +21,21 @@ from tests.benchmarks.tables import milliseconds, number, table, write_part
 SLOWER = 1.05
 """Ratios of a step beyond this are marked: the least of three rounds differ by less, run to run."""
 
+NEGLIGIBLE = 0.02
+"""Phases that take less than this part of a step have no ratio."""
+
 HEADER = ("scene", "unknowns", "first step, ms", "then", "ratio", "a later step, ms", "then", "ratio", *PHASES,
           "the run, s", "peak, MB")  # fmt: skip
 
 
 def row_of(name: str, then: Timed, now: Timed) -> tuple[str, ...]:
     """A row of the table: milliseconds, and ratios of the program as it is over the other one, phase by phase too."""
-    later = now.later / then.later
+    later, step = now.later / then.later, now.first if np.isnan(now.later) else now.later
     return (
         name, f"{now.unknowns:,}", milliseconds(now.first), milliseconds(then.first), number(now.first / then.first),
         milliseconds(now.later), milliseconds(then.later), number(later) + (" slower" if later > SLOWER else ""),
-        *(number(now.phases[p] / then.phases[p]) for p in PHASES), number(now.whole), f"{now.peak:.0f}",
+        *(number(now.phases[p] / then.phases[p]) if now.phases[p] > NEGLIGIBLE * step else "" for p in PHASES),
+        number(now.whole), f"{now.peak:.0f}",
     )  # fmt: skip
 
 
