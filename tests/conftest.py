@@ -42,8 +42,8 @@ EDGES = ("bottom", "right", "top", "left")
 TESTS = Path(__file__).parent
 PHYSICS = (
     "properties/", "readme/test_generated.py::test_rows_of_verification", "regression/", "stability/", "verification/",
-    "unit/benchmarks/test_benchmarks.py::test_a_measurement", "unit/benchmarks/test_benchmarks.py::test_a_profile",
-    "unit/benchmarks/test_benchmarks.py::test_the_spacing", "unit/case/test_case_features.py::test_displacement",
+    "unit/benchmarks/test_benchmarks.py::test_a_run", "unit/benchmarks/test_benchmarks.py::test_the_spacing",
+    "unit/case/test_case_features.py::test_displacement",
     "unit/case/test_case_features.py::test_stress", "unit/case/test_case_files.py::test_damaged_cases",
     "unit/case/test_case_meetings.py::test_a_thousand", "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
     "unit/case/test_case_joint_maps.py",
