@@ -139,8 +139,8 @@ def draw(points: Sequence[Point], path: Path) -> None:
         axes.set_yticks(ERRORS, [f"{error:g}" for error in ERRORS])
         axes.minorticks_off()
         axes.grid(visible=True, alpha=0.3)
-        axes.legend(fontsize=8)
     figure.axes[0].set_ylabel("error of K, %")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=7)
     figure.savefig(path, metadata={"Date": None})
 
 
