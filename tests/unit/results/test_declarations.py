@@ -21,7 +21,7 @@ NAME = "compression30"
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of one growth step with its pictures and an export."""
     out = tmp_path_factory.mktemp("run") / NAME
-    settings = ["numerics.spacing=4", "growth.steps=1"]
+    settings = ["numerics.spacing=4", "growth.steps=1", "output.fields=[displacement, stress, energy_error]"]
     words = [word for setting in settings for word in ("--set", setting)]
     assert cli.main(["run", str(CASES / f"{NAME}.yaml"), *words, "--out", str(out), "--quiet"]) == 0
     assert cli.main(["render", str(out), "--size", "200x200"]) == 0

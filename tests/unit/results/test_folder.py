@@ -16,6 +16,7 @@ from crackgrow.results.folder import FolderError, RunFolder, open_run
 ROOT = Path(__file__).resolve().parents[3]
 TABLES = ("steps", "tips", "contact", "reactions", "events", "paths", "history")
 SETTINGS = ["numerics.spacing=3", "growth.steps=2", "output.frames=every_step", "output.figures=false",
+            "output.fields=[displacement, stress, energy_error]",
             "output.points={middle: {at: [0, 20 mm]}}"]  # fmt: skip
 
 
