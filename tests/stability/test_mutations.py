@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,8 @@ from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError
 from tests.stability.mutation_report import LONGEST, Verdict, peak_memory, verdicts
 from tests.stability.mutations import KINDS, NAMES, TAGS, good_cases
+
+CASES = Path(__file__).parents[2] / "cases"
 
 MOST_MEMORY = 600.0
 """MiB that the process of the tests may grow by."""
@@ -73,6 +76,8 @@ def test_names_cannot_lead_out_of_the_folder_of_the_results(
 
 def test_good_cases_are_good(tmp_path: Path) -> None:
     """Else mutants would be refused for what they were made from."""
+    for file in CASES.glob("*.geojson"):
+        shutil.copy(file, tmp_path)
     for text in good_cases().values():
         (tmp_path / "scene.yaml").write_text(text, encoding="utf-8")
         assert load_case(tmp_path / "scene.yaml").bodies

@@ -82,9 +82,10 @@ def test_numerics_may_be_left_out_and_empty(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
-def test_case_that_went_through_a_writer_of_yaml_1_1_is_the_same(name: str):
+def test_case_that_went_through_a_writer_of_yaml_1_1_is_the_same(name: str, monkeypatch: pytest.MonkeyPatch):
     """To PyYAML the key `on` is the boolean true."""
     file = CASES / f"{name}.yaml"
+    monkeypatch.chdir(CASES)  # where the files lie that a case names
     written = yaml.safe_dump(yaml.safe_load(file.read_text(encoding="utf-8")))
     assert read_case(written, "written", name).resolved == load_case(file).resolved
 
