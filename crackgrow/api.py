@@ -146,7 +146,7 @@ class Solution(_Tables):
 
     @property
     def mesh(self) -> pyvista.UnstructuredGrid:
-        """The same for pyvista, as `open_run(...).mesh(step)` reads it from a frame; m, Pa.
+        """The same for pyvista, as `open_run(...).mesh(step)` reads it from a frame, with `energy_error`; m, Pa.
 
         >>> import crackgrow
         >>> case = crackgrow.load_case("cases/compression30.yaml", ["numerics.spacing=3"])

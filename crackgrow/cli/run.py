@@ -179,9 +179,10 @@ def _second_ends() -> Iterator[None]:
     """A second Ctrl-C in the block ends the process at once, as if it were killed; the first one says so.
 
     Python raises KeyboardInterrupt between two of its own lines alone, and one solve of many contact points by LAPACK
-    can take minutes. A thread hears of the signal meanwhile: from a pipe, which the system's handler writes to.
+    can take minutes. A thread hears of the signal meanwhile, where the library lets other threads run (NumPy's solvers
+    do): from a pipe, which the system's handler writes to. On Windows such a pipe would need Python 3.12.
     """
-    if not _interrupts():
+    if not _interrupts() or sys.platform == "win32":
         yield
         return
     heard, told = os.pipe()

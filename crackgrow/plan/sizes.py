@@ -11,6 +11,7 @@ from crackgrow.case.model import Case
 from crackgrow.case.units import Metres
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
+from crackgrow.plan.overview import estimated_nodes
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
@@ -51,6 +52,13 @@ class Sizes:
     def n_tractions(self) -> int:
         """Contact unknowns where all points are pressed: normal ones, and tangential where any surface is rough."""
         return self.n_contact * (2 if any(surface.rough for surface in self.surfaces) else 1)
+
+
+def guessed_sizes(case: Case) -> Sizes:
+    """The same without a cover, which takes minutes for millions of cells: as if all were of one size, and none cut."""
+    nodes, tips = estimated_nodes(case), sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
+    met = round((2.0 * case.numerics.support) ** 4)  # pairs of the patches that hold a cell
+    return Sizes(2 * nodes, nodes, 0, tips, nodes, met * nodes, 0, 0, (), ())
 
 
 def sizes_of(case: Case) -> Sizes:

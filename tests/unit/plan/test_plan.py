@@ -17,7 +17,7 @@ from crackgrow.case.model import StrengthReduction
 from crackgrow.plan import cost, picture
 from crackgrow.plan.cost import cost_of, estimated_cost
 from crackgrow.plan.picture import draw_scene
-from crackgrow.plan.sizes import Sizes, sizes_of
+from crackgrow.plan.sizes import Sizes, guessed_sizes, sizes_of
 from crackgrow.plan.text import plan_text
 from crackgrow.results import signs
 from crackgrow.run import grow
@@ -139,6 +139,29 @@ def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatc
     assert "of memory, and this machine" not in plan_text(case)
     monkeypatch.setattr(cost, "machine_memory", lambda: 0.9 * needed)
     assert f"needs about {needed:.0f} MiB of memory, and this machine has {0.9 * needed:.0f} MiB" in plan_text(case)
+
+
+def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.05"])
+
+    def laid_out(_: Case) -> None:
+        raise AssertionError("a lattice of 690,000 nodes is laid out for a guess")
+
+    monkeypatch.setattr(cost, "sizes_of", laid_out)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 8.0 * 1024.0)
+    assert "GiB of memory, and this machine has 8 GiB: " in cost_of(case).warning
+    monkeypatch.setattr(cost, "machine_memory", lambda: 64.0 * 1024.0)
+    assert cost_of(case).warning == ""
+
+
+@pytest.mark.parametrize("spacing", [0.8, 0.4])
+def test_a_guess_without_a_cover_is_near_that_with_one(spacing: float) -> None:
+    case = load_case(CASES / "compression30.yaml", [f"numerics.spacing={spacing}", "growth.steps=0"])
+    counted, guessed = (estimated_cost(case, sizes(case)) for sizes in (sizes_of, guessed_sizes))
+    assert guessed.seconds == pytest.approx(counted.seconds, rel=0.25)
+    assert guessed.memory == pytest.approx(counted.memory, rel=0.25)
 
 
 def test_the_memory_of_a_machine_is_the_least_of_its_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
