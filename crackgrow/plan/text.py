@@ -23,7 +23,7 @@ def plan_text(case: Case) -> str:
     sizes = sizes_of(case)
     cost = estimated_cost(case, sizes)
     warnings = [f"warning: {text}" for text in _warnings(sizes, cost)] or ["no warnings"]
-    takes = f"the whole run takes {cost.words}, mostly within a factor of two"
+    takes = f"the whole run takes {cost.words}, within a factor of two for most scenes"
     return "\n".join([overview(case), *_model(case, sizes), takes, *warnings])
 
 

@@ -71,7 +71,9 @@ def test_text_says_what_is_modelled_and_why() -> None:
     assert "points, normal contact alone: neither" in plan_text(coarse("interface_friction04", smooth))
     assert "points, with friction or cohesion" in plan_text(coarse("block_rigid"))
     assert "flaw: no contact: its faces never touch" in plan_text(coarse("compression30", "cracks.flaw.contact=none"))
-    assert f"the whole run takes {cost_of(coarse('compression30')).words}, within a factor of two" in lines
+    assert (
+        f"the whole run takes {cost_of(coarse('compression30')).words}, within a factor of two for most scenes" in lines
+    )
 
 
 def test_bonds_are_multipliers() -> None:
