@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 from crackgrow.arrays import Floats, Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import FIELDS, Case
-from crackgrow.case.on_map import on_map
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results.gathered import Gathered
@@ -27,10 +26,9 @@ from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
 from crackgrow.results.vtk_frames import as_pyvista, specimen_grid
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import Steps, solved_steps, through
-from crackgrow.run.report import estimated_error
+from crackgrow.run.report import estimate_maker, frame_maker
 from crackgrow.run.result import CrackPath, Event, Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
 
@@ -139,10 +137,8 @@ class Solution(_Tables):
     @property
     def frame(self) -> Frame:
         """The specimen as a mesh, double along cracks: displacement (m) and stress (Pa) of nodes, stress of cells."""
-        solved = self._solved
         with single_threaded():
-            frame = make_frame(solved.cover, solved.materials, solved.outcome.u, estimated_error(solved))
-            return on_map(frame, self.case.origin)
+            return frame_maker(self._solved, estimate_maker(self._solved))()
 
     @property
     def mesh(self) -> pyvista.UnstructuredGrid:

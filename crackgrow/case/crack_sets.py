@@ -136,16 +136,12 @@ def _pieces(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) ->
             scene.cuts.append(_cut(full, line, why, trace.where, whole=True))
             continue
         simple = _simple(line)
-        if repeats:
-            scene.cuts.append(
-                Cut(
-                    full, 0.0, False, tuple(points[0].tolist()), f"{repeats} of its vertices repeat others", trace.where
-                )
-            )
-        if len(simple) > 1:
-            scene.cuts.append(
-                Cut(full, 0.0, False, tuple(points[0].tolist()), "meets itself, and is divided there", trace.where)
-            )
+        changes = (
+            (repeats > 0, f"{repeats} of its vertices repeat others"),
+            (len(simple) > 1, "meets itself, and is divided there"),
+        )
+        start = LineString([points[0], points[0]])  # nothing of its length is lost
+        scene.cuts.extend(_cut(full, start, why, trace.where) for changed, why in changes if changed)
         inside = [_inside(part, body.polygon, tolerance) for part in simple for body in scene.bodies.values()]
         found = [part for parts in inside for part in parts]
         lost = line.length - sum(part.length for part in found)

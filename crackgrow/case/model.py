@@ -716,10 +716,7 @@ class Case:
     numerics: Annotated[Numerics, Doc("settings of the discretization", default=BY_PARTS)]
     output: Annotated[Output, Doc("what is written", default=BY_PARTS)]
     resolved: dict[str, object]
-    origin: tuple[float, float] = (
-        0.0,
-        0.0,
-    )  # m on a map: places of the case are seen from there, in `resolved` on the map
+    origin: tuple[float, float] = (0.0, 0.0)  # m on a map: places are seen from there, in `resolved` on the map
     moved: tuple[Move, ...] = ()  # farther than rounding; `resolved` has the points where they were given
     cut: tuple[Cut, ...] = ()  # more than rounding; `resolved` has what is left
 

@@ -55,7 +55,10 @@ class Sizes:
 
 
 def guessed_sizes(case: Case) -> Sizes:
-    """The same without a cover, which takes minutes for millions of cells: as if all were of one size, and none cut."""
+    """Estimate the sizes of step 0 from areas alone, as if all cells were of one size and none were cut.
+
+    A cover of millions of cells takes minutes.
+    """
     nodes, tips = estimated_nodes(case), sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
     met = round((2.0 * case.numerics.support) ** 4)  # pairs of the patches that hold a cell
     return Sizes(2 * nodes, nodes, 0, tips, nodes, met * nodes, 0, 0, (), ())

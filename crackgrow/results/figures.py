@@ -63,9 +63,8 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
         axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
     if last > 0:
         ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
-        with_bar(
-            figure, axes, colours, case.title, beside=bar_beside(high - low), ticks=ticks, label=label
-        ).minorticks_off()
+        beside = bar_beside(high - low)
+        with_bar(figure, axes, colours, case.title, beside=beside, ticks=ticks, label=label).minorticks_off()
     else:
         in_rows(figure, np.array([[axes]]), case.title)
     _save(path, figure)

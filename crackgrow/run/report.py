@@ -56,9 +56,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     contact, faces = solution.state.along_surfaces
     errors, missed = errors_of(solution, faces), misfits(solution, faces)
     still = _sticking(contact, paths, pressed_strain(solution, faces))
-    estimate = cache(_estimate(solution))
+    estimate = cache(estimate_maker(solution))
     asked = estimate if "energy_error" in scene.case.output.fields else None
-    frame = partial(_frame, solution.cover, solution.materials, outcome.u, asked, scene.numbers_at_start, scene.case)
     return StepResult(
         step=state.step,
         load_factor=solution.state.factor,
@@ -68,7 +67,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
-        mesh=FrameOnDemand(frame) if with_frame else None,
+        mesh=FrameOnDemand(frame_maker(solution, asked)) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.points.n_unknowns,
         contact_iterations=outcome.points.iterations,
@@ -96,19 +95,30 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
 
 def estimated_error(solution: StepSolution) -> ErrorEstimate:
     """The estimate in the energy norm."""
-    return _estimate(solution)()
+    return estimate_maker(solution)()
 
 
-def _estimate(solution: StepSolution) -> Estimate:
+def estimate_maker(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
     singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
     return partial(error_estimate, solution.cover, solution.materials, solution.outcome.u, singular)
 
 
+def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:
+    """Makes the mesh of a solution, of which it keeps what that takes and no more; with its error if that is asked for.
+
+    Places are those of the map, and bodies have their numbers in the case.
+    """
+    scene = solution.scene
+    return partial(
+        _frame, solution.cover, solution.materials, solution.outcome.u, error, scene.numbers_at_start, scene.case
+    )
+
+
 def _frame(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, error: Estimate | None, bodies: Ints, case: Case
 ) -> Frame:
-    """The mesh of a solution on the map, with the error where that is asked for; `bodies` are numbers in the case."""
+    """The mesh of displacements `u` (n_dofs,) m; `bodies` are the numbers in the case of those of the cover."""
     frame = make_frame(cover, materials, u, None if error is None else error())
     return on_map(replace(frame, body=bodies[frame.body]), case.origin)
 
