@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from crackgrow.case.accuracy import target_of
 from crackgrow.case.check_regions import knows_body
 from crackgrow.case.checks import contact_laws
 from crackgrow.case.layout import Scene, named
@@ -99,12 +100,12 @@ def check_loading(scene: Scene) -> None:
 def _check_goal(scene: Scene) -> None:
     """A target needs what it is the error of."""
     accuracy, goal = scene.get("numerics", "accuracy"), scene.get("numerics", "goal")
-    if not isinstance(accuracy, float) or not all(map(scene.report.sound, ("cracks", "interfaces", "supports"))):
+    if not accuracy or not all(map(scene.report.sound, ("cracks", "interfaces", "supports"))):
         return
     tips = scene.starts_cracks or any(crack["tips"] != "none" for crack in named(scene.resolved, "cracks").values())
     surfaces = named(scene.resolved, "cracks") or scene.resolved.get("interfaces") or list(contact_laws(scene))
     lacks = {
-        "K": "" if tips else "no crack has a tip, so there is no K",
+        "K": "" if tips or isinstance(accuracy, str) else "no crack has a tip, so there is no K",  # it is the default
         "slip": "" if surfaces else "there is no crack, interface or foundation, so nothing slips",
         "reaction": "",
         "load_factor": "" if scene.get("loading") == "critical" else "the load factor is given; it is found with "
@@ -112,10 +113,8 @@ def _check_goal(scene: Scene) -> None:
     }  # fmt: skip
     if goal and lacks[goal]:
         others = " | ".join(name for name, why in lacks.items() if not why)
-        message = (
-            f"{goal} is asked for within {100.0 * accuracy:.3g} % (numerics.accuracy), but {lacks[goal]}; wanted: "
-        )
-        scene.report.fault(("numerics", "goal"), f"{message}goal: {others}, or a preset as accuracy")
+        asked = f"{goal} is asked for within {100.0 * target_of(accuracy):.3g} % (numerics.accuracy)"
+        scene.report.fault(("numerics", "goal"), f"{asked}, but {lacks[goal]}; wanted: goal: {others}")
 
 
 def _check_reduction(scene: Scene) -> None:

@@ -20,7 +20,10 @@ from crackgrow.case.regions import EdgeRegion
 from crackgrow.case.units import place_text
 from crackgrow.vectors import cross
 
-Kind = Literal["crack", "stretch", "increment", "radius", "width", "feature", "bridge", "support", "load"]
+Kind = Literal[
+    "tip", "stretch", "kink", "end", "room", "increment", "radius", "width", "feature", "bridge", "distance",
+    "support", "load",
+]  # fmt: skip
 
 ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none
 SHARP: Final = np.deg2rad(30.0)  # a ring that turns by more at a vertex has a corner there, by less it is a curve

@@ -13,7 +13,7 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, MOST_ASKED_FOR, PRESETS, STANDARD
+from crackgrow.case.accuracy import AUTO, MOST_ASKED_FOR, STANDARD, TARGETS, target_of
 from crackgrow.case.declared import ByName, Doc
 from crackgrow.case.formula import Component, Formula, OrFormula, component_at
 from crackgrow.case.read_only import read_only
@@ -515,26 +515,26 @@ class ContactNumerics:
     )
 
 
-Halvings = int | Literal["auto"]
+Levels = int | Literal["auto"]
 LEVELS: Final = WordOr((AUTO,), Integer(Bounds(at_least=0, at_most=MOST_ASKED_FOR)))
 
 
 @dataclass(frozen=True, slots=True)
 class Refinement:
-    """How often cells are halved at places that ask for small ones; auto: until they are as small as accuracy asks."""
+    """Refinement levels at features: how often cells of the spacing are halved; auto: as accuracy asks."""
 
     tips: Annotated[
-        Halvings,
+        Levels,
         LEVELS,
-        Doc("halvings of the cells at crack tips; auto: what accuracy asks for", default=OPTIONAL),
+        Doc("refinement levels at crack tips; auto: what accuracy asks for", default=OPTIONAL),
     ] = 0
-    kinks: Annotated[Halvings, LEVELS, Doc("the same at kinks, meetings and ends of cracks", default=OPTIONAL)] = 0
+    kinks: Annotated[Levels, LEVELS, Doc("the same at kinks, meetings and ends of cracks", default=OPTIONAL)] = 0
     corners: Annotated[
-        Halvings,
+        Levels,
         LEVELS,
         Doc(
-            "at re-entrant corners, point supports, ends of loaded and supported parts; auto: also at holes, narrow "
-            "rock and along these parts",
+            "at re-entrant corners, ends of loaded and supported parts; auto: also at holes, narrow rock and along "
+            "these parts",
             default=OPTIONAL,
         ),
     ] = 0
@@ -553,16 +553,16 @@ class Numerics:
     accuracy: Annotated[
         str | float,
         WordOr(
-            tuple(PRESETS),
+            tuple(TARGETS),
             Share(Bounds(at_least=0.001, at_most=0.2)),
-            tuple(f"spacing auto: a crack of {p.per_crack:g} spacings or more" for p in PRESETS.values()),
+            tuple(f"{100.0 * target:g} %" for target in TARGETS.values()),
         ),
-        Doc("preset of what is left out here, or what the goal may be off by"),
+        Doc("what the goal may be off by at most, over its largest value: cells are refined until it is"),
     ] = STANDARD
     goal: Annotated[
         Goal,
         Doc(
-            "what an accuracy in percent is of; presets take no notice of it",
+            "what accuracy is of",
             (
                 "stress intensity",
                 "the jump of all faces",
@@ -583,7 +583,7 @@ class Numerics:
     quadrature: Annotated[
         int, Integer(Bounds(at_least=2, at_most=10)), Doc("Gauss points per direction on an uncut cell")
     ] = 4
-    refine: Annotated[Refinement, Doc("how often cells are halved, and where")] = Refinement()
+    refine: Annotated[Refinement, Doc("refinement levels, and where")] = Refinement()
     tip_functions: Annotated[
         Literal["auto", "patch", "gathered"],
         Doc(
@@ -598,19 +598,14 @@ class Numerics:
     contact: Annotated[ContactNumerics, Doc("how contact is discretized and solved")] = ContactNumerics()
 
     @property
-    def target(self) -> float | None:
-        """Error of the goal, over its largest value, that cells are halved for; None: those of the case."""
-        return None if isinstance(self.accuracy, str) else self.accuracy
+    def target(self) -> float:
+        """What the goal may be off by at most, over its largest value, where cells are chosen for it."""
+        return target_of(self.accuracy)
 
     @property
     def measured(self) -> bool:
-        """Whether the run measures its error: where it chooses the cells, for a target or by a name."""
-        return self.target is not None or self.auto_rule is not None
-
-    @property
-    def measured_of(self) -> Goal:
-        """What a run that measures its error measures that of: a name is one of K."""
-        return "K" if self.target is None else self.goal
+        """Whether the run chooses its cells and measures its error: the spacing is automatic, or a target a number."""
+        return self.auto_rule is not None or not isinstance(self.accuracy, str)
 
     @property
     def gathers_tip_functions(self) -> bool:

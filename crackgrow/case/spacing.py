@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import Final
 
-from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing, begun_with, preset_of
+from crackgrow.case.accuracy import AUTO, REFINED_AT, automatic_spacing
 from crackgrow.case.features import Length, line_length, rim_lengths, stretches
 from crackgrow.case.layout import Scene, named, points_of
 
@@ -15,7 +15,7 @@ SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what a
 def settle_spacing(scene: Scene) -> None:
     """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds.
 
-    Cells are halved automatically where the spacing is automatic, and not at all where it is given, unless told.
+    Cells are refined as accuracy asks where the spacing is automatic or a target is a number, else by hand.
     """
     given = scene.get("numerics", "spacing")
     accuracy = scene.get("numerics", "accuracy")
@@ -28,23 +28,14 @@ def settle_spacing(scene: Scene) -> None:
     numerics = scene.resolved["numerics"]
     spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
     if given == AUTO or "auto_rule" in numerics:
-        asked = {key: refine.get(key, AUTO) for key in REFINED_AT if isinstance(accuracy, str) or key == "corners"}
-        refined = [kind for key, levels in asked.items() if levels == AUTO for kind in REFINED_AT[key]]
-        begun = accuracy if isinstance(accuracy, str) else begun_with(accuracy, _are_straight(scene))
-        spacing, rule = automatic_spacing(preset_of(begun), _lengths(scene), refined)
+        refined = [kind for key in REFINED_AT if refine.get(key, AUTO) == AUTO for kind in REFINED_AT[key]]
+        spacing, rule = automatic_spacing(accuracy, _lengths(scene), refined)
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
     rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
     first = {"accuracy": accuracy, "spacing": spacing if followed else given}
-    halvings = dict.fromkeys(("tips", "kinks", "corners"), AUTO if followed else 0)
-    rest["refine"] = {**halvings, **refine}
+    levels = dict.fromkeys(REFINED_AT, AUTO if followed or not isinstance(accuracy, str) else 0)
+    rest["refine"] = {**levels, **refine}
     scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
-
-
-def _are_straight(scene: Scene) -> bool:
-    """Whether no crack has a kink, and there is no growth."""
-    paths = [points_of(crack["path"]) for crack in named(scene.resolved, "cracks").values()]
-    kinked = any(len(stretches(points)[0]) for points in paths if line_length(points) > 0.0)
-    return not kinked and "growth" not in scene.resolved
 
 
 def _lengths(scene: Scene) -> Iterator[Length]:
@@ -52,7 +43,7 @@ def _lengths(scene: Scene) -> Iterator[Length]:
     for name, crack in named(scene.resolved, "cracks").items():
         points = points_of(crack["path"])
         if line_length(points) > 0.0:
-            yield Length("crack", line_length(points), f"length of crack '{name}'")
+            yield Length("tip", line_length(points), f"length of crack '{name}'")
             kinks, parts = stretches(points)
             if len(kinks):
                 yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")

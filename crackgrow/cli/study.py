@@ -230,9 +230,9 @@ every setting, trade.png draws errors over time with the Pareto front and the pr
 Whether the cells and the increment of a case are small enough `crackgrow converge` tells, in three to five runs.
 """
 TRADE_EXAMPLES = """\
-axes: spacing, support, quadrature, contact_spacing, stiffness, solver, tip_radius, increment, accuracy (presets and
-targets), tips, kinks, corners (halvings of cells there), tip_functions; every combination of their values is run, each
-in a process of its own, one after another. Without --axis: spacings round the automatic one, and what else matters to
+axes: spacing, support, quadrature, contact_spacing, stiffness, solver, tip_radius, increment, accuracy (names and
+targets), tips, kinks, corners (refinement levels), tip_functions; every combination of their values is run, each in a
+process of its own, one after another. Without --axis: spacings round the automatic one, and what else matters to
 the scene. The reference is a run at half the finest spacing, a result folder, or settings of the case. A setting that
 fails is a row with its reason.
 

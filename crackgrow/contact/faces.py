@@ -80,14 +80,15 @@ class ContactFaces:
         return np.asarray(self.functions @ self.lengths)
 
 
-def stretch_ends(cover: Cover, index: int) -> Floats:
+def stretch_ends(cover: Cover, index: int, larger: float = 1.0) -> Floats:
     """Arc lengths (m + 1,) at which the m stretches of a surface begin and end: its ends, sharp kinks and junctions.
 
-    Of a stretch that would be too short the less sharp of its kinks is passed over.
+    Of a stretch that would be too short, in cells of which those here are a part `larger`, the less sharp of its kinks
+    is passed over.
     """
     surface = cover.surfaces[index]
     s = arc_lengths(surface.line.points)
-    xi = cover.surfaces[index].in_cells.at(s)
+    xi = larger * cover.surfaces[index].in_cells.at(s)
     turns = np.concatenate([[np.inf], np.abs(kink_angles(surface.line.points)), [np.inf]])  # of what may end a stretch
     turns[surface.line.junctions] = np.inf
     ends = np.flatnonzero(turns > STRETCH_KINK)

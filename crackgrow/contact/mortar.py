@@ -69,15 +69,20 @@ THREE_NODES = 1.0
 """Cells: from here on a stretch with a node on a kink has three, however close. Shorter ones are not resolved."""
 
 
-def mortar_faces(cover: Cover, touching: list[int], spacing: float) -> ContactFaces:
+def mortar_faces(cover: Cover, touching: list[int], spacing: float, *, nested: bool = False) -> ContactFaces:
     """Mortar nodes at least `spacing` (cells) apart along each stretch of the surfaces `touching` (indices).
 
     A node lies on every end of a stretch that lies on a rim, and on kinks between stretches that are long enough. At
     tips and other junctions and kinks the end pieces are constant: no node lies there. Short stretches have closer
-    nodes where they would have less than `FEW_NODES`.
+    nodes where they would have less than `FEW_NODES`. Where cells are `nested` in those of a companion mesh so are the
+    nodes: each piece of that between nodes, and at ends, is halved.
     """
-    ends, passed = {surface: stretch_ends(cover, surface) for surface in touching}, _passed(cover)
-    return joined_faces(cover, ends, [_on_surface(cover, index, spacing, ends[index], passed) for index in touching])
+    ends, passed = (
+        {surface: stretch_ends(cover, surface, 0.5 if nested else 1.0) for surface in touching},
+        _passed(cover),
+    )
+    parts = [_on_surface(cover, index, (spacing, nested), ends[index], passed) for index in touching]
+    return joined_faces(cover, ends, parts)
 
 
 def _passed(cover: Cover) -> Counter[bytes]:
@@ -86,13 +91,15 @@ def _passed(cover: Cover) -> Counter[bytes]:
     return Counter(place.tobytes() for places in inner for place in places)
 
 
-def _on_surface(cover: Cover, index: int, spacing: float, ends: Floats, passed: Counter[bytes]) -> Part:
+def _on_surface(cover: Cover, index: int, asked: tuple[float, bool], ends: Floats, passed: Counter[bytes]) -> Part:
     """Integration points, lengths, functions, and arc lengths and stretches of the nodes of one surface."""
-    along = cover.surfaces[index].in_cells
-    in_cells = along.at(ends)
+    along, (spacing, nested) = cover.surfaces[index].in_cells, asked
+    larger = 2.0 if nested else 1.0  # cells of the companion, over those here
+    in_cells = along.at(ends) / larger
     kinds = _kinds(cover.surfaces[index], ends, in_cells, passed)
     limits = enumerate(pairwise(in_cells.tolist()))
-    nodes = [along.place(_places(*stretch, spacing, kinds[number])) for number, stretch in limits]
+    places = [_places(*stretch, spacing, kinds[number], nested=nested) for number, stretch in limits]
+    nodes = [along.place(larger * there) for there in places]
     stretch = np.repeat(np.arange(len(nodes)), [len(places) for places in nodes])
     s = np.concatenate(nodes)
     points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], s]))
@@ -134,8 +141,8 @@ def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[byt
     return np.where((of_stretch == KINK) & (neighbour < KINK_ROOM - SAME_PLACE), BARE_KINK, of_stretch)
 
 
-def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
-    """Lengths to the nodes of a stretch between two ends of these kinds (2,); all lengths in cells."""
+def _places(start: float, end: float, spacing: float, kinds: Ints, *, nested: bool = False) -> Floats:
+    """Lengths to the nodes of a stretch between two ends of these kinds (2,); all lengths in cells of a companion."""
     free, on_kink = END_PIECE[kinds], KINK in kinds
 
     def most(distance: float) -> int:
@@ -149,6 +156,8 @@ def _places(start: float, end: float, spacing: float, kinds: Ints) -> Floats:
     if on_kink or (n < FEW_NODES - 1 and TIP in kinds):
         resolved = BARE_KINK not in kinds and JUNCTION not in kinds
         n = max(n, min(FEW_NODES, most(CLOSEST * spacing)) if resolved else 0)
+    if nested:
+        n = 2 * n - 1 + round(free.sum()) if n > 1 else 2
     if n == 1:
         return np.array([start + (end - start) * (free[0] / free.sum() if JUNCTION in kinds else 0.5)])
     return np.asarray(start + (end - start) * (free[0] + np.arange(n)) / (n - 1 + free.sum()))

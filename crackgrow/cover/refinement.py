@@ -18,8 +18,8 @@ from crackgrow.cover.lattice import Lattice, lattice_of
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.geometry.tolerance import TOUCH
 
-MOST_LEVELS = 16
-"""Halvings of the largest cells: `QUANTA` leaves room for them and for quarters of supports."""
+MOST_LEVELS = 15
+"""Halvings of the largest cells: `QUANTA` leaves room for them, for quartered cells and for quarters of supports."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -28,11 +28,13 @@ class Focus:
 
     shapes: NDArray[np.object_]  # (n,) geometries, lattice coordinates
     size: Floats  # (n,) the largest cells that they allow at the place, spacings
+    rings: Floats | float  # (n,) or the same for all: cells of each size round the place
 
 
-def refined(lattice: Lattice, focus: Focus, rings: float, before: Lattice | None = None) -> Lattice:
+def refined(lattice: Lattice, focus: Focus, before: Lattice | None = None, *, quartered: bool = False) -> Lattice:
     """The lattice with `divided` cells; it is the lattice itself, or the one `before`, where the cells are the same."""
-    cells = divided(lattice, focus, rings)
+    cells = divided(lattice, focus)
+    cells = cells.quartered() if quartered else cells
     for known in (lattice, before):
         if known is not None and cells.equal(known.cells):
             return known
@@ -40,28 +42,32 @@ def refined(lattice: Lattice, focus: Focus, rings: float, before: Lattice | None
     return replace(finer, map_origin=lattice.map_origin)
 
 
-def divided(lattice: Lattice, focus: Focus, rings: float) -> Squares:
-    """The cells of a lattice, divided where `focus` asks for that, `rings` cells of each size round every place.
+def divided(lattice: Lattice, focus: Focus) -> Squares:
+    """The cells of a lattice, divided where `focus` asks for that, some cells of each size round every place.
 
-    A cell is divided if a place no farther than `rings` of its sides, along both axes, asks for smaller ones. Just at
-    that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger patches
-    hold a tip within rounding of a corner. Sizes that differ by rounding are equal: a scene in other units has the same
-    cells. Nor with fewer rings than the support, so there are at least so many.
+    A cell is divided if a place no farther than its rings of the cell's sides, along both axes, asks for smaller ones.
+    Just at that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger
+    patches hold a tip within rounding of a corner, if it has as many rings as the support. Sizes that differ by
+    rounding are equal: a scene in other units has the same cells.
     """
     if not len(focus.size):
         return lattice.cells
-    rings = max(rings, lattice.support)
-    cells, tree = lattice.cells, shapely.STRtree(focus.shapes)
+    each = np.broadcast_to(focus.rings, focus.size.shape)
+    classes = [
+        (rings, shapely.STRtree(focus.shapes[each == rings]), focus.size[each == rings])
+        for rings in np.unique(each).tolist()
+    ]
     fixed: list[tuple[Ints, Ints]] = []
-    low, size = cells.low, cells.size
-    least = max(float(focus.size.min(initial=np.inf)) * QUANTA, QUANTA / 2**MOST_LEVELS)
+    low, size = lattice.cells.low, lattice.cells.size
+    least = max(float(focus.size.min()) * QUANTA, QUANTA / 2**MOST_LEVELS)
     while len(size):
         side = size / QUANTA
         x, y = (low / QUANTA).T
-        room = (rings + TOUCH) * side
-        cell, place = tree.query(shapely.box(x - room, y - room, x + side + room, y + side + room), "intersects")
         asked = np.zeros(len(size), dtype=bool)
-        asked[cell[focus.size[place] < (1.0 - TOUCH) * side[cell]]] = True
+        for rings, tree, depth in classes:
+            room = (rings + TOUCH) * side
+            cell, place = tree.query(shapely.box(x - room, y - room, x + side + room, y + side + room), "intersects")
+            asked[cell[depth[place] < (1.0 - TOUCH) * side[cell]]] = True
         asked &= size > least
         fixed.append((low[~asked], size[~asked]))
         low, size = quarters_of(low[asked], size[asked])

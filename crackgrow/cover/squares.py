@@ -49,6 +49,10 @@ class Squares:
         """Whether two sets are the same squares."""
         return np.array_equal(self.low, other.low) and np.array_equal(self.size, other.size)
 
+    def quartered(self) -> Squares:
+        """The four quarters of each."""
+        return squares_of(*quarters_of(self.low, self.size))
+
     def at(self, places: Ints) -> Ints:
         """The square (m,) that holds the quantum right above each of `places` (m, 2); -1 for none."""
         last = np.searchsorted(self.codes, _codes(np.maximum(places, 0)), side="right") - 1

@@ -273,8 +273,13 @@ def _cholesky(matrix: Floats, sizes: Floats) -> None:
 
 
 def _cholesky_replacing(matrix: Floats, sizes: Floats) -> None:
-    """As `_cholesky`, column by column; small pivots are replaced."""
+    """As `_cholesky`, column by column; small pivots are replaced, and what round-off has left below them is dropped.
+
+    It would grow from one replaced pivot to the next.
+    """
     for k, size in enumerate(sizes.tolist()):
         column = matrix[k:, k] - matrix[k:, :k] @ matrix[k, :k]
+        if column[0] < ROUND_OFF * size:
+            column[1:] = 0.0
         column[0] = max(column[0], SMALL * size)
         matrix[k:, k] = column / np.sqrt(column[0])

@@ -18,8 +18,7 @@ Cracks that have started in shear go on by `shear_growth`, whatever the criterio
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import repeat
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -28,7 +27,6 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Strength
 from crackgrow.fracture.sites import LARGEST_KINK
 from crackgrow.fracture.tip_stress import TipField
-from crackgrow.fracture.williams import singular_stress
 from crackgrow.solid.recovery import principal
 
 AT_STRENGTH = 1e-9
@@ -89,26 +87,6 @@ class TipLoading:
     def none(self) -> TipLoading:
         """The same tip without any load."""
         return TipLoading(self.field.mapped(lambda stress: 0.0 * stress), 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
-
-    def with_K_off(self, *off: tuple[float, float]) -> list[TipLoading]:
-        """The loadings where K_I and K_II are larger by each of `off` (Pa sqrt(m)), and so the singular stress.
-
-        On a ray the average of 1 / sqrt(2 pi r) up to the radius R is 2 / sqrt(2 pi R); the rays' own average is that
-        over the disc, if nothing cuts that.
-        """
-
-        def moved(field: TipField) -> Iterator[TipField]:
-            scale = 2.0 / np.sqrt(2.0 * np.pi * (field.radius or self.radius))
-            singular = singular_stress(field.angles, field.direction)
-            shears = repeat(None) if field.shear is None else moved(field.shear)
-            for each, shear in zip(off, shears, strict=False):
-                added = singular @ each * scale
-                yield replace(field, rays=field.rays + added, mean=field.mean + added.mean(axis=0), shear=shear)
-
-        return [
-            TipLoading(field, self.K_I + d_I, self.K_II + d_II, self.radius)
-            for field, (d_I, d_II) in zip(moved(self.field), off, strict=True)
-        ]
 
     @classmethod
     def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:

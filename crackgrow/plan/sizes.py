@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from crackgrow.case.model import Case
-from crackgrow.case.units import Metres
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
 from crackgrow.plan.overview import estimated_nodes
-from crackgrow.run.caution import Cause, Caution
+from crackgrow.run.caution import Caution
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.scene import make_scene
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
+from crackgrow.run.scene_cautions import settings_cautions, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
+from crackgrow.run.unsaid import dry_joints
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,10 +74,9 @@ def sizes_of(case: Case) -> Sizes:
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
     )
     known = [
-        *settings_cautions(scene, cover, len(faces.surface)),
+        *settings_cautions(scene, cover),
         *unbalanced_loads(scene, cover),
-        *closeness_cautions(scene, cover),
-        *_short_increment(case, cover),
+        *dry_joints(scene, cover),
     ]
     return Sizes(
         n_dofs=cover.n_dofs,
@@ -109,9 +107,3 @@ def _rough(law: SurfaceLaw) -> bool:
     """Whether the faces of a surface bear shear; once they have slipped, too."""
     contact = law.contact
     return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
-
-
-def _short_increment(case: Case, cover: Cover) -> Iterator[Caution]:
-    growth, spacing = case.growth, cover.lattice.spacing * max((tip.size for tip in cover.tips), default=0.0)
-    if growth is not None and growth.steps > 0 and growth.increment < Cause.SHORT_INCREMENT.limit * spacing:
-        yield Cause.SHORT_INCREMENT.at(increment=Metres(growth.increment), spacing=Metres(spacing))

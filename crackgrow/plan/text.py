@@ -53,9 +53,9 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
         + f"; {sizes.n_elements} manifold elements",
         f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
     ]
-    if case.numerics.target is not None:
+    if case.numerics.measured:
         name = name_of(case.numerics.target, case.numerics.goal)
-        lines.append(f"  {name}: cells are halved where that is missed, or joined; these are the first")
+        lines.append(f"  {name}: cells are refined where that is missed, and coarsened again; these are the first")
     if len(sizes.cells) > 1:
         scale, unit = length_unit(case)
         lines.append("  cells: " + ", ".join(f"{n} of {side * scale:.3g} {unit}" for side, n in sizes.cells))

@@ -158,7 +158,8 @@ def summarize(
 def _safety(safety: Safety) -> dict[str, object]:
     """How safe a scene is; null: it does not fail."""
     return {
-        "factor": or_null(safety.factor), "fails_at": or_null(safety.fails_at), "mechanism": safety.mechanism or None
+        "factor": or_null(safety.factor), "percent_at_most": or_null(safety.error),
+        "fails_at": or_null(safety.fails_at), "mechanism": safety.mechanism or None,
     }  # fmt: skip
 
 

@@ -2,34 +2,26 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
-from crackgrow.case.surface import end_word
 from crackgrow.case.units import Metres, place_text
-from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
-from crackgrow.geometry.polyline import arc_lengths, kink_angles
-from crackgrow.geometry.tolerance import ON_LINE
+from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import site_criticality
 from crackgrow.run.misfit import PRESSED_FLAT, Misfit, largest_jump, pressed_strain
 from crackgrow.run.reactions import imbalance, reactions
 from crackgrow.run.result import CrackFaces
-from crackgrow.run.scene_cautions import closeness_cautions, settings_cautions, unbalanced_loads
+from crackgrow.run.scene_cautions import settings_cautions, unbalanced_loads
 from crackgrow.run.small_strains import large_displacements
+from crackgrow.run.unsaid import dry_joints
 
-NEAR_SHARP_KINK = 8.0
-"""Cells: behind open kinks of 90, 120 and 150 degrees K is off by 5, 8 and 26 % of the K of the crack without a kink
-at 3 cells, by 2, 4 and 6 % at 5."""
-
-NEAR_CLOSED_KINK = 2.0
-"""Cells: behind closed kinks of 18 to 150 degrees K is off by up to 50 % of the K of the crack without a kink at half a
-cell, by 15 % at one, by 10 % from two on and by 2 % from five on; where both arms are 1.7 cells long, by 41 %."""
+FARTHER = 1.25
+"""Cells between contact points, below which tractions can oscillate up to their full size where faces stick."""
 
 SAW_TEETH = 2
 """Kinks in turn, to and fro, from which on a path is a saw."""
@@ -53,22 +45,15 @@ def _all_cautions(
         yield Cause.NOTE.at(words=note)
     yield from _off_target(solution)
     if step == 0:
-        yield from settings_cautions(scene, solution.cover, solution.faces.n)
+        yield from settings_cautions(scene, solution.cover)
     yield from _passing_through(solution, faces)
     yield from _overlapping(off)
     yield from _jumps(solution)
     yield from _sawing(solution)
     yield from ripples(solution)
-    for state, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True):
-        if state.intensity.small:
-            radius = state.intensity.radius
-            size = np.inf if np.isnan(radius) else 1.0 / radius
-            place = solution.cover.cracks[index].name.end(at_end)
-            yield Cause.SMALL_DISC.at(place, size, note=state.intensity.note)
     yield from _unstable(solution)
     yield from large_displacements(solution, faces)
-    yield from closeness_cautions(scene, solution.cover)
-    yield from _kinks(solution)
+    yield from dry_joints(scene, solution.cover)
     yield from _on_points(solution)
     sizes = ((Cause.RESIDUAL, solution.outcome.residual), (Cause.ENERGY, solution.state.energy.error))
     for cause, size in (*sizes, (Cause.IMBALANCE, imbalance(solution))):
@@ -85,8 +70,8 @@ def ripples(solution: StepSolution) -> Iterator[Caution]:
         why, remedy = "contact points are closer than the displacement can follow", "numerics.contact."
         if contact.discretization != "mortar":
             remedy += "discretization mortar"
-        elif contact.spacing < Cause.CONTACT_SPACING.limit:
-            remedy += f"spacing {Cause.CONTACT_SPACING.limit:g} or more"
+        elif contact.spacing < FARTHER:
+            remedy += f"spacing {FARTHER:g} or more"
         else:
             why, remedy = "the pressure changes within less than two cells", "smaller cells there"
         yield Cause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part, why=why, remedy=remedy)
@@ -109,13 +94,13 @@ def _unstable(solution: StepSolution) -> Iterator[Caution]:
 
 
 def _off_target(solution: StepSolution) -> Iterator[Caution]:
-    """A target of the error of K that is not met."""
-    known, numerics = solution.accuracy, solution.scene.case.numerics
-    if known is None or numerics.target is None or not known.missed:
+    """A target that is not met."""
+    errors, numerics = solution.errors, solution.scene.case.numerics
+    if errors is None or not errors.missed:
         return
-    share = max(known.shares(), default=math.inf)
-    came = f"is within {100.0 * share:.2g} %" if share < 1.0 else "is not known to be within anything"
-    yield Cause.TARGET.at(size=share, what=numerics.goal, wanted=100.0 * numerics.target, came=came, why=known.missed)
+    off = errors.off(numerics.goal)
+    came = f"is within {100.0 * off:.2g} %" if np.isfinite(off) else "is not known to be within anything"
+    yield Cause.TARGET.at(size=off, what=numerics.goal, wanted=100.0 * numerics.target, came=came, why=errors.missed)
 
 
 def _on_points(solution: StepSolution) -> Iterator[Caution]:
@@ -182,26 +167,3 @@ def _sawing(solution: StepSolution) -> Iterator[Caution]:
             continue
         criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
         yield Cause.SAWING.at(crack.name.end(at_end), np.abs(turns).min(), criterion=criterion)
-
-
-def _kinks(solution: StepSolution) -> Iterator[Caution]:
-    """Tips behind a kink whose field, which has no functions of its own, disturbs theirs."""
-    for index, at_end in solution.cover.tip_ends:
-        crack = solution.cover.cracks[index]
-        turns = np.rad2deg(np.abs(kink_angles(crack.seen_from(at_end))))
-        along = solution.cover.surfaces[index].in_cells
-        cells = along.at(arc_lengths(crack.points)[1:-1])
-        distance = along.total - cells[::-1] if at_end else cells
-        closed = _pressed(solution, index, at_end)
-        cause, near = (Cause.CLOSED_KINK, NEAR_CLOSED_KINK) if closed else (Cause.SHARP_KINK, NEAR_SHARP_KINK)
-        found = np.flatnonzero((turns > cause.limit) & (distance < near - ON_LINE))
-        if len(found):
-            size = 1.0 / distance[found[0]] if closed else turns[found[0]]
-            told = {"crack": crack.name.words, "turn": turns[found[0]], "near": near}
-            yield cause.at(crack.name.end(at_end), size, end=end_word(at_end), **told)
-
-
-def _pressed(solution: StepSolution, crack: int, at_end: bool) -> bool:
-    """Whether the contact point next to a tip is closed."""
-    mine = np.flatnonzero(solution.faces.surface == crack)
-    return len(mine) > 0 and bool(solution.outcome.points.state[mine[-1 if at_end else 0]] != OPEN)

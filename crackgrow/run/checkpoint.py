@@ -12,10 +12,10 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from crackgrow.accuracy.companion import Errors, errors_of_record, record_of
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Gone
-from crackgrow.run.halvings import Accuracy, accuracy_of_record, record_of
 from crackgrow.run.increments import FROM_REST, Origin, Start
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import Remembered
@@ -39,7 +39,7 @@ class RunState:
     origin: Origin | None = None  # of the step's solution; None: there is none yet
     factorizations: int = 1  # of the step, rejected directions of growth included
     notes: tuple[str, ...] = ()  # on how its solution was found
-    accuracy: Accuracy | None = None  # what was measured of its error, on the cells that it was solved on
+    errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time
 
 
@@ -63,7 +63,7 @@ def packed(state: RunState) -> Checkpoint:
         "time": state.time,
         "start": None,
         "gone": [rock.body for rock in origin.gone],
-        "accuracy": None if state.accuracy is None else record_of(state.accuracy),
+        "errors": None if state.errors is None else record_of(state.errors),
     }
     arrays: dict[str, NDArray[Any]] = {}
     for number, growing in enumerate(state.cracks):
@@ -101,7 +101,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         Origin(values["guess"], start, gone),
         values["factorizations"],
         tuple(values["notes"]),
-        None if values["accuracy"] is None else accuracy_of_record(values["accuracy"]),
+        None if values["errors"] is None else errors_of_record(values["errors"]),
         values["time"],
     )
 

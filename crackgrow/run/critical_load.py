@@ -37,9 +37,6 @@ MET = 1e-9
 NARROW = 1e-9
 """An interval of load factors is a single one below this fraction."""
 
-APART = 1e-4
-"""Load factors that differ by less say nothing of how the criticality rises."""
-
 NEAR_COLLAPSE = 1e-3
 """The last load factor that is borne is found to this fraction."""
 
@@ -72,7 +69,7 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         if above is not None:
             break
         if below.factor >= LARGEST_FACTOR:
-            return replace(search.found(first), notes=(NEVER_CRITICAL,), steepness=float("nan"))
+            return replace(search.found(first), notes=(NEVER_CRITICAL,))
         before = next((trial for trial in trials[-2::-1] if trial.factor < below.factor), search.rest)
         factor = search.beyond(before, below)
     else:
@@ -84,7 +81,7 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
         below, upper = _enclosing(below, search.path(below, below.factor + share * (above.factor - below.factor)))
         above, tries = upper or above, tries + 1
-    return replace(search.found(above), steepness=_steepness(search.rest, below, above))
+    return search.found(above)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,14 +111,6 @@ def _enclosing(below: _Trial, trials: Sequence[_Trial]) -> tuple[_Trial, _Trial 
             return below, trial
         below = trial
     return below, None
-
-
-def _steepness(rest: _Trial, below: _Trial, critical: _Trial) -> float:
-    """d ln(criticality) / d ln(load factor) at a critical load, by the state before it, or at rest."""
-    near = critical.factor - below.factor <= APART * critical.factor
-    other = rest if near else below
-    rise = critical.criticality - other.criticality
-    return rise / critical.criticality * critical.factor / (critical.factor - other.factor)
 
 
 class _Search:

@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from crackgrow.accuracy.energy_norm import ErrorEstimate
 from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
-from crackgrow.estimate.error_estimate import ErrorEstimate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.output_mesh import OutputMesh, output_mesh
 from crackgrow.run.result import Frame

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad
 from crackgrow.contact.faces import ContactFaces, points_at
@@ -22,7 +23,6 @@ from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.tip_stress import TipField, fields_of
 from crackgrow.run.caution import Cause
 from crackgrow.run.configuration import Configuration, timed
-from crackgrow.run.halvings import Accuracy
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -73,8 +73,8 @@ class StepSolution:
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
-    steepness: float = 1.0  # at a critical load: d ln(criticality) / d ln(load factor); nan where none is found
-    accuracy: Accuracy | None = None  # what was measured of its error; None: nothing was
+    errors: Errors | None = None  # None: cells are by hand, and nothing was measured
+    companion: Configuration | None = None  # that they were measured on
 
     @property
     def configuration(self) -> Configuration:

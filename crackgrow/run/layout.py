@@ -6,16 +6,15 @@ import numpy as np
 import shapely
 from scipy.sparse import csr_array, vstack
 
+from crackgrow.accuracy.features import graded, graded_cells
 from crackgrow.contact.faces import ContactFaces, gauss_faces
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.cover import Cover, build_cover
-from crackgrow.cover.refinement import divided
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import Squares
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PART
-from crackgrow.run.foci import focus_of, lattice_of_cells
 from crackgrow.run.scene import Scene
 from crackgrow.solid.supports import Constraints, constraints, tied
 
@@ -26,14 +25,13 @@ def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | No
     Raises GeometryError where it can't be made.
     """
     cracks = _geometries(scene, growing)
-    lattice = lattice_of_cells(scene.at_start, cracks, None if before is None else before.lattice)
+    lattice = graded(scene.at_start, cracks, None if before is None else before.lattice)
     return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
 
 
 def cells_of(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Squares:
     """The cells of `cover_of`, without the lattice that is made of them."""
-    cracks = _geometries(scene, growing)
-    return divided(scene.lattice, focus_of(scene.at_start, cracks), scene.case.numerics.refine.rings)
+    return graded_cells(scene.at_start, _geometries(scene, growing))
 
 
 def _geometries(scene: Scene, growing: tuple[GrowingCrack, ...]) -> list[CrackGeometry]:
@@ -69,7 +67,7 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
     settings = scene.case.numerics.contact
     if settings.discretization == "gauss":
         return gauss_faces(cover, touching)
-    return mortar_faces(cover, touching, settings.spacing)
+    return mortar_faces(cover, touching, settings.spacing, nested=_nested(scene))
 
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
@@ -78,5 +76,10 @@ def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
     if not bonded:
         return held
-    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing)
+    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=_nested(scene))
     return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
+
+
+def _nested(scene: Scene) -> bool:
+    """Whether cells are those of a companion mesh, each quartered."""
+    return scene.grading.nested and not scene.grading.companion

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
@@ -44,26 +45,18 @@ class NextStep:
         configuration = assemble(scene, self.cracks, like)
         return _loaded(configuration, self._origin(configuration))
 
-    def state(self, scene: Scene, factor: float, like: Configuration | None) -> tuple[LoadState, Counter[str]]:
-        """The state at a load factor that `solve` would give with it as the critical one, or the last of several.
+    def companion(self, scene: Scene, solution: StepSolution, like: Configuration | None) -> tuple[StepSolution, float]:
+        """The solution on the cells of a companion at the load factor of the step, and the factor of its own path.
 
-        With it the seconds that it has taken, and those before it.
+        Where bonds break at a critical load, which they do at another one there, it is that of its own path.
         """
-        seconds, paid = Counter[str](), None
-        for state in self._states(scene, factor, like):  # one at a time: each stage has factors of its own
-            _add_cost(seconds, state, paid)
-            paid = state.configuration
-        return state, seconds
-
-    def _states(self, scene: Scene, factor: float, like: Configuration | None) -> Iterator[LoadState]:
-        """The states up to that one."""
-        if isinstance(scene.case.loading, Stages):
-            return (state for state, _ in through_stages(scene, self.cracks))
-        configuration = assemble(scene, self.cracks, like)
-        origin = self._origin(configuration)
-        if origin.start is None and isinstance(scene.case.loading, CriticalLoad):
-            return iter([increment(configuration, held_loads(configuration), factor)])
-        return (state for state, _ in _to_last(configuration, origin))
+        own, factor = self.solve(scene, like), solution.state.factor
+        if isinstance(scene.case.loading, CriticalLoad) and own.state.factor == factor:
+            return own, math.nan  # both are the first guess: the criterion is never met, or no tip can grow
+        if own.state.factor == factor or any(solution.jumps):
+            return own, own.state.factor
+        start = held_loads(own.configuration)
+        return replace(judged(increment(own.configuration, start, factor)), seconds=own.seconds), own.state.factor
 
     def _origin(self, configuration: Configuration) -> Origin:
         """What a configuration goes on from."""
@@ -132,11 +125,37 @@ class LoadsInTurn:
         )
 
 
-def load_history(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin = FROM_REST
-) -> Iterator[StepSolution]:
-    """The solutions of loads in turn, from number `first` on, whose `origin` is given."""
-    return map(LoadsInTurn(scene, cracks, first, origin).solution, range(first, scene.case.n_loads))
+def load_history(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Iterator[StepSolution]:
+    """The solutions of loads in turn."""
+    return map(LoadsInTurn(scene, cracks).solution, range(scene.case.n_loads))
+
+
+@dataclass(slots=True, eq=False)
+class History:
+    """Loads in turn, or stages, on the cells of now and on those of the companion: the same history on both.
+
+    Where cells are refined all loads before are gone through again: contact remembers them, and rock is taken out on
+    the cells that it was loaded on.
+    """
+
+    cracks: tuple[GrowingCrack, ...]
+    here: LoadsInTurn
+    there: LoadsInTurn | None = None
+    number: int = 0  # of the load
+
+    def solve(self, scene: Scene, like: Configuration | None) -> StepSolution:
+        """The solution on other cells. Where there is none the next loads go on with the cells of now."""
+        other = LoadsInTurn(scene, self.cracks, like=like)
+        solution = other.solution(self.number)
+        self.here = other
+        return solution
+
+    def companion(self, scene: Scene, _: StepSolution, like: Configuration | None) -> tuple[StepSolution, float]:
+        """The solution on the cells of the companion, and its load factor."""
+        if self.there is None or scene.grading != self.there.scene.grading:
+            self.there = LoadsInTurn(scene, self.cracks, like=like)
+        solution = self.there.solution(self.number)
+        return solution, solution.state.factor
 
 
 def _loaded(configuration: Configuration, origin: Origin) -> StepSolution:

@@ -9,25 +9,25 @@ from typing import TypeVar
 
 import numpy as np
 
+from crackgrow.accuracy.companion import BOUND
 from crackgrow.arrays import Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.run.advancing import BeforeAdvance
-from crackgrow.run.aimed_history import aimed_history
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.direction import advance_tips
 from crackgrow.run.increments import FROM_REST, Origin
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.leaving import NO_SITES, lapse, leaves, none_leaves, site_criticality
-from crackgrow.run.loading import NextStep, load, load_again, load_history
+from crackgrow.run.loading import History, LoadsInTurn, NextStep, load, load_again
 from crackgrow.run.report import estimated_error, paths_of, step_result
-from crackgrow.run.result import Checkpoint, RunEnd, StepResult
+from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.stopping import all_done, stopped, unsolved, without_tips
-from crackgrow.run.strength_reduction import strength_reduction
-from crackgrow.run.target import aimed, cells_after
+from crackgrow.run.strength_reduction import NARROW, strength_reduction
+from crackgrow.run.target import measured, next_grading
 from crackgrow.solid.rigid_modes import all_pieces
 
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
@@ -116,7 +116,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
                 raise
             return unsolved(state, error)
         solution = _measured(solution, before)
-        scene = scene.with_halvings(cells_after(solution))
+        scene = scene.with_grading(next_grading(solution))
         taken = lapse(leaving, solution)
         solution = replace(solution, notes=(*solution.notes, *taken.notes))
         cracks, n_pieces = taken.made_good(state.cracks), state.n_pieces or len(all_pieces(solution.cover))
@@ -137,26 +137,31 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
 
 def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
-    if begun.accuracy is not None:
-        scene = scene.with_halvings(begun.accuracy.halvings)
+    if begun.errors is not None:
+        scene = scene.with_grading(begun.errors.grading)
     solution = load_again(scene, begun.cracks, origin)
-    return replace(solution, factorizations=begun.factorizations, notes=begun.notes, accuracy=begun.accuracy)
+    return replace(solution, factorizations=begun.factorizations, notes=begun.notes, errors=begun.errors)
 
 
 def _measured(solution: StepSolution, before: StepSolution | None) -> StepSolution:
-    """A step with what is known of its error, on cells that meet a target of it; `before` is the step before."""
-    if not solution.scene.case.numerics.measured or solution.accuracy is not None:
+    """A step with its errors, on cells that meet their target; `before` is the step before."""
+    if not solution.scene.case.numerics.measured or solution.errors is not None:
         return solution
-    return aimed(solution, NextStep(solution.cracks, before), None if before is None else before.accuracy)
+    return measured(solution, NextStep(solution.cracks, before), None if before is None else before.companion)
 
 
 def _static(scene: Scene, begun: RunState) -> Steps:
     """The load factors of the history, or the stages, in turn, without growth."""
     cracks, n = begun.cracks, scene.case.n_loads
-    histories = partial(aimed_history, known=begun.accuracy) if scene.case.numerics.measured else load_history
-    for step, solution in enumerate(histories(scene, cracks, begun.step, begun.origin or FROM_REST), begun.step):
+    if begun.errors is not None:
+        scene = scene.with_grading(begun.errors.grading)
+    ways = History(cracks, LoadsInTurn(scene, cracks, begun.step, begun.origin or FROM_REST))
+    for step in range(begun.step, n):
+        ways.number, solution = step, ways.here.solution(step)
         if step == begun.step and begun.origin is not None:  # it was solved before
-            solution = replace(solution, factorizations=begun.factorizations)
+            solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
+        elif scene.case.numerics.measured:
+            solution = measured(solution, ways, None)
         yield _reported(RunState(step, cracks), solution, NO_SITES), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, paths_of(cracks))
@@ -165,10 +170,22 @@ def _static(scene: Scene, begun: RunState) -> Steps:
 def _reduced(scene: Scene, begun: RunState) -> Steps:
     """The scene as it is, if it holds, and its last stable state while its strength is reduced."""
     safety, solutions = strength_reduction(scene, begun.cracks)
+    if scene.case.numerics.measured:
+        safety = replace(safety, error=100.0 * (BOUND * _factor_apart(scene, begun, safety) + NARROW))
     for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
             yield _reported(RunState(step, begun.cracks), solution, NO_SITES), solution
     return RunEnd("completed", str(safety), paths_of(begun.cracks), safety=safety)
+
+
+def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
+    """By how much, of itself, the factor of safety is another one on the companion mesh; nan where there is none."""
+    companion = scene.with_grading(replace(scene.grading, companion=True))
+    try:
+        other = strength_reduction(companion, begun.cracks)[0].factor
+        return abs(other / safety.factor - 1.0) if np.isfinite([other, safety.factor]).all() else float("nan")
+    except (GeometryError, SolveError):
+        return float("nan")
 
 
 def _reported(state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
@@ -180,6 +197,6 @@ def _reported(state: RunState, solution: StepSolution, chosen: Ints) -> StepResu
         origin=solution.origin,
         factorizations=solution.factorizations,
         notes=solution.notes,
-        accuracy=solution.accuracy,
+        errors=solution.errors,
     )
     return replace(result, checkpoint=packed(solved))

@@ -9,6 +9,7 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.run.caution import Cause
+from crackgrow.run.increments import LoadState
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.surface_laws import SurfaceLaw
@@ -83,11 +84,11 @@ def pressed_strain(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> flo
     Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
     """
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
-    return float(max(pressure, mean_stress(solution)) / min(m.young_prime for m in solution.scene.materials))
+    return float(max(pressure, mean_stress(solution.state)) / min(m.young_prime for m in solution.scene.materials))
 
 
-def mean_stress(solution: StepSolution) -> float:
+def mean_stress(state: LoadState) -> float:
     """Stress (Pa) that would give the softest of the rock, all over, the strain energy that there is."""
-    scene = solution.scene
+    scene = state.scene
     softest, area = min(m.young_prime for m in scene.materials), sum(region.area for region in scene.regions)
-    return float(np.sqrt(2.0 * max(solution.state.energy.strain, 0.0) * softest / area))
+    return float(np.sqrt(2.0 * max(state.energy.strain, 0.0) * softest / area))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -9,12 +10,13 @@ from functools import cache, partial
 
 import numpy as np
 
+from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors
+from crackgrow.accuracy.energy_norm import ErrorEstimate, error_estimate
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Case
+from crackgrow.case.model import Case, CriticalLoad
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.cover.cover import Cover
-from crackgrow.estimate.error_estimate import ErrorEstimate, error_estimate
 from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
@@ -22,7 +24,6 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.cautions import cautions
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.frame import make_frame
-from crackgrow.run.growth_error import StepErrors, errors_of
 from crackgrow.run.history import history
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import mean_stress, misfits, pressed_strain
@@ -54,8 +55,9 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, paths_of(state.cracks)
     contact, faces = solution.state.along_surfaces
-    errors, missed = errors_of(solution, faces), misfits(solution, faces)
+    errors, missed = solution.errors or unmeasured(solution), misfits(solution, faces)
     still = _sticking(contact, paths, pressed_strain(solution, faces))
+    critical, goal = isinstance(scene.case.loading, CriticalLoad), scene.case.numerics.goal
     estimate = cache(estimate_maker(solution))
     asked = estimate if "energy_error" in scene.case.output.fields else None
     return StepResult(
@@ -84,13 +86,21 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         cautions=cautions(solution, faces, missed, state.step),
         norm_error=estimate().relative if state.step == 0 else float("nan"),
         time=float("nan") if scene.case.subcritical is None else state.time,
-        goal_error=100.0 * errors.goal,
-        load_factor_error=100.0 * errors.load_factor,
+        goal_error=math.nan if goal == "K" else 100.0 * BOUND * errors.shares.get(goal, math.nan),
+        slip_error=100.0 * BOUND * errors.shares.get("slip", math.nan),
+        reaction_error=100.0 * BOUND * errors.shares.get("reaction", math.nan),
+        load_factor_error=100.0 * BOUND * errors.shares.get("load_factor", math.nan) if critical else math.nan,
         stress=_stress(solution, faces),
         history=history([*solution.passed, solution.state]),
         start=_start(solution),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
+
+
+def unmeasured(solution: StepSolution) -> Errors:
+    """Errors that are not known: cells are by hand."""
+    unknown = (math.nan,) * len(solution.tips)
+    return Errors(solution.scene.grading, K=unknown, kinks=unknown)
 
 
 def estimated_error(solution: StepSolution) -> ErrorEstimate:
@@ -130,7 +140,7 @@ def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
     """
     cracks = (face for surface, face in zip(solution.cover.surfaces, faces, strict=True) if surface.name.is_crack)
     pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
-    return max(pressure, mean_stress(solution))
+    return max(pressure, mean_stress(solution.state))
 
 
 def _load_displacement(solution: StepSolution) -> float:
@@ -152,7 +162,7 @@ def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float)
     return {each for each, mine, least in found if len(mine) and mine.max() <= least}
 
 
-def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors, still: set[str]) -> TipResult:
+def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still: set[str]) -> TipResult:
     cover, state, spacing = solution.cover, solution.tips[tip], solution.cover.lattice.spacing
     index, at_end = cover.tip_ends[tip]
     verdict, law = state.verdict, solution.scene.case.subcritical
@@ -170,8 +180,8 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors, s
         criticality=verdict.criticality if verdict else nan,
         kink_deg=float(np.rad2deg(verdict.kink)) if verdict else nan,
         advanced=advances,
-        K_I_error=errors.K[tip][0],
-        K_II_error=errors.K[tip][1],
+        K_I_error=BOUND * errors.K[tip],
+        K_II_error=BOUND * errors.K[tip],
         K_radius=state.intensity.radius,
         K_note=state.intensity.note,
         K_I_faces=state.K_faces[0],
@@ -179,9 +189,9 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: StepErrors, s
         K_I_spread=state.intensity.K_I_spread,
         K_II_spread=state.intensity.K_II_spread,
         cell_size=cover.tips[tip].size * spacing,
-        kink_error_deg=float(np.rad2deg(errors.kinks[tip])),
+        kink_error_deg=float(np.rad2deg(min(BOUND * errors.kinks[tip], np.pi))),
         velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
-        K_error_expected=errors.expected[tip],
+        K_error_expected=errors.K[tip] / EXPECTED,
         sticks=sticks,
         K_growth=nan if sticks else state.K_growth,
     )

@@ -55,7 +55,7 @@ class TipResult:
     criticality: float  # strength ratio: >= 1 where the criterion is met
     kink_deg: float  # degrees, from the tip's direction to the growth direction, counter-clockwise
     advanced: bool
-    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `run.intensity_error`, `run.other_cells`
+    K_I_error: float  # Pa sqrt(m), bound of what K_I is off by: see `accuracy.companion`; nan where cells are by hand
     K_II_error: float  # Pa sqrt(m)
     K_radius: float  # m, of the disc
     K_note: str  # why the disc is smaller than usual, or missing; empty where it is not
@@ -242,6 +242,8 @@ class StepResult:
     history: History | None = None  # where the case names points
     load_factor_error: float = float("nan")  # percent, bound of what a critical load factor is off by; nan for others
     goal_error: float = float("nan")  # percent, bound of what `numerics.goal` is off by; nan where that is K
+    slip_error: float = float("nan")  # percent of the largest, bound of what the jumps of faces are off by
+    reaction_error: float = float("nan")  # the same of reactions
     time: float = float("nan")  # s, at which the cracks have come here; nan where growth takes no time
     start: StartResult | None = None  # where cracks may start elsewhere than at tips
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
@@ -268,12 +270,14 @@ class Safety:
     factor: float  # the largest at which it holds; infinite where it holds at all that are tried
     fails_at: float  # the next one that was tried
     mechanism: str  # what moves, and how; empty where it never fails
+    error: float = float("nan")  # percent, bound of what the factor is off by; nan where cells are by hand
 
     def __str__(self) -> str:
         if np.isinf(self.factor):
             return f"the scene does not fail: with friction and cohesion divided by {FARTHEST:g} it still holds"
         how = f"with friction and cohesion divided by {self.fails_at:.6g} {self.mechanism}"
-        return f"the factor of safety is {self.factor:.5g}: {how}"
+        within = f" within {self.error:.2g} %" if np.isfinite(self.error) else ""
+        return f"the factor of safety is {self.factor:.5g}{within}: {how}"
 
 
 @dataclass(frozen=True, slots=True, eq=False)

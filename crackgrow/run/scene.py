@@ -9,9 +9,9 @@ from typing import Literal
 import numpy as np
 import shapely
 
+from crackgrow.accuracy.features import BY_HAND, Grading
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.accuracy import begun_with
-from crackgrow.case.features import Length, line_length, rim_lengths, stretches
+from crackgrow.case.features import Length, rim_lengths
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
@@ -36,7 +36,6 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import BodyForce
-from crackgrow.run.halvings import AS_GIVEN, Halvings, first_halvings, with_started
 from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
@@ -75,7 +74,7 @@ class Scene:
     crack_bodies: tuple[int, ...]  # crack by crack, the body it lies in
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
-    halvings: Halvings = AS_GIVEN  # what the error of K asks for
+    grading: Grading = BY_HAND
     course: Course | None = None  # of the stage; None: the case has no stages
     whole: Scene | None = None  # with the rock that is gone; None: none is
 
@@ -151,10 +150,7 @@ class Scene:
         return stress
 
     def with_cracks(self, growing: Sequence[GrowingCrack]) -> Scene:
-        """The scene with what has started since the case was made: a new crack has the fluid of the one it is on.
-
-        For a target its cells are small by what has started of it.
-        """
+        """The scene with what has started since the case was made: a new crack has the fluid of the one it is on."""
         case, n = self.case, len(self.case.cracks)
         new = growing[n:]
         if not new:
@@ -166,21 +162,16 @@ class Scene:
             loads += [replace(load, surface=growing_crack.crack.surface) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
         laws = [_law(case, crack.contact, crack.body) for crack in cracks]
-        halvings, numerics = self.halvings, case.numerics
-        if numerics.target is not None:
-            lengths = (line_length(crack.points) for crack in cracks)
-            halvings = with_started(halvings, numerics.target, numerics.spacing, lengths)
         return replace(
             self,
-            halvings=halvings,
             case=replace(case, cracks=(*case.cracks, *cracks), loads=tuple(loads)),
             crack_bodies=(*self.crack_bodies, *(body_index(case.bodies, crack.body) for crack in cracks)),
             laws=(*self.laws[:n], *laws, *self.laws[n:]),
         )
 
-    def with_halvings(self, halvings: Halvings) -> Scene:
+    def with_grading(self, grading: Grading) -> Scene:
         """The scene on other cells, with the rock that is gone."""
-        return replace(self, halvings=halvings, whole=self.whole and self.whole.with_halvings(halvings))
+        return replace(self, grading=grading, whole=self.whole and self.whole.with_grading(grading))
 
     def growing_in(self, body: int) -> tuple[Growth, Strength]:
         """How cracks grow, and the strength of the body that they grow in, which has one: of a case with growth."""
@@ -230,24 +221,14 @@ def _share_at_end(stage: Stage, load: Load) -> float:
 def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     """Place the lattice, moved by `offset` spacings for studies, and evaluate the materials of a case.
 
-    Where a target of the error of K is asked for, its cells are twice the spacing, and halved everywhere: so all can be
-    twice as large on the same lattice.
+    Where errors are measured the largest cells of the lattice are the companion's: twice the spacing.
     """
     corners = np.concatenate([body.outline for body in case.bodies])
-    numerics, box, halvings = case.numerics, (corners.min(axis=0), corners.max(axis=0)), halvings_at_first(case)
-    lattice = place_lattice(*box, numerics.spacing * 2**halvings.everywhere, numerics.support, offset)
-    scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), halvings=halvings)
+    numerics, grading = case.numerics, Grading(nested=case.numerics.measured)
+    spacing = 2.0 * numerics.spacing if grading.nested else numerics.spacing
+    lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), spacing, numerics.support, offset)
+    scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), grading=grading)
     return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene
-
-
-def halvings_at_first(case: Case) -> Halvings:
-    """The halvings that a run of a case begins with."""
-    target = case.numerics.target
-    if target is None:
-        return AS_GIVEN
-    cracks = [(line_length(crack.points), len(stretches(crack.points)[0]) > 0) for crack in case.cracks]
-    straight = case.growth is None and not any(kinked for _, kinked in cracks)
-    return first_halvings(begun_with(target, straight), case.numerics.spacing, cracks)
 
 
 def scene_of_stage(scene: Scene, number: int) -> Scene:
@@ -258,7 +239,7 @@ def scene_of_stage(scene: Scene, number: int) -> Scene:
     if not gone:
         return replace(scene, course=course)
     left = _scene_on(without(scene.case, gone), scene.lattice)
-    return replace(left, halvings=scene.halvings, lengths=scene.lengths, course=course, whole=scene)
+    return replace(left, grading=scene.grading, lengths=scene.lengths, course=course, whole=scene)
 
 
 def without(case: Case, gone: set[str]) -> Case:

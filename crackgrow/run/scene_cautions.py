@@ -9,7 +9,6 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import PRESETS
 from crackgrow.case.changes import changes_of
 from crackgrow.case.features import line_length
 from crackgrow.case.meetings import scene_size
@@ -25,18 +24,16 @@ from crackgrow.case.model import (
     PointSupport,
 )
 from crackgrow.case.snapping import SNAP
-from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
+from crackgrow.case.toughness import BY_K, shear_radius
 from crackgrow.case.units import Metres, place_text
-from crackgrow.cover.closeness import close_pairs, ends_on
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.tips import largest_cells_at
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
-from crackgrow.run.unsaid import dry_joints, free_edges
+from crackgrow.run.unsaid import free_edges
 from crackgrow.solid.loads import load_vector
 
 MOST_MOVED = 8
@@ -46,28 +43,22 @@ THINNEST_LAYER = 1e-4
 """Length over which elastic contact gives way at a tip, over the distance of the nodes, from which it is as rigid."""
 
 
-def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Caution]:
+LEAST_SUPPORT = 2.0
+"""Half width of a patch, in spacings, below which rock that hardly changes its volume locks."""
+
+
+def settings_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     """What holds for all steps."""
     case = scene.case
-    growth, support, contact = case.growth, case.numerics.support, case.numerics.contact
-    given = tuple(map(GrowingCrack.given, case.cracks))
-    starts = [site.point for site in sites_of(scene, cover, given) if site.kind != "tip"]
-    sizes = [tip.size for tip in cover.tips]
-    sizes += largest_cells_at(cover.lattice, np.array(starts).reshape(-1, 2)).tolist()
-    at_tips = max(sizes, default=1.0) * scene.lattice.spacing
-    radii = [] if growth is None or growth.tip_radius is None else [growth.tip_radius]
-    radii += [*_by_toughness(scene), *(radius for radius, _ in _by_shear_toughness(scene))]
-    if min(radii, default=np.inf) < Cause.SMALL_RADIUS.limit * at_tips:
-        yield Cause.SMALL_RADIUS.at(radius=Metres(min(radii)), spacing=Metres(at_tips))
+    growth, given = case.growth, tuple(map(GrowingCrack.given, case.cracks))
+    starts = any(site.kind != "tip" for site in sites_of(scene, cover, given))
+    if not case.numerics.measured and (cover.tips or any(length.where is not None for length in scene.lengths)):
+        yield Cause.UNMEASURED.at()
     yield from _wide_in_shear(scene)
     yield from _short_starts(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing and not starts:
         yield Cause.NO_TIPS.at(steps=growth.steps)
-    if support < Cause.SUPPORT.limit and case.cracks:
-        yield Cause.SUPPORT.at(support=support)
-    if contact.discretization == "mortar" and contact.spacing < Cause.CONTACT_SPACING.limit and n_contact:
-        yield Cause.CONTACT_SPACING.at(spacing=contact.spacing)
     for load in case.loads:
         if isinstance(load, PointForce) and any(load.force):
             yield Cause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
@@ -77,13 +68,8 @@ def settings_cautions(scene: Scene, cover: Cover, n_contact: int) -> Iterator[Ca
     for crack in case.cracks:
         if crack.left_out:
             yield Cause.LEFT_OUT.at(crack.surface.words, crack.left_out)
-    for index, shape in enumerate(cover.cracks):
-        length = cover.surfaces[index].in_cells.total
-        if length < Cause.SHORT_CRACK.limit - SAME_PLACE and not ends_on(shape, cover.cracks):
-            yield Cause.SHORT_CRACK.at(shape.name.words, 1.0 / length, length=length)
     yield from free_edges(scene)
     yield from _contradictions(scene, cover)
-    yield from _unresolved(scene, cover)
     yield from _tiny_cracks(case)
     yield from _moved(scene)
     yield from _cut(scene)
@@ -130,17 +116,6 @@ def _at_point(displacement: Component | None, point: Floats) -> float | None:
     return float(displacement(point[None])[0]) if callable(displacement) else displacement
 
 
-def _by_toughness(scene: Scene) -> Iterator[float]:
-    """Radii (m) that follow from a toughness and that the criterion averages over, crack by crack."""
-    case = scene.case
-    if case.growth is None or case.growth.criterion in BY_K:
-        return
-    for body in scene.crack_bodies:
-        strength = case.bodies[body].strength
-        if strength is not None and strength.toughness is not None:
-            yield averaging_radius(case.growth, strength)
-
-
 def _by_shear_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
     """Radii (m) that shear is averaged over by a toughness of its own, crack by crack."""
     for crack, body in zip(scene.case.cracks, scene.crack_bodies, strict=True):
@@ -172,27 +147,6 @@ def _short_starts(scene: Scene) -> Iterator[Caution]:
         increment, long = Metres(growth.increment), Metres(radius)
         size = radius / growth.increment
         yield Cause.SHORT_START.at(size=size, increment=increment, radius=long, at=growth.initiation.at)
-
-
-def _unresolved(scene: Scene, cover: Cover) -> Iterator[Caution]:
-    """Holes, corners, bridges of rock, and parts of edges that a lattice given by hand does not resolve."""
-    draft, limit, spacing = PRESETS["draft"], Cause.UNRESOLVED.limit, scene.lattice.spacing
-    for length in scene.lengths:
-        needed, metres = length.metres / draft.parts(length.kind), length.metres
-        if needed >= limit * spacing:
-            continue  # the largest cells resolve it
-        cell = _largest_cell(cover, length.where) * spacing
-        if needed < limit * cell:
-            told = {"metres": Metres(metres), "spacings": metres / cell, "needed": Metres(needed)}
-            yield Cause.UNRESOLVED.at(length.what, cell / needed, **told)
-
-
-def _largest_cell(cover: Cover, rim: shapely.Geometry | None) -> float:
-    """Side (lattice units) of the largest cell along some parts of rims (m)."""
-    parts = shapely.get_parts(shapely.transform(rim, cover.lattice.to_lattice))
-    _, off = cover.outline_tree.query_nearest(parts, all_matches=False, return_distance=True)
-    _, edges = cover.outline_tree.query(parts, predicate="dwithin", distance=off + SAME_PLACE)
-    return float(cover.sizes[cover.elements.outlines.element[edges]].max())
 
 
 def _moved(scene: Scene) -> Iterator[Caution]:
@@ -249,7 +203,7 @@ def _contact_layers(scene: Scene, cover: Cover) -> Iterator[Caution]:
 
 def _incompressible(scene: Scene) -> Iterator[Caution]:
     """What bodies that hardly change their volume cost in accuracy."""
-    cause, least = Cause.NEARLY_INCOMPRESSIBLE, Cause.SUPPORT.limit
+    cause, least = Cause.NEARLY_INCOMPRESSIBLE, LEAST_SUPPORT
     for index, body in enumerate(scene.case.bodies if scene.case.plane == "strain" else ()):
         ratio, place = body.material.poisson, f"body '{body.name}'"
         if ratio <= cause.limit:
@@ -293,14 +247,3 @@ def _unbalanced(cover: Cover, forces: Floats) -> float:
     arms = cover.patches.nodes - cover.patches.nodes.mean(axis=0)
     turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
     return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patches.nodes, axis=0).max()))
-
-
-def closeness_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
-    """Short cracks that lead from a tip to another crack, cracks and tips that lie close to other things, dry ones."""
-    yield from dry_joints(scene, cover)
-    for index, crack in enumerate(cover.cracks):
-        length = cover.surfaces[index].in_cells.total
-        if length < Cause.SHORT_ARM.limit and (others := ends_on(crack, cover.cracks)):
-            yield Cause.SHORT_ARM.at(crack.name.words, 1.0 / length, others=" and ".join(others))
-    for first, second in close_pairs(cover, scene.interfaces, Cause.CLOSE.limit):
-        yield Cause.CLOSE.at(f"{first} and {second}", first=first, second=second)

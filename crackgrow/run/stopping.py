@@ -26,7 +26,7 @@ def stopped(state: RunState, solution: StepSolution) -> RunEnd:
     """The end of a run whose cracks don't grow any more."""
     largest, paths = site_criticality(solution).max(initial=-np.inf), paths_of(state.cracks)
     law = solution.scene.case.subcritical
-    if np.isnan(solution.steepness):
+    if NEVER_CRITICAL in solution.notes:
         return RunEnd("arrested", f"step {state.step}: {NEVER_CRITICAL}", paths)
     if largest > -np.inf and law is not None:
         most = f"the most critical is at {largest:.3g} of its toughness, the threshold is {law.threshold:g}"

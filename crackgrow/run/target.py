@@ -1,142 +1,234 @@
-"""Cells for a target of the error of K, or of another goal: halved where it is off by more, until the bound meets it.
-
-A step begins with the cells of the one before. What is known of its error holds for a while (`run.still_known`): then
-it is measured anew (`run.aim`), and cells are halved where that asks for it, and joined where the error is far below
-the target (`run.next_cells`). Where a name has chosen the cells they stay: their error is measured alone.
-"""
+"""A step with its errors, on cells that meet the target: solved, held against its companion, refined, in rounds."""
 
 from __future__ import annotations
 
+import math
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Protocol
 
-from crackgrow.cover.refinement import MOST_LEVELS
-from crackgrow.errors import GeometryError, NotSolvedError, SolveError
-from crackgrow.run.aim import Aim, Ways, aim_of
+import numpy as np
+
+from crackgrow.accuracy.companion import Errors, Quantities, errors_of, unseen_shear
+from crackgrow.accuracy.features import Grading
+from crackgrow.accuracy.marking import coarsened, refined
+from crackgrow.arrays import Floats
+from crackgrow.contact.coulomb import OPEN, STICK
+from crackgrow.contact.faces import points_at
+from crackgrow.contact.jump import gap_and_slip
+from crackgrow.cover.tips import Tip
+from crackgrow.errors import GeometryError, SolveError
+from crackgrow.fracture.criteria import hoop_stress_kink
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.halvings import Accuracy, Halvings
 from crackgrow.run.increments import LoadState
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.layout import cover_of
+from crackgrow.run.judging import StepSolution, TipState
+from crackgrow.run.layout import cells_of, cover_of
+from crackgrow.run.misfit import mean_stress
+from crackgrow.run.reactions import reactions
+from crackgrow.run.report import paths_of
 from crackgrow.run.scene import Scene
-from crackgrow.run.still_known import Since, lengths_grown
 
-MOST_ROUNDS = 4
-"""Times that cells are halved for one step."""
+MOST_ROUNDS = 5
+"""Times that cells are refined for one step."""
 
 MOST_UNKNOWNS = 150_000
-"""Cells are not halved where that may give more."""
+"""Cells are not refined where that gives more: some 7 GB, with the companion."""
+
+FAINT = 0.01
+"""Errors are parts of the largest value, or where that is smaller of this part of what a free crack would have, whose K
+is sigma sqrt(pi a) and whose slip is that strain over its length; of reactions, of all loads."""
+
+PLACES = 65
+"""Along each surface, at which jumps are held against each other."""
 
 
-def aimed(solution: StepSolution, ways: Ways, last: Accuracy | None) -> StepSolution:
-    """The step with what is known of its error, on cells that meet a target, or come as near to it as they can.
+class Ways(Protocol):
+    """How a step is solved again on other cells; what they have in common with a configuration may be taken over."""
 
-    `last` is what was known of the step before.
+    def solve(self, scene: Scene, like: Configuration | None, /) -> StepSolution:
+        """The step."""
+
+    def companion(
+        self, scene: Scene, solution: StepSolution, like: Configuration | None, /
+    ) -> tuple[StepSolution, float]:
+        """What a solution is held against on the cells of a companion, and the load factor of its own path."""
+
+
+def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> StepSolution:
+    """The step with its errors, on cells that meet the target, or come as near to it as they can.
+
+    `last` is the companion of the step before.
     """
-    grown, aim = lengths_grown(solution), aim_of(solution.scene)
-    if not aim.is_there(solution):
-        known = aim.accuracy(solution, None)
-        return replace(solution, accuracy=replace(known, grown=grown, missed=aim.why_not(solution, grown)))
-    if last is not None:
-        since = Since(last, solution, grown)
-        if since.holds:
-            return replace(solution, accuracy=since.carried_over)
-    return _in_rounds(solution, ways, _Comparison(aim, ways, last, grown))
-
-
-def _in_rounds(solution: StepSolution, ways: Ways, comparison: _Comparison) -> StepSolution:
-    """The step on cells that are halved round by round until it meets the target, or none can be had."""
-    n_solves, seconds, before, aim = solution.factorizations, Counter(solution.seconds), None, comparison.aim
+    scene, goal = solution.scene, solution.scene.case.numerics.goal
+    target, before = scene.case.numerics.target, None
+    n_solves, seconds, companion = 0, Counter[str](), last
     for round_ in range(MOST_ROUNDS + 1):
-        known, missed = comparison.known_of(solution), ""
-        if _met(aim, known, solution):
-            break
-        wanted, missed = aim.next_cells(solution, known, before)
-        if wanted is not None and solution.cover.sizes.min() <= 0.5**MOST_LEVELS:
-            wanted, missed = None, f"cells are halved {MOST_LEVELS} times already, which is the most"
-        if wanted is None or round_ == MOST_ROUNDS:
-            missed = missed or f"cells were divided in {MOST_ROUNDS} rounds for it"
-            break
-        before = known
-        try:
-            solution = _solved(ways, solution.scene.with_halvings(wanted), solution.configuration)
-        except (GeometryError, SolveError) as error:
-            missed = f"smaller cells are not to be had: {error}"
-            break
         n_solves += solution.factorizations
         seconds.update(solution.seconds)
-    seconds.update(comparison.seconds)
-    return replace(
-        solution,
-        accuracy=replace(known, missed=missed),
-        factorizations=n_solves + comparison.n_solves,
-        seconds=dict(seconds),
+        errors, companion, cost = _held_against(solution, ways, companion)
+        seconds.update(cost)
+        n_solves += companion is not None
+        if errors.off(goal) <= target:
+            break
+        finer, missed = None, _out_of_reach(solution, errors, companion)
+        if not missed and round_ == MOST_ROUNDS:
+            missed = f"cells were refined in {MOST_ROUNDS} rounds for it"
+        if not missed:
+            wanted = refined(_with_changes(errors, solution), before, target, goal, _lines(solution))
+            finer, missed = _finer(solution, ways, wanted)
+        if finer is None:
+            errors = replace(errors, missed=missed)
+            break
+        before, solution = errors, finer
+    return replace(solution, errors=errors, companion=companion, factorizations=n_solves, seconds=dict(seconds))
+
+
+def _out_of_reach(solution: StepSolution, errors: Errors, companion: Configuration | None) -> str:
+    """Why no cells can be chosen for the target, if so."""
+    if companion is None:
+        return f"the companion mesh has no solution to hold it against: {errors.missed}"
+    if math.isinf(errors.off(solution.scene.case.numerics.goal)):
+        return "the companion mesh does not have it"
+    return ""
+
+
+def _finer(solution: StepSolution, ways: Ways, wanted: Grading) -> tuple[StepSolution | None, str]:
+    """The step on other cells, or None and why there is none."""
+    scene = solution.scene.with_grading(wanted)
+    try:
+        if cells_of(scene, solution.cracks).equal(solution.cover.lattice.cells):
+            refine = scene.case.numerics.refine
+            by_hand = any(isinstance(level, int) for level in (refine.tips, refine.kinks, refine.corners))
+            return None, f"cells are as small as {'numerics.refine lets them' if by_hand else 'they can'} be"
+        n_dofs = cover_of(scene, solution.cracks).n_dofs
+        if n_dofs > MOST_UNKNOWNS:
+            return None, f"smaller cells make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
+        return ways.solve(scene, solution.configuration), ""
+    except (GeometryError, SolveError) as error:
+        return None, f"smaller cells are not to be had: {error}"
+
+
+def _held_against(
+    solution: StepSolution, ways: Ways, like: Configuration | None
+) -> tuple[Errors, Configuration | None, Counter[str]]:
+    """The errors of a step, the configuration of its companion, and the seconds that it took."""
+    scene = solution.scene
+    here = quantities(solution, solution.state.factor)
+    if like is not None:
+        like.contact.system.hand_over()  # nothing else takes over from it
+    try:
+        on = scene.with_grading(replace(scene.grading, companion=True))
+        there, own_factor = ways.companion(on, solution, like)
+    except (GeometryError, SolveError) as error:
+        return replace(errors_of(scene.grading, here, None), missed=str(error)), None, Counter()
+    errors = errors_of(scene.grading, here, quantities(there, own_factor))
+    return errors, there.configuration, Counter(there.seconds)
+
+
+def next_grading(solution: StepSolution) -> Grading:
+    """The grading that the step after a solution begins with."""
+    errors, numerics = solution.errors, solution.scene.case.numerics
+    if errors is None:
+        return solution.scene.grading
+    return coarsened(errors, numerics.target, numerics.goal, _lines(solution), tuple(_changes(solution.state)))
+
+
+def _lines(solution: StepSolution) -> list[Floats]:
+    """The points (n, 2) m of each crack."""
+    return [path.points for path in paths_of(solution.cracks)]
+
+
+def _with_changes(errors: Errors, solution: StepSolution) -> Errors:
+    grading = replace(errors.grading, changes=tuple(_changes(solution.state)))
+    return replace(errors, grading=grading)
+
+
+def _changes(state: LoadState) -> Iterator[tuple[int, float, float]]:
+    """Where the contact status of cracks changes from one point to the next: crack, x and y (m)."""
+    faces, lattice, status = state.configuration.faces, state.cover.lattice, state.outcome.points.state
+    points = lattice.to_metres(faces.nodes.points)
+    for first in np.flatnonzero((status[1:] != status[:-1]) & (faces.surface[1:] == faces.surface[:-1])).tolist():
+        crack = int(faces.surface[first])
+        if state.cover.surfaces[crack].name.is_crack:
+            x, y = (0.5 * (points[first] + points[first + 1])).tolist()
+            yield crack, x, y
+
+
+def quantities(solution: StepSolution, own_factor: float) -> Quantities:
+    """What a solution says of all that errors are stated of."""
+    state, tips = solution.state, solution.tips
+    intensities = [tip.intensity for tip in tips]
+    forces = np.array([reaction.force for reaction in reactions(state)]).reshape(-1, 2)
+    loads = state.configuration.loads(state.level)
+    moves = [not _sticks(state, tip.crack) for tip in state.cover.tips]
+    length = max((float(arc_lengths(line)[-1]) for line in _lines(solution)), default=0.0)
+    longest = max((float(np.ptp(surface.edges.s)) for surface in state.cover.surfaces), default=0.0)
+    stress = _stress(state)
+    strain = stress / min(material.young_prime for material in state.scene.materials)
+    return Quantities(
+        ends=tuple(state.cover.tip_ends),
+        K=np.array([tip.K if moved else (math.nan,) * 2 for tip, moved in zip(tips, moves, strict=True)]).reshape(
+            -1, 2
+        ),
+        spread=np.nan_to_num(np.array([math.hypot(K.K_I_spread, K.K_II_spread) for K in intensities])),
+        unseen=np.array([_unseen(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
+        kinks=np.array([_direction(state.scene, tip) for tip in tips]),
+        load_factor=own_factor,
+        jumps=_jumps(state),
+        forces=forces,
+        small={
+            "K": FAINT * stress * math.sqrt(math.pi * 0.5 * length),
+            "slip": FAINT * strain * longest * state.cover.lattice.spacing,
+            "reaction": FAINT * float(np.abs(loads).sum() + np.abs(forces).sum()),
+        },
     )
 
 
-@dataclass(slots=True, eq=False)
-class _Comparison:
-    """What a step is held against on one round's cells after the other's.
-
-    A state on cells to compare is used again while it tells of the error, and tells that the target is met.
-    """
-
-    aim: Aim
-    ways: Ways
-    last: Accuracy | None  # what was known before
-    grown: tuple[float, ...]  # m, crack by crack
-    other: LoadState | None = None
-    n_solves: int = 0
-    seconds: Counter[str] = field(default_factory=Counter)
-
-    def known_of(self, solution: StepSolution) -> Accuracy:
-        """What is known of the error of a solution; it is held against other cells where it has to be."""
-        if self.other is not None and self.aim.still_tells(solution, self.other):
-            self.last = self._told(solution)
-            if _met(self.aim, self.last, solution):
-                return self.last
-        self.other = self._solved(solution)
-        self.last = self._told(solution)
-        return self.last
-
-    def _told(self, solution: StepSolution) -> Accuracy:
-        """What the state on the other cells tells."""
-        return replace(self.aim.accuracy(solution, self.other), grown=self.grown)
-
-    def _solved(self, solution: StepSolution) -> LoadState | None:
-        """The state on the cells to compare, None where there is none."""
-        last = self.last
-        like = solution.configuration if last is None or last.compared is None else last.compared
-        try:
-            state, seconds = self.aim.other(solution, self.ways, like)
-        except (GeometryError, SolveError):
-            return None
-        self.n_solves += 1
-        self.seconds.update(seconds)
-        return state
+def _stress(state: LoadState) -> float:
+    """Mean pressure (Pa) on the faces, or the mean stress where that is larger."""
+    pressure = np.abs(state.outcome.points.normal)
+    return max(float(pressure.mean()) if len(pressure) else 0.0, mean_stress(state))
 
 
-def _met(aim: Aim, known: Accuracy, solution: StepSolution) -> bool:
-    """Whether the bound is within the target, if there is one."""
-    target = solution.scene.case.numerics.target
-    return target is None or aim.off(known) <= target
+def _sticks(state: LoadState, crack: int) -> bool:
+    """Whether the faces of a crack have never moved: its K is zero, and what cells leave of it tells nothing."""
+    mine, outcome = state.configuration.faces.surface == crack, state.outcome
+    moved = (outcome.points.state[mine] != STICK) | (outcome.memory.slip[mine] != 0.0)
+    return bool(mine.any()) and not moved.any() and not state.scene.laws[crack].elastic
 
 
-def _solved(ways: Ways, scene: Scene, before: Configuration) -> StepSolution:
-    """The solution on the cells of a scene. Raises GeometryError or SolveError where there is none, or it is large.
-
-    So it does where the cells are those `before`.
-    """
-    cover = cover_of(scene, before.cracks)
-    n_dofs = cover.n_dofs
-    if cover.lattice.cells.equal(before.cover.lattice.cells):
-        raise NotSolvedError(f"they are halved {MOST_LEVELS} times already, which is the most")
-    if n_dofs > MOST_UNKNOWNS:
-        raise NotSolvedError(f"they make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken")
-    return ways.solve(scene, before)
+def _direction(scene: Scene, tip: TipState) -> float:
+    """The direction of growth (rad), by K alone where the last increment was turned until no shear was left."""
+    growth = scene.case.growth
+    if tip.verdict is None or growth is None:
+        return math.nan
+    implicit = growth.direction == "implicit" and tip.verdict.mode == "tension"
+    return hoop_stress_kink(*tip.K) if implicit else tip.verdict.kink
 
 
-def cells_after(solution: StepSolution) -> Halvings:
-    """The cells that the step after a solution begins with."""
-    scene = solution.scene
-    return scene.halvings if scene.case.numerics.target is None else aim_of(scene).cells_after(solution)
+def _unseen(state: LoadState, tip: Tip, known: TipState) -> float:
+    """What K_II of a tip may miss before the first contact point (Pa sqrt(m))."""
+    law, faces, spacing = state.scene.laws[tip.crack], state.configuration.faces, state.cover.lattice.spacing
+    points = np.flatnonzero(faces.surface == tip.crack)
+    if law.contact is None or not len(points):
+        return 0.0
+    away = np.maximum(tip.from_start(faces.s[points]) * spacing, 0.0)
+    first, outcome = points[np.argmin(away)], state.outcome.points
+    if outcome.state[first] == OPEN:
+        return 0.0
+    friction = min(law.contact.friction, law.contact.residual_friction)
+    pressure = -float(outcome.normal[first])
+    shear = max(abs(float(outcome.tangential[first])) - friction * max(pressure, 0.0), 0.0)
+    return unseen_shear(known.intensity.K_I, float(away.min()), pressure, shear)
+
+
+def _jumps(state: LoadState) -> Floats:
+    """Opening and slip (n, 2) m, at places that do not depend on the cells."""
+    cover, found = state.cover, [np.zeros((0, 2))]
+    for index, surface in enumerate(cover.surfaces):
+        s = surface.edges.s
+        places = s.min() + np.linspace(0.0, 1.0, PLACES) * (s.max() - s.min())
+        found.append(np.column_stack(gap_and_slip(cover, points_at(cover, index, places), state.outcome.u)))
+    return np.concatenate(found)

@@ -12,11 +12,11 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from tests.benchmarks.paths import REFERENCES
+from tests.scenes import MPA, plate, shipped, winged
 from tests.verification.rows.closed_kink import corners
 from tests.verification.slit_body import closed_plate, disk
 from tests.verification.slit_body import plate as open_plate
 from tests.verification.solutions import rows
-from tests.verification.test_intensity_error import MPA, plate, shipped, winged
 
 WIDE = 200.0
 """mm, side of plates for the infinite one: half a length of a flaw is 1 mm, and the plate's part of K 0.01 %."""

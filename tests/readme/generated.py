@@ -15,7 +15,7 @@ from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Final
 
-from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.accuracy import TARGETS, cells_along
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
 from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
@@ -28,21 +28,21 @@ BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 KEY_FACTS: Final = ("meaning", "type", "unit", "default", "allowed")
 
 CELL_RULES: Final = {
-    "per_width": "smaller side of the narrowest body",
-    "per_crack": "length of a crack; of cells at its tips and ends, and where it meets another",
-    "per_stretch": "part of a crack between kinks and tips; of cells at both",
-    "per_longer": "longer one of the two parts beside a kink; of cells at the kink",
-    "per_room": "way from a tip to the nearest other crack, interface or outline",
-    "per_rough": "length of a crack: most cells along it, whatever its jogs ask for",
-    "per_increment": "growth increment; of cells at tips",
-    "per_radius": "averaging radius of the tip stress; of cells at tips",
-    "per_feature": "width of a hole, diameter of a re-entrant corner or curve",
-    "per_bridge": "rock between holes, outline and re-entrant corners",
-    "per_distance": "way from the nearest tip to a re-entrant corner or the end of a held part; of cells there",
-    "per_support": "supported part of an edge or interface",
-    "per_load": "loaded part of an edge",
+    "width": "smaller side of the narrowest body",
+    "tip": "length of a crack; of cells at its tips, and where contact status changes",
+    "stretch": "part of a crack behind a tip or beside a kink; of cells there",
+    "kink": "length of a crack; of cells at its kinks",
+    "end": "length of a crack; of cells at its ends on other lines, and where it meets another",
+    "room": "way from a tip to the nearest other crack, interface or outline",
+    "increment": "growth increment; of cells at tips",
+    "radius": "averaging radius of the tip stress; of cells at tips",
+    "feature": "width of a hole, diameter of a re-entrant corner or curve",
+    "bridge": "rock between holes, outline and re-entrant corners",
+    "distance": "way from the nearest tip to a re-entrant corner or the end of a held part; of cells there",
+    "support": "supported part of an edge or interface",
+    "load": "loaded part of an edge; length over which a pressure on faces varies",
 }
-"""What the numbers of a preset are that begin so: parts of a length."""
+"""Lengths that have a number of cells to begin with."""
 
 MEASURED: Final = {
     ("tests/verification/README.md", "verification"): "outputs/verification/table.md",
@@ -68,9 +68,10 @@ def keys() -> str:
 
 
 def presets() -> str:
-    """How small cells are at what, for each preset."""
-    rows = [[words, *(f"{getattr(p, name):g}" for p in PRESETS.values())] for name, words in CELL_RULES.items()]
-    return table(("length", *(f"`{name}`" for name in PRESETS)), rows)
+    """How many cells a run begins with along a length, for each name, and the target that it stands for."""
+    rows = [["bound of the error, over the largest value", *(f"{100 * target:g} %" for target in TARGETS.values())]]
+    rows += [[words, *(f"{cells_along(kind, name):g}" for name in TARGETS)] for kind, words in CELL_RULES.items()]
+    return table(("cells along, to begin with", *(f"`{name}`" for name in TARGETS)), rows)
 
 
 def files() -> str:

@@ -5,13 +5,12 @@ from __future__ import annotations
 import importlib
 import json
 from collections.abc import Iterator
-from dataclasses import fields
 from typing import Any
 
 import pytest
 
 from crackgrow import cli
-from crackgrow.case.accuracy import Preset
+from crackgrow.case.accuracy import CELLS
 from crackgrow.case.json_schema import case_schema
 from crackgrow.case.keys import case_keys
 from crackgrow.cli.command_line import command_line
@@ -77,8 +76,8 @@ def test_explain_prints_the_lines_of_the_readmes(capsys: pytest.CaptureFixture[s
         assert [word for word in words if word not in row] == ([] if "cases" in file else ["tips.csv"])
 
 
-def test_every_number_of_a_preset_is_told_of() -> None:
-    assert set(CELL_RULES) == {field.name for field in fields(Preset)}
+def test_every_number_of_cells_is_told_of() -> None:
+    assert set(CELL_RULES) == set(CELLS)
 
 
 def test_every_command_is_in_one_group() -> None:

@@ -95,7 +95,7 @@ def of_target_scene(name: str, accuracy: str) -> Rows:
 
 MAKERS: Mapping[str, Callable[[], Rows]] = {
     **{path.stem: partial(of_case, path.stem) for path in sorted(CASES.glob("*.yaml"))},
-    **{f"{name}, {word}": partial(of_target_scene, name, word) for word in ("standard", "1 %") for name in SCENES},
+    **{f"{name}, {word}": partial(of_target_scene, name, word) for word in ("draft", "standard") for name in SCENES},
 }
 """By scene."""
 

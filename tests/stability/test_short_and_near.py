@@ -1,4 +1,4 @@
-"""Cracks and distances of a spacing or less: an accurate K, or a warning of how much it can be off."""
+"""Cracks and distances of a spacing or less, in cells by hand: K is as good as they let it be."""
 
 from __future__ import annotations
 
@@ -10,9 +10,6 @@ from crackgrow.case.model import Case
 from crackgrow.run import grow
 from tests.stability.condition import condition_estimate
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, solve
-
-SHORT = "below 3 the cover does not resolve a crack"
-CLOSE = "closer than a spacing"
 
 
 def warnings(scene: Case) -> str:
@@ -34,7 +31,6 @@ def test_short_cracks(length: float, error: float, friction: float) -> None:
         solution = solve(scene, offset)
         np.testing.assert_allclose(K(solution)[:, 1], expected, rtol=error)
         assert condition_estimate(solution.contact.system) < 1e10
-    assert (SHORT in warnings(scene)) == (length < 3.0)
 
 
 @pytest.mark.slow
@@ -74,7 +70,6 @@ def test_two_tips_close_to_each_other(gap: float, error: float) -> None:
     K_II = K(solve(scene, (0.1, 0.25)))[:, 1]
     np.testing.assert_allclose(K_II[[0, 3]], outer, rtol=0.01)
     np.testing.assert_allclose(K_II[[1, 2]], inner, rtol=error)
-    assert CLOSE in warnings(scene)
 
 
 @pytest.mark.parametrize(("gap", "near", "error"), [(0.1, 9.732e6, 0.1), (0.5, 6.289e6, 0.03), (1.0, 5.460e6, 0.02)])
@@ -83,7 +78,6 @@ def test_a_tip_close_to_the_outline(gap: float, near: float, error: float) -> No
     scene = case(*in_square(15.0, (1.5 - 1.5 * gap, 7.5 - 1.5 * gap)))
     for offset in ((0.0, 0.25), (-0.45, 0.1)):
         assert K(solve(scene, offset))[1, 1] == pytest.approx(near, rel=error)
-    assert CLOSE in warnings(scene)
 
 
 @pytest.mark.slow
@@ -110,37 +104,27 @@ def bent(turn: float, first: float, second: float) -> str:
 
 @pytest.mark.parametrize("turn", [150.0, 90.0])
 @pytest.mark.parametrize(("spacing", "error"), [(3.0, 0.5), (1.5, 0.1), (0.75, 0.05)])
-def test_a_sharp_closed_kink_is_warned_of_below_two_spacings(spacing: float, error: float, turn: float) -> None:
-    """Arms of 1.7, 3.3 and 6.7 spacings, against a spacing of 0.2 mm: as much as the warning says, else a tenth."""
+def test_a_sharp_closed_kink_in_cells_by_hand(spacing: float, error: float, turn: float) -> None:
+    """Arms of 1.7, 3.3 and 6.7 spacings, against a spacing of 0.2 mm: off by a half, a tenth, 5 %."""
     scene = case(f"numerics.spacing={spacing}", bent(turn, 5.0, 5.0))
     fine = {150.0: [(0.0, -4.402e6), (0.0, 0.907e6)], 90.0: [(0.0, -4.314e6), (0.0, 3.869e6)]}[turn]
     assert (np.abs(K(solve(scene)) - fine) / 4.4e6).max() < error
-    words = f"is closed and turns by {turn:.0f} degrees less than 2 spacings from its start"
-    assert (words in warnings(scene)) == (spacing > 2.5)
 
 
 @pytest.mark.parametrize("turn", [150.0, 90.0])
 @pytest.mark.parametrize(("spacing", "error"), [(1.5, 0.1), (0.75, 0.05), (0.6, 0.05)])
-def test_a_sharp_open_kink_is_warned_of_below_eight_spacings(spacing: float, error: float, turn: float) -> None:
+def test_a_sharp_open_kink_in_cells_by_hand(spacing: float, error: float, turn: float) -> None:
     """Arms of 3.3, 6.7 and 8.3 spacings under tension, against a spacing of 0.3 mm."""
     scene = case(f"numerics.spacing={spacing}", bent(turn, 5.0, 5.0), loads((10.0, 10.0, 0.0)))
     fine = {150.0: [(0.685e6, -0.232e6), (0.680e6, 0.231e6)], 90.0: [(0.960e6, -0.328e6), (0.964e6, 0.323e6)]}[turn]
     assert (np.abs(K(solve(scene)) - fine) / 1.25e6).max() < error
-    for end in ("start", "end"):
-        words = f"crack 'flaw' turns by {turn:.0f} degrees less than 8 spacings from its {end}"
-        assert (words in warnings(scene)) == (spacing > 0.625)
 
 
-def test_gentle_kinks_away_from_tips_are_not_warned_of() -> None:
-    assert "turns by" not in warnings(case("numerics.spacing=1.5", bent(70.0, 5.0, 5.0)))
-
-
-def test_a_closed_kink_close_behind_a_tip_is_warned_of_and_no_traction_runs_away() -> None:
+def test_no_traction_runs_away_at_a_closed_kink_close_behind_a_tip() -> None:
     """At 1e-3 spacings K_I was 100 times K_II: the short stretch had a contact point of its own."""
     for short in (0.01, 0.1, 0.5):
         scene = case(bent(-30.0, 8.0, short))
         assert np.abs(K(solve(scene))).max() < 1.5 * abs(exact_K_II(30.0, half_length=4e-3))
-        assert "is closed and turns by 30 degrees" in warnings(scene)
 
 
 @pytest.mark.parametrize("friction", [0.0, pytest.param(0.3, marks=pytest.mark.slow)])

@@ -10,6 +10,7 @@ import re
 import signal
 import subprocess
 import sys
+import time
 from collections.abc import Callable, Generator
 from dataclasses import replace
 from pathlib import Path
@@ -280,6 +281,7 @@ def test_a_second_interrupt_ends_what_a_library_is_doing(tmp_path: Path) -> None
         assert process.stdout is not None
         assert process.stderr is not None
         assert "stuck\n" in iter(process.stdout.readline, "")
+        time.sleep(1.0)  # until it is in the library
         process.send_signal(signal.SIGINT)
         assert "once more ends it at once" in process.stderr.readline()
         process.send_signal(signal.SIGINT)

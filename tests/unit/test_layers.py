@@ -15,7 +15,7 @@ import crackgrow.direct
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
     "errors", "arrays", "ragged", "blas", "limits", "vectors", "case", "geometry", "cover", "approximation",
-    "quadrature", "direct", "solid", "contact", "fracture", "estimate", "run", "results", "plan", "study", "api", "cli",
+    "quadrature", "direct", "solid", "contact", "fracture", "accuracy", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (
     "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.caution",

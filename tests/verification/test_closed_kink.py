@@ -35,8 +35,8 @@ def test_K_behind_a_closed_kink_settles_as_cells_there_get_smaller() -> None:
     scene = make_scene(case_from(case, "kink"))
     cracks = beginning(scene.case).cracks
     found = []
-    for kinks in (1, 3, 5):
-        cells = replace(scene, halvings=replace(scene.halvings, kinks=kinks))
+    for level in (2, 4, 6):
+        cells = scene.with_grading(replace(scene.grading, cracks=(level,)))
         found.append(load(cells, cracks).tips[0].K)
     assert np.ptp(found, axis=0).max() < 0.005 * np.hypot(*found[-1])
 

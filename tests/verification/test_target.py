@@ -1,6 +1,6 @@
 """K on cells that a run chooses, for a target of its error or by a name: it is within the target, and the bound holds.
 
-Of all pairs of tests/benchmarks/targets.md these are the quick ones.
+Of all scenes of tests/benchmarks/errors.md these are the quick ones.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from crackgrow.run import grow
 from crackgrow.run.caution import Cause
 from crackgrow.run.result import StepResult
 from tests.benchmarks.target_scenes import SCENES as TABLE
+from tests.scenes import MPA, plate, shipped, winged
 from tests.verification.solutions import rows
-from tests.verification.test_intensity_error import MPA, plate, shipped, winged
 
 Scene = tuple[dict[str, Any], list[tuple[float, float]]]
 """A scene and K of the start and the end of its flaw, Pa sqrt(m)."""
@@ -84,6 +84,10 @@ SCENES = {
 }
 
 
+GOOD_TO = {"closed kink": 3e-3, "grown": 5e-4, "young": 5e-4}
+"""What truths are good to, of the largest K; plates a hundred half lengths wide add 8e-4."""
+
+
 def solved(folder: Path, name: str, accuracy: float | str) -> tuple[StepResult, float]:
     """A scene, and what the worst tip is off by, over the largest K."""
     scene, truth = SCENES[name]()
@@ -112,24 +116,14 @@ def test_K_is_within_the_target(tmp_path: Path, name: str, target: float) -> Non
 
 @pytest.mark.parametrize(
     ("name", "accuracy"),
-    [
-        *(("grown", 0.1), ("grown", 0.03), ("young", 0.03), ("closed with wings", 0.03), ("closed kink", 0.03)),
-        *((name, "draft") for name in ("grown", "young", "closed with wings", "closed kink", "friction 0.3")),
-        *(("disk, along the load", "draft"), ("grown", "standard"), ("young", "standard")),
-    ],
+    [(name, accuracy) for name in SCENES for accuracy in ("draft", "standard", 0.003)],
 )
-def test_the_error_that_is_expected_is_right_within_a_factor_of_two(
-    tmp_path: Path, name: str, accuracy: float | str
-) -> None:
-    """Of tests/benchmarks/targets.md those after growth: K on kinks twice as large said 0.2 to 4 times the error.
-
-    Of tests/benchmarks/names.md those with a large error: the fitted bound said 3 to 20 times as much.
-    """
+def test_the_bound_holds(tmp_path: Path, name: str, accuracy: float | str) -> None:
+    """All but what the truth is good to: tests/benchmarks/errors.md has more scenes."""
     step, off = solved(tmp_path, name, accuracy)
     largest = max(np.hypot(tip.K_I, tip.K_II) for tip in step.tips)
-    expected = max(tip.K_error_expected for tip in step.tips) / largest
-    assert 0.5 * off <= expected <= 2.0 * off
-    assert all(max(tip.K_I_error, tip.K_II_error) >= tip.K_error_expected for tip in step.tips)
+    assert off <= max(tip.K_I_error for tip in step.tips) / largest + GOOD_TO.get(name, 1e-3)
+    assert all(tip.K_I_error > tip.K_error_expected for tip in step.tips)
 
 
 def beside(what: str, room: float) -> dict[str, Any]:
@@ -172,7 +166,8 @@ def test_cells_at_a_tip_are_small_by_its_room(tmp_path: Path, what: str, room: f
         file.write_text(yaml.safe_dump({**beside(what, room), "numerics": {"accuracy": accuracy}}))
         step = next(grow(load_case(file, ["output.frames=none", "output.figures=false", "output.report=false"])))
         found.append({tip.tip: tip for tip in step.tips}["end"])
+        largest = max(np.hypot(tip.K_I, tip.K_II) for tip in step.tips)
     true, tip = found
     off, bound = (np.hypot(tip.K_I - true.K_I, tip.K_II - true.K_II), max(tip.K_I_error, tip.K_II_error))
     assert off <= bound + true.K_I_error
-    assert bound <= (asked if isinstance(asked, float) else 0.01) * np.hypot(tip.K_I, tip.K_II)
+    assert bound <= (asked if isinstance(asked, float) else 0.01) * largest

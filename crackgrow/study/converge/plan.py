@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case import Case
-from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.accuracy import TARGETS
 from crackgrow.errors import CaseError, Fault
 from crackgrow.study.setting import UNWRITTEN, CaseFile, Setting, accuracy_overrides, check_steps
 
@@ -43,7 +43,7 @@ def plan_convergence(
     folder: Path,
     *,
     overrides: Sequence[str] = (),
-    settings: Sequence[str] = tuple(PRESETS),
+    settings: Sequence[str] = tuple(TARGETS),
     tolerance: str | float = TOLERANCE,
     increments: bool | None = None,
     steps: int | None = None,
@@ -87,7 +87,7 @@ def _three(file: CaseFile, names: Sequence[str]) -> tuple[Setting, ...]:
         found.append(Setting(name, (*accuracy_overrides(accuracy), *UNWRITTEN)))
         file.load(*found[-1].overrides)
     targets = [file.load(*setting.overrides).numerics.target for setting in found]
-    if any(a is not None and b is not None and a <= b for a, b in pairwise(targets)):
+    if any(a <= b for a, b in pairwise(targets)):
         message = f"{', '.join(names)} given; wanted: the largest error first"
         raise CaseError.at("--at", message)
     return tuple(found)

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case import Case, dump_case
-from crackgrow.case.accuracy import PRESETS, STANDARD
+from crackgrow.case.accuracy import STANDARD, TARGETS
 from crackgrow.case.model import ContactSupport
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import Metres
@@ -105,7 +105,7 @@ def _fault(name: str, message: str) -> Fault:
     return Fault("--axis", None, name, message)
 
 
-def settings_of(axes: Axes, presets: Sequence[str] = tuple(PRESETS)) -> list[Setting]:
+def settings_of(axes: Axes, presets: Sequence[str] = tuple(TARGETS)) -> list[Setting]:
     """The presets, then every combination of the axes' values, the first axis varying slowest."""
     found = [Setting(f"accuracy={name}", accuracy_overrides(name), name) for name in presets]
     for values in itertools.product(*axes.values()):

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from crackgrow.case import Case, dump_case, load_case
-from crackgrow.case.accuracy import PRESETS, REFINED_AT, automatic_spacing
+from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
 from crackgrow.case.features import Length
 from crackgrow.errors import CaseError
 from crackgrow.plan.overview import overview
@@ -17,7 +16,6 @@ from crackgrow.plan.overview import overview
 CASES = Path(__file__).parents[3] / "cases"
 FILE = Path(__file__).parent / "compression30.yaml"
 NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
-SIMPLE = replace(PRESETS["standard"], per_crack=5.0, per_increment=2.0, per_radius=1.0, per_width=10.0, per_feature=8.0)
 WIDE = Length("width", 20.0, "wide")
 
 
@@ -46,10 +44,10 @@ def without_numerics(tmp_path: Path, *lines: str) -> Path:
 @pytest.mark.parametrize(
     ("lengths", "spacing", "rule"),
     [
-        ([Length("crack", 10.0, "crack a"), Length("crack", 5.0, "crack b"), WIDE], 1.0, "crack b / 5"),
-        ([Length("crack", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], 0.5, "thin / 10"),
-        ([Length("crack", 10.0, "crack a"), WIDE, Length("increment", 1.0, "increment")], 0.5, "increment / 2"),
-        ([WIDE, Length("increment", 1.0, "increment"), Length("radius", 0.25, "radius")], 0.25, "radius / 1"),
+        ([Length("tip", 10.0, "crack a"), Length("tip", 2.0, "crack b"), WIDE], 1.0, "crack b / 2"),
+        ([Length("tip", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], 0.5, "thin / 10"),
+        ([Length("tip", 10.0, "crack a"), WIDE, Length("increment", 0.5, "increment")], 0.5, "increment / 1"),
+        ([WIDE, Length("increment", 1.0, "increment"), Length("radius", 0.25, "radius")], 0.5, "radius / 0.5"),
         ([WIDE], 2.0, "wide / 10"),
         ([WIDE, Length("feature", 4.0, "hole")], 0.5, "hole / 8"),
         (
@@ -60,21 +58,26 @@ def without_numerics(tmp_path: Path, *lines: str) -> Path:
     ],
 )
 def test_smallest_length_rules_where_no_cells_are_halved(lengths: list[Length], spacing: float, rule: str):
-    assert automatic_spacing(SIMPLE, lengths) == (spacing, rule)
+    assert automatic_spacing("standard", lengths) == (spacing, rule)
 
 
-def test_lengths_at_which_cells_are_halved_count_by_the_smallest_cells():
-    lengths = [WIDE, Length("crack", 0.05, "crack"), Length("width", 10.0, "thin")]
-    assert automatic_spacing(SIMPLE, lengths, REFINED_AT["tips"]) == (1.0, "thin / 10")
-    tiny = [*lengths, Length("crack", 0.0005, "tiny")]
-    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["tips"]) == (0.4096, "tiny / 5 x 2^12")
-    assert automatic_spacing(SIMPLE, tiny, REFINED_AT["corners"]) == (0.0001, "tiny / 5")
+def test_lengths_at_which_cells_are_refined_count_by_the_smallest_cells():
+    lengths = [WIDE, Length("tip", 0.05, "crack"), Length("width", 10.0, "thin")]
+    assert automatic_spacing("standard", lengths, REFINED_AT["tips"]) == (1.0, "thin / 10")
+    tiny = [*lengths, Length("tip", 0.0002, "tiny")]
+    assert automatic_spacing("standard", tiny, REFINED_AT["tips"]) == (0.4096, "tiny / 2 x 2^12")
+    assert automatic_spacing("standard", tiny, REFINED_AT["corners"]) == (0.0001, "tiny / 2")
+
+
+@pytest.mark.parametrize(("target", "part"), [(0.2, 0.6), (0.03, 0.6), (0.0125, 0.8), (0.01, 1.0), (0.004, 2.0)])
+def test_cells_to_begin_with_follow_the_target_within_limits(target: float, part: float):
+    assert cells_along("width", target) == pytest.approx(10.0 * part)
 
 
 @pytest.mark.parametrize("name", NAMES)
 def test_every_shipped_case_has_an_automatic_spacing_that_presets_refine(name: str):
     spacings = [
-        shipped(name, "numerics.spacing=auto", f"numerics.accuracy={word}").numerics.spacing for word in PRESETS
+        shipped(name, "numerics.spacing=auto", f"numerics.accuracy={word}").numerics.spacing for word in TARGETS
     ]
     assert spacings[0] > spacings[1] > spacings[2]
 
@@ -89,27 +92,26 @@ def test_where_no_cells_are_halved_the_spacings_of_shipped_cases_lie_between_dra
     assert (fine.refine.tips, fine.refine.kinks, fine.refine.corners) == (0, 0, 0)
 
 
-@pytest.mark.parametrize("word", list(PRESETS))
+@pytest.mark.parametrize("word", list(TARGETS))
 def test_preset_is_listed_in_the_resolved_case(word: str, tmp_path: Path):
     case = load_case(without_numerics(tmp_path, f"accuracy: {word}"))
-    preset, listed = PRESETS[word], numerics(case)
+    listed = numerics(case)
     assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, 2.0, 4)
     assert listed["contact"]["spacing"] == 1.25
-    assert listed["spacing"] == pytest.approx(0.031 / preset.per_width, rel=1e-12)
+    assert listed["spacing"] == pytest.approx(0.031 / cells_along("width", word), rel=1e-12)
     assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")
     assert f"(auto, {word}: smaller side of body 'rock' / " in overview(case)
     assert listed["refine"] == {"tips": "auto", "kinks": "auto", "corners": "auto", "rings": 2.0}
 
 
-@pytest.mark.parametrize("word", list(PRESETS))
+@pytest.mark.parametrize("word", list(TARGETS))
 def test_without_small_cells_the_spacing_resolves_what_they_would(word: str, tmp_path: Path):
     case = load_case(without_numerics(tmp_path, f"accuracy: {word}", "refine: {tips: 0, kinks: 0, corners: 0}"))
-    preset = PRESETS[word]
     expected = {
-        "length of crack 'flaw'": 0.010 / preset.per_crack,
-        "growth.increment": 0.002 / preset.per_increment,
-        "growth.tip_stress.radius": 0.001 / preset.per_radius,
-        "smaller side of body 'rock'": 0.031 / preset.per_width,
+        "length of crack 'flaw'": 0.010 / cells_along("tip", word),
+        "growth.increment": 0.002 / cells_along("increment", word),
+        "growth.tip_stress.radius": 0.001 / cells_along("radius", word),
+        "smaller side of body 'rock'": 0.031 / cells_along("width", word),
     }
     least = min(expected, key=lambda what: expected[what])
     assert case.numerics.spacing == pytest.approx(expected[least], rel=1e-12)
@@ -190,5 +192,14 @@ def test_an_error_of_K_can_be_asked_for(text: str, tmp_path: Path):
     assert numerics(case)["accuracy"] == 0.01
 
 
-def test_names_are_no_targets(tmp_path: Path):
-    assert load_case(without_numerics(tmp_path, "accuracy: fine")).numerics.target is None
+@pytest.mark.parametrize(("word", "target"), TARGETS.items())
+def test_names_are_targets(word: str, target: float, tmp_path: Path):
+    numerics = load_case(without_numerics(tmp_path, f"accuracy: {word}")).numerics
+    assert (numerics.target, numerics.measured) == (target, True)
+
+
+def test_cells_by_hand_are_not_measured_but_for_a_target_in_percent(tmp_path: Path):
+    by_hand = load_case(without_numerics(tmp_path, "accuracy: fine", "spacing: 2"))
+    assert not by_hand.numerics.measured
+    asked = load_case(without_numerics(tmp_path, "accuracy: 1 %", "spacing: 2")).numerics
+    assert (asked.measured, asked.refine.tips) == (True, "auto")

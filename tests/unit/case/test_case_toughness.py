@@ -8,13 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from crackgrow.accuracy.features import size_field
 from crackgrow.case import Case, load_case
 from crackgrow.case.dump import dump_case
 from crackgrow.case.surface import crack_name
 from crackgrow.case.toughness import averaging_radius, length_of_average, shear_radius
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError, Fault
-from crackgrow.run.foci import focus_of
 from crackgrow.run.scene import make_scene
 
 FILE = Path(__file__).parent / "compression30.yaml"
@@ -184,10 +184,12 @@ def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, 
     small = ["numerics.spacing=auto", "growth.steps=1", f"growth.criterion={criterion}"]
     case = load_case(tough(tmp_path, "0.005 MPa sqrt(m)"), small)
     scene = make_scene(case)
-    focus = focus_of(
+    focus = size_field(
         scene, [CrackGeometry(crack_name("flaw"), scene.lattice.to_lattice(case.cracks[0].points), True, True)]
     )
-    finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
+    finest = (
+        float(focus.size.min(initial=1.0)) * case.numerics.spacing
+    )  # the step's, half of its companion's on twice that
     assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
 
 

@@ -17,7 +17,7 @@ def graded(seed: int, levels: int, support: float = 2.0, rings: float = 2.0) -> 
     """A lattice with two random places that ask for cells of 2^-levels, and one that asks for half as many levels."""
     lattice = place_lattice(np.zeros(2), np.full(2, SIDES), 1.0, support)
     places = lattice.to_lattice(np.random.default_rng(seed).uniform(0.0, SIDES, (3, 2)))
-    return refined(lattice, Focus(shapely.points(places), 0.5 ** np.array([levels, levels, levels // 2])), rings)
+    return refined(lattice, Focus(shapely.points(places), 0.5 ** np.array([levels, levels, levels // 2]), rings))
 
 
 def boxes(squares: Squares) -> tuple[np.ndarray, np.ndarray]:

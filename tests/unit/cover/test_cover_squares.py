@@ -110,7 +110,7 @@ def distances(lattice: Lattice, place: np.ndarray) -> np.ndarray:
 def test_cells_round_a_place_are_as_small_as_asked_in_rings_of_every_size(levels: int, rings: float) -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 12.0), 1.0, 2.0)
     for place in np.random.default_rng(levels).uniform(2.0, 12.0, (4, 2)):
-        fine = refined(lattice, Focus(shapely.points(place[None]), np.array([0.5**levels])), rings)
+        fine = refined(lattice, Focus(shapely.points(place[None]), np.array([0.5**levels]), rings))
         side, away = fine.cells.size / QUANTA, distances(fine, place)
         assert side[away == 0.0].max() == 0.5**levels == side.min()
         assert not ((side > 0.5**levels) & (away <= rings * side)).any()
@@ -125,7 +125,7 @@ def test_rounding_of_a_place_on_a_corner_is_no_matter(noise: float) -> None:
     cells = []
     for direction in ((0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)):
         place = 0.5 * np.array(lattice.shape) + noise * np.array(direction)
-        cells.append(refined(lattice, Focus(shapely.points([place]), np.array([0.5**6])), 2.0).cells)
+        cells.append(refined(lattice, Focus(shapely.points([place]), np.array([0.5**6]), 2.0)).cells)
     for other in cells[1:]:
         np.testing.assert_array_equal(cells[0].low, other.low)
         np.testing.assert_array_equal(cells[0].size, other.size)
@@ -136,22 +136,22 @@ def test_rounding_of_a_place_on_a_corner_is_no_matter(noise: float) -> None:
 def test_sizes_between_powers_of_two_are_halved_until_they_are_no_larger() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
     for asked, side in ((1.0, 1.0), (0.99, 0.5), (0.5, 0.5), (0.3, 0.25), (7.0, 1.0)):
-        fine = refined(lattice, Focus(shapely.points([[3.1, 4.2]]), np.array([asked])), 2.0)
+        fine = refined(lattice, Focus(shapely.points([[3.1, 4.2]]), np.array([asked]), 2.0))
         assert fine.cells.size.min() / QUANTA == side
-    assert refined(lattice, Focus(np.empty(0, dtype=object), np.empty(0)), 2.0) is lattice
+    assert refined(lattice, Focus(np.empty(0, dtype=object), np.empty(0), 2.0)) is lattice
 
 
 @pytest.mark.parametrize("place", [(-40.0, 3.0), (0.0, 0.0), (5.0, 0.0), (1e7, 1e7)])
 def test_places_outside_of_the_lattice_or_on_its_rim_are_no_fault(place: tuple[float, float]) -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
-    fine = refined(lattice, Focus(shapely.points([place]), np.array([0.125])), 2.0)
+    fine = refined(lattice, Focus(shapely.points([place]), np.array([0.125]), 2.0))
     assert area(fine.cells) == area(lattice.cells)
     assert (fine.cells.size.min() < QUANTA) == (min(place) >= 0.0 and max(place) < 100.0)
 
 
 def test_there_is_a_smallest_cell() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 4.0), 1.0, 2.0)
-    fine = refined(lattice, Focus(shapely.points([(3.2, 3.3)]), np.array([1e-9])), 2.0)
+    fine = refined(lattice, Focus(shapely.points([(3.2, 3.3)]), np.array([1e-9]), 2.0))
     assert fine.cells.size.min() == QUANTA // 2**MOST_LEVELS
 
 
@@ -159,8 +159,8 @@ def test_lines_and_many_places_close_together() -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
     near = 4.0 + 1e-4 * np.random.default_rng(1).normal(size=(500, 2))
     line = shapely.LineString([(2.3, 2.2), (6.1, 3.1)])
-    fine = refined(lattice, Focus(np.append(shapely.points(near), line), np.append(np.full(500, 0.03), 0.25)), 2.0)
-    alone = refined(lattice, Focus(np.append(shapely.points([(4.0, 4.0)]), line), np.array([0.03, 0.25])), 2.0)
+    fine = refined(lattice, Focus(np.append(shapely.points(near), line), np.append(np.full(500, 0.03), 0.25), 2.0))
+    alone = refined(lattice, Focus(np.append(shapely.points([(4.0, 4.0)]), line), np.array([0.03, 0.25]), 2.0))
     assert abs(fine.cells.n - alone.cells.n) < 0.2 * alone.cells.n
     low, high = (corners / QUANTA for corners in boxes(fine.cells))
     crossed = shapely.intersects(shapely.box(*low.T, *high.T), line)

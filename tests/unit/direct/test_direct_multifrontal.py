@@ -175,7 +175,7 @@ def test_cells_small_in_some_places_take_less_work_where_lines_cross_few(seed: i
     """The work is about n (n + b)^2 for a front that eliminates n unknowns and is coupled to b later ones."""
     tips = np.random.default_rng(seed).uniform(2.0, 14.0, (6, 2))
     lattice = place_lattice(np.zeros(2), np.full(2, 12.0), 1.0, 1.5)
-    nodes = refined(lattice, Focus(np.array([shapely.Point(tip) for tip in tips]), np.full(6, 0.125)), 2.0).nodes
+    nodes = refined(lattice, Focus(np.array([shapely.Point(tip) for tip in tips]), np.full(6, 0.125), 2.0)).nodes
     unit = int(nodes.half.min()) // 3
     low, high = ((nodes.places + side * nodes.half[:, None]).repeat(2, axis=0) // unit for side in (-1, 1))
     work = []

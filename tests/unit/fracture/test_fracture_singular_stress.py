@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from crackgrow.accuracy.energy_norm import error_estimate
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
-from crackgrow.estimate.error_estimate import error_estimate
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import plane_elasticity

@@ -24,15 +24,15 @@ def test_a_cause_is_one_sentence_that_tells_its_worst_place_and_lists_the_others
 
 def test_important_causes_come_first() -> None:
     gathered = Gathered()
-    gathered.add(0, [Caution(Cause.LEFT_OUT, "left out"), Caution(Cause.SUPPORT, "support")])
+    gathered.add(0, [Caution(Cause.LEFT_OUT, "left out"), Caution(Cause.SAWING, "saw")])
     gathered.add(1, [Caution(Cause.UNBALANCED, "unbalanced")])
-    assert gathered.sentences() == ["step 1: unbalanced", "step 0: support", "step 0: left out"]
+    assert gathered.sentences() == ["step 1: unbalanced", "step 0: saw", "step 0: left out"]
 
 
 def test_steps_with_gaps_and_single_steps() -> None:
     gathered = Gathered()
     for step in (0, 2, 3, 4, 9):
-        gathered.add(step, [Caution(Cause.CLOSE, "close", "tip")])
+        gathered.add(step, [Caution(Cause.RIPPLE, "close", "tip")])
     assert gathered.sentences() == ["steps 0, 2 to 4, 9: close"]
 
 
@@ -58,7 +58,7 @@ def test_notes_that_differ_in_numbers_alone_are_one() -> None:
 
 def test_records_are_json_and_bring_it_all_back() -> None:
     gathered = Gathered()
-    gathered.add(0, [overlap("a", 5.0), Caution(Cause.SMALL_DISC, "no room", "tip", math.inf)])
+    gathered.add(0, [overlap("a", 5.0), Caution(Cause.JUMP, "no room", "tip", math.inf)])
     again = Gathered.of(json.loads(json.dumps(gathered.records())))
     for each in (gathered, again):
         each.add(1, [overlap("a", 6.0)])

@@ -33,7 +33,7 @@ def test_columns_are_those_of_the_contract() -> None:
         "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,seconds_assembly,"
         "seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,contact_status,complementarity,"
         "overlap,work,strain_energy,dissipation,released_energy,energy_error,load_displacement,crack_length,"
-        "overlap_share,load_factor_error,goal_error,time"
+        "overlap_share,load_factor_error,goal_error,time,slip_error,reaction_error"
     )
 
 

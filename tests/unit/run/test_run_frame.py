@@ -40,7 +40,8 @@ SCENES = {
 }
 """Scene, kinks in degrees of 2 mm segments added at the end, settings."""
 
-STUCK = ("compression30", (70.0,), "cracks.flaw.contact.friction=20")
+BY_HAND = ("numerics.spacing=1.5", "numerics.refine.tips=3", "numerics.refine.kinks=6")
+STUCK = ("compression30", (70.0,), "cracks.flaw.contact.friction=20", *BY_HAND)
 
 CUT = ("flaw_and_hole", "interface_friction04", "junction_static", "en_echelon")
 """Scenes with curved outlines, several bodies, cracks that meet."""

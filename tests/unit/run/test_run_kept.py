@@ -20,7 +20,7 @@ from tests.benchmarks.flaw_field import field_case
 @pytest.fixture(scope="module")
 def steps() -> tuple[Configuration, Configuration, Configuration]:
     """Six flaws; the same after one tip has grown, with what was known before and without it."""
-    case = field_case(6, 1)
+    case = field_case(6, 1, spacing=4, refine={"tips": 2, "kinks": 3})
     scene = make_scene(case)
     cracks = tuple(map(GrowingCrack.given, case.cracks))
     first = assemble(scene, cracks)
@@ -80,7 +80,7 @@ def test_products_of_a_later_step_are_those_of_it_alone(steps: tuple[Configurati
 def test_compliance_of_contact_taken_over_is_that_found_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """Subtrees far from what has grown are taken over."""
     monkeypatch.setattr(system, "FEW_NUMBERS", 0)
-    case = field_case(6, 1)
+    case = field_case(6, 1, spacing=4, refine={"tips": 2, "kinks": 3})
     scene = make_scene(case)
     cracks = tuple(map(GrowingCrack.given, case.cracks))
     first = assemble(scene, cracks)

@@ -394,13 +394,6 @@ def test_a_plate_that_is_strong_enough_arrests(plate: Plate) -> None:
     assert f"{largest:.3g}" in end.reason
 
 
-@pytest.mark.parametrize(("radius", "n"), [(0.7, 1), (0.8, 0)])
-def test_a_radius_below_half_a_spacing_warns_once(plate: Plate, radius: float, n: int) -> None:
-    results, _ = whole_run(plate(CENTRE, growth={"steps": 1, "tip_stress": {"radius": radius}}))
-    told = [sum("radius" in warning for warning in result.warnings) for result in results]
-    assert told == [n, 0]
-
-
 def test_a_step_tells_the_K_at_which_tips_grow(plate: Plate) -> None:
     """Where a load just makes a tip grow it is K_I, not the one that radius and strength stand for alone."""
     case = plate(CENTRE, "loading=critical", growth={"steps": 0})
@@ -502,7 +495,7 @@ def test_mirroring_the_crack_mirrors_the_answer(plate: Plate, sigma: float) -> N
         assert pytest.approx(-tip.K_II, abs=5e-5 * scale) == twin.K_II
 
 
-@pytest.mark.parametrize(("growth", "solve"), [(None, "load_history"), ({}, "load")])
+@pytest.mark.parametrize(("growth", "solve"), [(None, "LoadsInTurn"), ({}, "load")])
 def test_an_unsolvable_first_step_is_an_error(
     plate: Plate, monkeypatch: pytest.MonkeyPatch, growth: dict[str, Any] | None, solve: str
 ) -> None:

@@ -30,7 +30,7 @@ loads:
   - {on: {edge: bottom}, traction: [0, 20]}
   - {on: {edge: left}, traction: [5, 0]}
   - {on: {edge: right}, traction: [-5, 0]}
-numerics: {spacing: 10}
+numerics: {accuracy: draft}
 output: {frames: none, figures: false}
 """
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from crackgrow import cli
-from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.accuracy import TARGETS
 from crackgrow.errors import CaseError
 from crackgrow.study.setting import CaseFile
 from crackgrow.study.trade.plan import chosen_axes, finest, plan_trade, settings_of, with_length
@@ -19,7 +19,7 @@ INTERFACE = CaseFile(CASES / "interface_friction04.yaml")
 
 def test_grid_is_every_combination_after_the_presets():
     settings = settings_of({"spacing": ("3", "2 mm"), "support": ("1.5", "2")})
-    assert [setting.preset for setting in settings] == [*PRESETS, "", "", "", ""]
+    assert [setting.preset for setting in settings] == [*TARGETS, "", "", "", ""]
     assert [setting.name for setting in settings[3:]] == [
         "spacing=3 support=1.5",
         "spacing=3 support=2",
@@ -30,7 +30,7 @@ def test_grid_is_every_combination_after_the_presets():
     assert len({setting.name for setting in settings}) == len(settings)
 
 
-@pytest.mark.parametrize("name", list(PRESETS))
+@pytest.mark.parametrize("name", list(TARGETS))
 def test_preset_of_the_grid_has_all_that_it_sets_although_the_case_has_keys_of_its_own(name: str):
     (setting,) = settings_of({"support": ("2",)}, [name])[:1]
     given = CaseFile(CASES / "block_rigid.yaml")  # its spacing and support are given
@@ -46,7 +46,7 @@ def test_default_axes_suit_every_shipped_case(name: str):
     axes = chosen_axes(file, ())
     settings = settings_of(axes)
     assert len(settings) >= 40
-    for setting in settings[: len(PRESETS)] + settings[len(PRESETS) :: 7]:
+    for setting in settings[: len(TARGETS)] + settings[len(TARGETS) :: 7]:
         file.load(*setting.overrides)  # raises where a value does not fit
     assert ("contact_spacing" in axes) == (name not in ("edge_tension", "junction_static"))  # their faces never touch
 

@@ -1,22 +1,25 @@
-"""Where a scene asks for small cells, and what becomes of them as its cracks grow."""
+"""Features: where cells are small, and what becomes of them as cracks grow."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from crackgrow.accuracy.features import JOG
 from crackgrow.case import load_case
-from crackgrow.case.accuracy import PRESETS
+from crackgrow.case.accuracy import CELLS
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import CaseError
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.layout import cells_of, cover_of
-from crackgrow.run.scene import make_scene
+from crackgrow.run.layout import cells_of, contact_faces, cover_of
+from crackgrow.run.scene import Scene, make_scene
 from tests.one_size import one_size
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -54,9 +57,13 @@ def test_tips_kinks_and_corners_get_the_cells_that_they_ask_for() -> None:
     assert size_at(cover, (-0.013, 0.005)) == 1.0
 
 
-def test_a_turn_of_a_few_degrees_is_no_kink() -> None:
-    path = "cracks.flaw.path={points: [[-6, 0], [0, 0], [6, 0.6]]}"
-    assert np.all(laid_out(case("compression30", path, "numerics.refine.kinks=3")).sizes == 1.0)
+def test_the_less_a_crack_turns_the_larger_are_the_cells_at_its_kink() -> None:
+    sizes = []
+    for y in (0.02, 0.3, 0.6, 1.2):  # turns by 0.2, 3, 6, 12 degrees
+        path = f"cracks.flaw.path={{points: [[-6, 0], [0, 0], [6, {y}]]}}"
+        scene = load_case(CASES / "compression30.yaml", [AUTO, path, "growth.steps=0", *QUIET])
+        sizes.append(size_at(laid_out(scene), (1e-6, 1e-6)))
+    assert sizes[0] > sizes[1] > sizes[2] > sizes[3]
 
 
 def test_where_cracks_meet_or_end_on_an_outline_cells_are_small() -> None:
@@ -96,21 +103,20 @@ def test_contact_remembers_through_cells_of_several_sizes() -> None:
 
 FLAW = "cracks.flaw.path={points: [[-5, 0], [5, 0]]}"
 AUTO = "numerics.spacing=auto"
-STANDARD = PRESETS["standard"]
 
 
-def halved_to(size: float, spacing: float) -> float:
-    """Side, in spacings, of the largest halved cell that is no larger than `size` (m)."""
-    return float(2.0 ** -max(0, np.ceil(np.log2(spacing / size))))
+def halved_to(size: float, lattice: float) -> float:
+    """Side, in those of the largest of a step, of the largest that is no larger than `size` (m)."""
+    return float(2.0 ** -max(0, np.ceil(np.log2(0.5 * lattice / size))))
 
 
 @pytest.mark.parametrize(
     ("settings", "size"),
     [
-        (("growth.steps=0",), 0.010 / STANDARD.per_stretch),
-        (("growth.steps=3", "growth.increment=0.3"), 0.0003 / STANDARD.per_increment),
-        (("growth.steps=3", "growth.tip_stress={radius: 0.2}"), 0.0002 / STANDARD.per_radius),
-        (("growth.steps=0", "cracks.other={path: {points: [[5.5, -3], [5.5, 3]]}}"), 0.0005 / STANDARD.per_room),
+        (("growth.steps=0",), 0.010 / CELLS["stretch"]),
+        (("growth.steps=3", "growth.increment=0.3"), 0.0003 / CELLS["increment"]),
+        (("growth.steps=3", "growth.tip_stress={radius: 0.2}"), 0.0002 / CELLS["radius"]),
+        (("growth.steps=0", "cracks.other={path: {points: [[5.5, -3], [5.5, 3]]}}"), 0.0005 / CELLS["room"]),
     ],
 )
 def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[str, ...], size: float) -> None:
@@ -118,7 +124,7 @@ def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[s
     more = (contact,) if "other" in settings[-1] else ()
     cover = laid_out(case("compression30", AUTO, FLAW, *settings, *more))
     (tip,) = (tip for tip in cover.tips if str(cover.cracks[tip.crack].name) == "flaw" and tip.at_end)
-    assert tip.size == halved_to(size, cover.lattice.spacing)
+    assert 2.0 * tip.size == halved_to(size, cover.lattice.spacing)
 
 
 @pytest.mark.parametrize(
@@ -133,7 +139,7 @@ def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
     long, short = 0.008, 0.001
     path = f"cracks.flaw.path={{points: [[-8, 0], [0, 0], [0, {1e3 * short}]]}}"
     cover = laid_out(case("compression30", AUTO, "growth.steps=0", path))
-    wanted = min(long / STANDARD.per_longer, short / STANDARD.per_stretch)
+    wanted = min((long + short) / CELLS["kink"], short / CELLS["stretch"])
     assert size_at(cover, (0.0, 0.0)) == halved_to(wanted, cover.lattice.spacing)
 
 
@@ -141,24 +147,71 @@ def test_a_rough_crack_gets_no_cells_for_each_of_its_jogs() -> None:
     x = np.linspace(-8.0, 8.0, 81)
     points = np.column_stack([x, 0.05 * (-1.0) ** np.arange(81)])
     cover = laid_out(case("compression30", AUTO, "growth.steps=0", f"cracks.flaw.path={{points: {points.tolist()}}}"))
-    assert cover.lattice.cells.size.min() / cover.lattice.cells.size.max() >= 0.5 * 0.016 / STANDARD.per_rough / 0.0031
-    assert cover.n_dofs < 20_000
+    kinks = 0.016 / CELLS["kink"] / JOG
+    assert cover.lattice.cells.size.min() / cover.lattice.cells.size.max() >= 0.5 * kinks / 0.0031
 
 
 def test_automatic_cells_along_a_hole_follow_its_width() -> None:
     hole = "bodies.rock.shape.holes=[{disk: {center: [0, 12], radius: 1}}]"
     cover = laid_out(case("compression30", AUTO, FLAW, "growth.steps=0", hole))
-    wanted = halved_to(0.002 / STANDARD.per_feature, cover.lattice.spacing)
+    wanted = halved_to(0.002 / CELLS["feature"], cover.lattice.spacing)
     assert size_at(cover, (0.0, 0.0132)) == size_at(cover, (-0.0012, 0.012)) == wanted
     assert size_at(cover, (0.0, -0.025)) == 1.0
 
 
-def test_the_smallest_cells_are_a_16384th_of_the_largest() -> None:
-    """A crack of 10 micrometres in a block of 31 mm: the largest cells are smaller, too."""
-    tiny = "cracks.flaw.path={points: [[0, 0], [0.01, 0]]}"
+def test_the_largest_cells_are_smaller_where_a_crack_is_a_thousandth_of_what_levels_reach() -> None:
+    """A crack of a micrometre in a block of 31 mm."""
+    tiny = "cracks.flaw.path={points: [[0, 0], [0.001, 0]]}"
     cover = laid_out(case("compression30", AUTO, tiny, "growth.steps=0"))
-    assert min(tip.size for tip in cover.tips) >= 2.0**-14
-    assert all(tip.size * cover.lattice.spacing <= 1e-5 / STANDARD.per_crack * 1.0000001 for tip in cover.tips)
+    assert min(tip.size for tip in cover.tips) >= 2.0**-15
+    assert all(tip.size * cover.lattice.spacing <= 1e-6 / CELLS["tip"] * 1.0000001 for tip in cover.tips)
+
+
+def on(scene: Scene, **grading: Any) -> Cover:
+    return cover_of(scene.with_grading(replace(scene.grading, **grading)), beginning(scene.case).cracks)
+
+
+@pytest.mark.parametrize("name", ["compression30", "two_flaws", "flaw_and_hole", "tunnel_excavated", "slope_safety"])
+def test_the_cells_of_a_step_are_those_of_its_companion_quartered_and_so_are_pieces_between_contact_points(
+    name: str,
+) -> None:
+    scene = make_scene(load_case(CASES / f"{name}.yaml", [AUTO, *QUIET]))
+    step, companion = on(scene), on(scene, companion=True)
+    assert step.lattice.cells.equal(companion.lattice.cells.quartered())
+    for fine, coarse in zip(step.surfaces, companion.surfaces, strict=True):
+        assert fine.in_cells.total == pytest.approx(2.0 * coarse.in_cells.total, rel=1e-9)
+    here = contact_faces(scene, step)
+    there = contact_faces(scene.with_grading(replace(scene.grading, companion=True)), companion)
+    for surface in np.unique(there.surface):
+        few, many = (np.sort(faces.s[faces.surface == surface]) for faces in (there, here))
+        assert len(many) > len(few)
+        if len(few) > 5:  # between the ends each length in cells is halved
+            along = step.surfaces[surface].in_cells
+            assert np.median(np.diff(along.at(many))) == pytest.approx(np.median(np.diff(along.at(few))) / 2, rel=0.05)
+
+
+def test_levels_refine_the_features_of_their_crack_alone() -> None:
+    scene = make_scene(load_case(CASES / "two_flaws.yaml", [AUTO, *QUIET]))
+    given, refined = on(scene), on(scene, cracks=(2, 0))
+    sizes = [{(tip.crack, tip.at_end): tip.size for tip in cover.tips} for cover in (given, refined)]
+    assert all(sizes[1][end] == sizes[0][end] / (4.0 if end[0] == 0 else 1.0) for end in sizes[0])
+    assert on(scene, rest=1).n_dofs > given.n_dofs
+
+
+def test_places_where_contact_status_changes_have_small_cells_once_their_crack_is_refined() -> None:
+    scene = make_scene(load_case(CASES / "compression30.yaml", [AUTO, FLAW, "growth.steps=0", *QUIET]))
+    middle = ((0, 0.0, 0.0),)
+    sizes = [size_at(on(scene, cracks=(level,), changes=middle), (1e-5, 1e-5)) for level in (0, 3)]
+    assert sizes[1] <= 0.010 / CELLS["tip"] / 8.0 / (0.5 * scene.lattice.spacing)
+    assert sizes[1] < sizes[0]
+
+
+def test_a_pressure_that_varies_along_a_crack_has_small_cells_where_it_does() -> None:
+    pressure = "1e6*exp(-((x - 2)/0.3)**2)"
+    load = f'loads=[{{crack: flaw, pressure: "{pressure}"}}]'
+    scene = load_case(CASES / "compression30.yaml", [AUTO, FLAW, "growth.steps=0", load, *QUIET])
+    cover = laid_out(scene)
+    assert size_at(cover, (0.0023, 1e-6)) < 0.5 * size_at(cover, (-0.0023, 1e-6))
 
 
 @pytest.mark.parametrize("factor", [1e-5, 1 / 3, 1e5])

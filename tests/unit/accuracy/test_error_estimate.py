@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.estimate.error_estimate import Samples, error_estimate, fit, misfits
+from crackgrow.accuracy.energy_norm import Samples, error_estimate, fit, misfits
 from crackgrow.solid.elasticity import energy_components, energy_density, plane_elasticity
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error

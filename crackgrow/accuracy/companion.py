@@ -1,0 +1,165 @@
+"""Errors of a step from its companion mesh: the same family of cells, all of them twice as large.
+
+The step's cells are the companion's, each quartered, and so are the pieces between contact points: what the two meshes
+say of any quantity differs by D, which is as large as the companion's error. With c1 = EXPECTED and c2 = BOUND
+
+    error expected = D / c1,    error at most = c2 D
+
+for K_I and K_II together, directions of growth, critical load factors, jumps of faces and reactions. An error may pass
+through zero at one tip, so D of K and of directions is that of the crack's tip where it is largest, and D of directions
+and of a critical load is not below that of the K that they follow from, over that K. To D of K is added, as to any two
+independent errors, the spread between the discs of the integral. What no pair can see is shear that faces
+carry beyond friction where a tip is open more closely to itself than any contact point lies (`unseen_shear`).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
+from itertools import groupby
+from typing import Any, Final
+
+import numpy as np
+
+from crackgrow.accuracy.features import Grading
+from crackgrow.arrays import Floats
+from crackgrow.case.model import Goal
+
+EXPECTED: Final = 1.6
+"""D over the error in the median: tests/benchmarks/errors.md."""
+
+BOUND: Final = 3.0
+"""The error is below so many D in 97 % of all quantities there."""
+
+NOTHING: Final = 1e-9
+"""Of the largest K: a K below is round-off."""
+
+HALF_INFINITE: Final = 8.0 / math.pi
+
+End = tuple[int, bool]
+"""Number of a crack, and whether it is its end or its start."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Quantities:
+    """What a step says on one mesh, at places that do not depend on cells."""
+
+    ends: tuple[End, ...]  # tip by tip
+    K: Floats  # (n, 2) Pa sqrt(m), nan where it is not known
+    spread: Floats  # (n,) Pa sqrt(m), of both between discs
+    unseen: Floats  # (n,) Pa sqrt(m)
+    kinks: Floats  # (n,) rad, directions of growth; nan without growth
+    load_factor: float  # on the mesh's own path
+    jumps: Floats  # (m, 2) m, opening and slip
+    forces: Floats  # (k, 2) N/m, reactions
+    small: Mapping[str, float]  # values of "K" (Pa sqrt(m)), "slip" (m), "reaction" (N/m) of which errors are parts
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """D of the quantities of a step, and the cells that it was solved on. An error that is not known is nan."""
+
+    grading: Grading
+    ends: tuple[End, ...] = ()
+    K: tuple[float, ...] = ()  # Pa sqrt(m), tip by tip: of K_I and K_II together
+    largest: float = 0.0  # Pa sqrt(m), |K| of the tip where it is largest, or what is small where that is larger
+    kinks: tuple[float, ...] = ()  # rad, tip by tip
+    shares: Mapping[str, float] = field(default_factory=dict)  # of goals, over the largest value; no K
+    missed: str = ""  # why the target is out of reach, in words; empty where it is met
+
+    def off(self, goal: Goal) -> float:
+        """The bound of a goal over its largest value; infinite where it is not known."""
+        share = self._of_K(self.K) if goal == "K" else BOUND * self.shares.get(goal, math.nan)
+        return math.inf if math.isnan(share) else share
+
+    def off_by_crack(self, goal: Goal, n: int) -> Floats:
+        """The same (n,) crack by crack: of K nothing where a crack has no tips, nan where it is not known."""
+        if goal != "K":
+            return np.full(n, self.off(goal))
+        found = np.zeros(n)
+        for crack, tips in groupby(sorted(zip(self.ends, self.K, strict=True)), lambda tip: tip[0][0]):
+            found[crack] = self._of_K([D for _, D in tips])
+        return found
+
+    def _of_K(self, D: Sequence[float]) -> float:
+        """The bound of K of some tips, of which there may be none, over the largest."""
+        known = [each for each in D if not math.isnan(each)]
+        if not D or not self.largest > 0.0:  # no tips, no loads, or all faces stick
+            return 0.0
+        return BOUND * max(known) / self.largest if known else math.nan
+
+
+def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> Errors:
+    """The errors of a step from its quantities, and those of its companion; not known without one."""
+    n, K = len(here.ends), np.hypot(*here.K.T)
+    largest = max(float(np.nanmax(K)), here.small["K"]) if np.isfinite(K).any() else 0.0
+    if there is None:
+        unknown = (math.nan,) * n
+        return Errors(grading, here.ends, unknown, largest, unknown)
+    other = [there.ends.index(end) if end in there.ends else -1 for end in here.ends]
+    K_there, kinks_there = (np.append(values, values[:1] * np.nan, axis=0) for values in (there.K, there.kinks))
+    apart = np.hypot(*(here.K - _row(K_there, other)).T) if n else np.zeros(0)
+    D = _largest_of_crack(here.ends, np.hypot(apart, here.spread)) + here.unseen / BOUND
+    turned = _largest_of_crack(here.ends, np.abs(here.kinks - _row(kinks_there, other)))
+    of_K, some = np.full(n, np.nan), NOTHING * largest < K
+    of_K[some] = D[some] / K[some]  # what directions and critical loads follow from
+    turned = np.where(np.isfinite(turned), np.fmax(turned, np.minimum(of_K, math.pi)), turned)
+    lifted = abs(there.load_factor / here.load_factor - 1.0) if here.load_factor else math.nan
+    shares = {
+        "load_factor": np.fmax(lifted, of_K[np.nanargmax(K)]).item() if lifted > 0.0 and some.any() else lifted,
+        "slip": _share(here.jumps, there.jumps, here.small["slip"]),
+        "reaction": _share(here.forces, there.forces, here.small["reaction"]),
+    }
+    return Errors(grading, here.ends, tuple(D.tolist()), largest, tuple(turned.tolist()), shares)
+
+
+def _row(values: Floats, rows: Sequence[int]) -> Floats:
+    """Some rows of values, the last of which are nan."""
+    return np.asarray(values[rows]) if len(values) else np.full((len(rows), *values.shape[1:]), np.nan)
+
+
+def _largest_of_crack(ends: Sequence[End], values: Floats) -> Floats:
+    """Tip by tip (n,) the largest value of its crack's tips; nan where none is known."""
+    cracks = np.array([crack for crack, _ in ends], dtype=np.int64)
+    found = np.full(len(ends), np.nan)
+    for crack in np.unique(cracks):
+        known = values[cracks == crack]
+        known = known[np.isfinite(known)]
+        found[cracks == crack] = known.max() if len(known) else np.nan
+    return np.where(np.isfinite(values), found, np.nan)
+
+
+def _share(here: Floats, there: Floats, small: float) -> float:
+    """Difference of vectors (m, 2), where it is largest, over the largest of them; nan where there are none."""
+    largest = max(float(np.hypot(*here.T).max(initial=0.0)), small)
+    if not len(here) or here.shape != there.shape:
+        return math.nan
+    return float(np.hypot(*(here - there).T).max()) / largest if largest > 0.0 else 0.0
+
+
+def unseen_shear(K_I: float, y: float, pressure: float, shear: float) -> float:
+    """Bound (Pa sqrt(m)) of what K_II misses where a tip is open over a stretch that no contact point lies on.
+
+    The first point is closed, y (m) from the tip, with this pressure and shear beyond friction (Pa). By the weight
+    function of a half-infinite crack (Tada, Paris, Irwin 2000) the tip is open over a, K_I = p sqrt(8 a / pi).
+    """
+    if K_I <= 0.0:
+        return 0.0
+    return shear * min(math.sqrt(HALF_INFINITE * y), K_I / pressure if pressure > 0.0 else math.inf)
+
+
+def record_of(errors: Errors) -> dict[str, Any]:
+    """Errors as plain data, whose numbers may be nan."""
+    return asdict(errors)
+
+
+def errors_of_record(record: Mapping[str, Any]) -> Errors:
+    """The errors that were written as plain data."""
+    values = {name: _as_tuples(value) for name, value in record.items()}
+    grading = {name: _as_tuples(value) for name, value in record["grading"].items()}
+    return Errors(**{**values, "grading": Grading(**grading)})
+
+
+def _as_tuples(value: Any) -> Any:
+    return tuple(map(_as_tuples, value)) if isinstance(value, list | tuple) else value

@@ -1,1 +1,0 @@
-"""The error of a solution in the energy norm, as it estimates itself."""

@@ -1,0 +1,334 @@
+"""Stated errors against truths: scenes x accuracies -> error, expected, bound, unknowns, CPU, of every quantity.
+
+    python -m tests.benchmarks.errors [--accuracy standard ...] [--wings SEED ...] [--growing N] [--write] [SCENE ...]
+
+With --write tests/benchmarks/errors.md is made anew, else all is printed.
+
+Scenes are those of `target_scenes`, whose K is exact or from references, shipped cases, cracks with random wings, and
+the growing scenes at random of tests/stability: holes, disks, blocks, fluid, friction, cohesion, dilation. Other truths
+are of cells three levels finer at features and one in theta, for the cracks and the load of the step, and good to what
+they differ by from two levels. The first and the last step of a run count, the tenth at most.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from crackgrow import run_case
+from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors, Quantities, errors_of
+from crackgrow.case import Case, load_case
+from crackgrow.case.model import CriticalLoad, StrengthReduction
+from crackgrow.errors import CrackgrowError
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.judging import StepSolution
+from crackgrow.run.layout import cover_of
+from crackgrow.run.loading import LoadsInTurn, NextStep
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.scene import make_scene
+from crackgrow.run.strength_reduction import strength_reduction
+from crackgrow.run.target import quantities
+from tests.benchmarks.paths import HERE
+from tests.benchmarks.tables import table
+from tests.benchmarks.target_scenes import SCENES, Known
+from tests.scenes import plate
+from tests.stability.growing_scenes import growing_scene
+from tests.verification.solutions import CASES
+
+MOST_STEPS = 10
+
+TINY = 1e-12
+
+GOALS = ("load_factor", "slip", "reaction")
+FINER = 2, 3
+"""Levels; the larger one is the truth."""
+
+MOST_UNKNOWNS = 150_000
+"""Of a truth: there is none for a step that would need more."""
+
+SHIPPED = (
+    "brazilian_disk", "compression45", "confined30", "cyclic_friction", "edge_tension", "flaw_and_hole",
+    "interface_friction04", "junction_static", "slant_tension", "slope_safety", "tension0", "two_flaws",
+    "two_flaws_overlapping",
+)  # fmt: skip
+
+Truth = dict[tuple[str, str], tuple[float, float]]
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """A scene, by accuracy, and K of its tips in the first step where that is known."""
+
+    case: Callable[[str], Case]
+    K: Truth | None = None
+    within: float = 0.0  # of the largest K: what that is good to
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A quantity of a step; shares of its largest value in the step, directions in rad."""
+
+    scene: str
+    accuracy: str
+    quantity: str
+    error: float
+    within: float  # what the truth is good to
+    D: float
+    n_dofs: int
+    seconds: float
+
+    @property
+    def holds(self) -> bool:
+        """Whether the error is within its bound, as far as the truth goes."""
+        return self.error <= BOUND * self.D + self.within
+
+    @property
+    def is_near(self) -> bool:
+        """Whether the expected error is within a factor of two, as far as the truth goes."""
+        error, expected = self.error, self.D / EXPECTED
+        return max(error - self.within, 0.0) <= 2.0 * expected and expected <= 2.0 * (error + self.within)
+
+
+def wings(seed: int, count: int = 40) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Random kinked cracks with one to three segments to a wing; closed, open or partly open."""
+    rng = np.random.default_rng(seed)
+    for number in range(count):
+        angle, friction = math.radians(rng.uniform(20, 70)), float(rng.choice([0, 0.1, 0.3, 0.6]))
+        lateral, size = float(rng.choice([0, 0, 0.05, 0.15, 0.3])), float(rng.choice([4, 6, 10, 20]))
+        length, parts = float(np.exp(rng.uniform(math.log(0.15), math.log(1.5)))), int(rng.integers(1, 4))
+        end = np.array([math.cos(angle), math.sin(angle)])
+        wing, turn = [end.copy()], math.pi / 2 + rng.uniform(-0.35, 0.35)
+        for _ in range(parts):
+            end = end + length / parts * np.array([math.cos(turn), math.sin(turn)])
+            wing.append(end.copy())
+            turn += rng.uniform(-0.25, 0.25)
+        points = 10.0 * np.vstack([-np.array(wing)[::-1], wing])
+        case = plate(np.round(points, 6).tolist(), 10.0 * size, 100.0, 100.0 * lateral, friction)
+        yield f"wings {seed}.{number}: friction {friction:g}, lateral {lateral:g}", case
+
+
+def all_scenes(seeds: Sequence[int], n_growing: int) -> Iterator[tuple[str, Callable[[], Entry]]]:
+    """All scenes by name."""
+    for name, entry in SCENES.items():
+        yield name, partial(_known, entry.make)
+    for name in SHIPPED:
+        yield name, partial(Entry, partial(_shipped, name))
+    made = [each for seed in seeds for each in wings(seed)]
+    for name, scene in (*made, *((scene["title"], scene) for scene in map(growing_scene, range(n_growing)))):
+        yield name, partial(Entry, partial(_case, scene))
+
+
+def _known(make: Callable[[], Known]) -> Entry:
+    known = make()
+    truth = known.truth and {key: K for key, K in known.truth.items() if math.isfinite(sum(K))}
+    return Entry(partial(_case, known.case), truth, known.within)
+
+
+def _case(scene: dict[str, Any], accuracy: str) -> Case:
+    if "growth" in scene:
+        scene = {**scene, "growth": {**scene["growth"], "steps": min(scene["growth"]["steps"], MOST_STEPS)}}
+    return Case.from_dict({**scene, "numerics": {"accuracy": accuracy}})
+
+
+def _shipped(name: str, accuracy: str) -> Case:
+    case = load_case(CASES / f"{name}.yaml", [f"numerics.accuracy={accuracy}", "numerics.spacing=auto"])
+    if case.growth is None:
+        return case
+    return replace(case, growth=replace(case.growth, steps=min(case.growth.steps, MOST_STEPS)))
+
+
+def rows_of(name: str, entry: Entry, accuracy: str) -> Iterator[Row]:
+    """The quantities of a scene in its first step and in its last one."""
+    case = entry.case(accuracy)
+    if isinstance(case.loading, StrengthReduction):
+        yield _safety(name, case, accuracy)
+        return
+    begun, before = time.process_time(), None
+    last: tuple[int, StepSolution | None, StepSolution, float] | None = None
+    for result, solution in solved_steps(case):
+        seconds = time.process_time() - begun
+        if entry.K is not None:
+            truth = replace(quantities(solution, 1.0), K=_in_turn(solution, entry.K))
+            make = partial(Row, name, accuracy, n_dofs=result.n_dofs, seconds=seconds)
+            yield from _rows(make, solution, _off(solution, truth), entry.within)
+            return
+        if result.step == 0:
+            yield from _against_finer(f"{name}, step 0", accuracy, solution, None, 0, seconds)
+        last = result.step, before, solution, seconds
+        before, begun = solution, time.process_time()
+    if last is not None and last[0] > 0:
+        number, before, solution, seconds = last
+        yield from _against_finer(f"{name}, step {number}", accuracy, solution, before, number, seconds)
+
+
+def _in_turn(solution: StepSolution, K: Truth) -> np.ndarray:
+    """Known K (n, 2) tip by tip, nan where it is not known; of K_II the size alone is known."""
+    found = []
+    for (number, at_end), tip in zip(solution.cover.tip_ends, solution.tips, strict=True):
+        known = K.get((str(solution.cover.cracks[number].name), "end" if at_end else "start"), (math.nan, math.nan))
+        found.append((known[0], math.copysign(known[1], tip.K[1])))
+    return np.array(found)
+
+
+def _off(solution: StepSolution, truth: Quantities, here: Quantities | None = None) -> Errors:
+    """What a solution, or the quantities of another one, are off by, over the largest values of the truth."""
+    here = here or quantities(solution, solution.state.factor)
+    nothing = np.zeros(len(here.ends))
+    off = errors_of(solution.scene.grading, replace(here, spread=nothing, unseen=nothing), truth)
+    return replace(off, largest=max(float(np.nanmax(np.hypot(*truth.K.T), initial=0.0)), here.small["K"]))
+
+
+def _against_finer(
+    name: str, accuracy: str, solution: StepSolution, before: StepSolution | None, number: int, seconds: float
+) -> Iterator[Row]:
+    """The quantities of a step against those on finer cells; none where there is no solution on such cells."""
+    if solution.errors is None:
+        return
+    try:
+        near, truth = (_on_finer(solution, before, number, levels) for levels in FINER)
+    except (CrackgrowError, MemoryError) as error:
+        print(f"{name}: no truth: {error}", flush=True)
+        return
+    if list(solution.cover.tip_ends) == list(near.ends) == list(truth.ends):
+        make = partial(Row, name, accuracy, n_dofs=solution.cover.n_dofs, seconds=seconds)
+        yield from _rows(make, solution, _off(solution, truth), _off(solution, truth, near))
+
+
+def _on_finer(solution: StepSolution, before: StepSolution | None, number: int, levels: int) -> Quantities:
+    """The quantities of a step on cells some levels finer. Raises as solutions do, MemoryError beyond the limit."""
+    scene, cracks = solution.scene, solution.cracks
+    deeper = tuple(scene.grading.level(crack) + levels for crack in range(len(cracks)))
+    finer = scene.with_grading(replace(scene.grading, cracks=deeper, rest=scene.grading.rest + 1))
+    if (n := cover_of(finer, cracks).n_dofs) > MOST_UNKNOWNS:
+        raise MemoryError(f"{n} unknowns")
+    if scene.case.growth is not None:
+        return quantities(*NextStep(cracks, before).companion(finer, solution, None))
+    there = LoadsInTurn(finer, cracks).solution(number)
+    return quantities(there, there.state.factor)
+
+
+def _rows(make: Callable[..., Row], solution: StepSolution, off: Errors, apart: Errors | float) -> Iterator[Row]:
+    """A row for each crack's K and direction, and for each other quantity that is known.
+
+    They are off the truth by `off`; truths are `apart`, or K is within so much of the largest.
+    """
+    stated, names = solution.errors, [str(crack.name) for crack in solution.cover.cracks]
+    assert stated is not None
+    exact, near = (apart, None) if isinstance(apart, float) else (0.0, apart)
+    for crack, tip in {crack: tip for tip, (crack, _) in enumerate(off.ends)}.items():
+        within = exact if near is None else near.K[tip] / off.largest
+        yield make(f"K of {names[crack]}", off.K[tip] / off.largest, within, stated.K[tip] / off.largest)
+        if near is not None:
+            yield make(f"direction of {names[crack]}", off.kinks[tip], near.kinks[tip], stated.kinks[tip])
+    if near is None:
+        return
+    for goal in off.shares:
+        if goal != "load_factor" or isinstance(solution.scene.case.loading, CriticalLoad):
+            yield make(goal, off.shares[goal], near.shares[goal], stated.shares[goal])
+
+
+def _safety(name: str, case: Case, accuracy: str) -> Row:
+    """The factor of safety."""
+    begun, run = time.process_time(), run_case(case)
+    seconds, safety = time.process_time() - begun, run.end.safety
+    assert safety is not None
+    scene, cracks = make_scene(case), beginning(case).cracks
+    levels = [replace(scene.grading, cracks=(level,) * len(cracks), rest=level) for level in (1, 2)]
+    near, truth = (strength_reduction(scene.with_grading(grading), cracks)[0].factor for grading in levels)
+    error, within = abs(safety.factor / truth - 1.0), abs(near / truth - 1.0)
+    return Row(name, accuracy, "factor of safety", error, within, safety.error / 100.0 / BOUND,
+               run.results[0].n_dofs, seconds)  # fmt: skip
+
+
+def told(rows: Sequence[Row]) -> Iterator[str]:
+    """What the rows say of an accuracy, by quantity and together."""
+    for accuracy in dict.fromkeys(row.accuracy for row in rows):
+        mine = [row for row in rows if row.accuracy == accuracy]
+        n_scenes, dofs = len({row.scene.split(", step")[0] for row in mine}), [row.n_dofs for row in mine]
+        yield (
+            f"`{accuracy}`: {len(mine)} quantities of {n_scenes} scenes; {np.median(dofs):,.0f} unknowns in the "
+            f"median, {max(dofs):,} at most; {np.median([row.seconds for row in mine]):.2f} s a step"
+        )
+        kinds = dict.fromkeys(row.quantity.split(" of ")[0] for row in mine)
+        for kind in (*kinds, ""):
+            some = [row for row in mine if row.quantity.startswith(kind)]
+            ratio = np.quantile([row.D / max(row.error, TINY) for row in some], [0.05, 0.5, 0.95])
+            yield (
+                f"  - {kind or 'all'}: {len(some)}; the bound holds for {np.mean([row.holds for row in some]):.1%}, "
+                f"expected is within a factor of two for {np.mean([row.is_near for row in some]):.0%}; error "
+                f"{100 * np.median([row.error for row in some]):.3f} % in the median; D / error {ratio[1]:.2g} in the "
+                f"median, {ratio[0]:.2g} to {ratio[2]:.2g} for nine of ten"
+            )
+
+
+def main(given: Sequence[str] | None = None) -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("only", nargs="*", metavar="SCENE", help="scenes whose names contain one of these")
+    parser.add_argument("--accuracy", nargs="+", default=["standard"])
+    parser.add_argument("--wings", nargs="*", type=int, default=[], metavar="SEED", help="of cracks with random wings")
+    parser.add_argument("--growing", type=int, default=0, metavar="N", help="random growing scenes")
+    parser.add_argument("--write", action="store_true", help="write errors.md")
+    asked: Any = parser.parse_args(given)
+    found: list[Row] = []
+    for name, make in all_scenes(asked.wings, asked.growing):
+        if asked.only and not any(part in name for part in asked.only):
+            continue
+        for accuracy in asked.accuracy:
+            try:
+                mine = [row for row in rows_of(name, make(), accuracy) if math.isfinite(row.error + row.D)]
+                found += mine
+            except CrackgrowError as error:
+                print(f"{name}, {accuracy}: {error}", flush=True)
+                continue
+            for row in mine:
+                words = f"{row.scene}, {accuracy}, {row.quantity}: {_percent(row)}, {row.n_dofs}, {row.seconds:.2f} s"
+                print(words + ("" if row.holds else "  BEYOND"), flush=True)
+    print("\n".join(told(found)))
+    if asked.write:
+        (HERE / "errors.md").write_text(page(found), encoding="utf-8")
+
+
+def _percent(row: Row) -> str:
+    return (
+        f"{100 * row.error:.3f} % ({100 * row.within:.3f}) of at most {100 * BOUND * row.D:.3f}, "
+        f"expected {100 * row.D / EXPECTED:.3f}"
+    )
+
+
+def page(rows: Sequence[Row]) -> str:
+    """errors.md: what the rows say together, what is beyond its bound, and the worst quantity of each scene."""
+    worst: dict[tuple[str, str], Row] = {}
+    for row in rows:
+        known = worst.get(key := (row.scene, row.accuracy))
+        if known is None or row.error / max(row.D, TINY) > known.error / max(known.D, TINY):
+            worst[key] = row
+    beyond = [row for row in rows if not row.holds]
+    head = ("scene", "accuracy", "quantity", "error, %", "truth good to", "expected", "at most", "unknowns", "CPU s")
+    return (
+        "# Stated errors, held against truths\n\n"
+        "Written by `python -m tests.benchmarks.errors --write`, whose head says what scenes and truths these are.\n"
+        "K_I and K_II together, slip, reactions and load factors are over their largest value in the step, directions\n"
+        "in percent of a radian; of a crack the worse tip counts. Expected is D / 1.6, at most 3 D.\n\n"
+        + "".join(f"{'' if line.startswith('  ') else '- '}{line}\n" for line in told(rows))
+        + f"\n## Beyond their bound: {len(beyond)}\n\n"
+        + table(head, list(map(_cells, beyond)))
+        + "\n## The quantity of each step that comes nearest\n\n"
+        + table(head, list(map(_cells, worst.values())))
+    )
+
+
+def _cells(row: Row) -> tuple[str, ...]:
+    percent = (row.error, row.within, row.D / EXPECTED, BOUND * row.D)
+    parts = (f"{100 * part:.3f}" for part in percent)
+    return (row.scene, row.accuracy, row.quantity, *parts, f"{row.n_dofs:,}", f"{row.seconds:.2f}")
+
+
+if __name__ == "__main__":
+    main()

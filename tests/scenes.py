@@ -1,0 +1,56 @@
+"""Scenes as documents of a case: specimens and plates with flaws, for tests and benchmarks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import Any
+
+import numpy as np
+import yaml
+
+from tests.verification.solutions import CASES
+
+MPA = 1e6
+
+
+def shipped(name: str) -> dict[str, Any]:
+    """A shipped scene for one static solve."""
+    scene: dict[str, Any] = yaml.safe_load((CASES / f"{name}.yaml").read_text().replace(" on:", " 'on':").replace(
+        "{on:", "{'on':"))  # fmt: skip
+    return {key: value for key, value in scene.items() if key not in ("growth", "loading")}
+
+
+def plate(points: list[list[float]], size: float, axial: float, lateral: float, friction: float) -> dict[str, Any]:
+    """A square plate under compression (MPa) with one flaw (mm), loaded by tractions."""
+    edges = {"left": [lateral, 0], "right": [-lateral, 0], "top": [0, -axial], "bottom": [0, axial]}
+    corner = 0.5 * size
+    return {
+        "title": "a closed flaw with wings",
+        "units": {"length": "mm", "stress": "MPa"},
+        "plane": "strain",
+        "bodies": {
+            "rock": {
+                "shape": {"rectangle": {"center": [0, 0], "width": size, "height": size}},
+                "material": {"young": 20000, "poisson": 0.25},
+            }
+        },
+        "cracks": {"flaw": {"path": {"points": points}, "contact": {"friction": friction, "cohesion": 0}}},
+        "supports": [
+            {"at": [-corner, -corner], "displacement": {"x": 0, "y": 0}},
+            {"at": [corner, -corner], "displacement": {"y": 0}},
+        ],
+        "loads": [{"on": {"body": "rock", "edge": edge}, "traction": force} for edge, force in edges.items()],
+        "numerics": {"spacing": 1},
+    }
+
+
+def winged(half: float, angle: float, wing: float, turn: float) -> list[list[float]]:
+    """Vertices of a flaw with straight wings, symmetric by point reflection; degrees."""
+    inner = half * np.exp(1j * np.deg2rad(angle))
+    outer = inner + wing * np.exp(1j * np.deg2rad(angle + turn))
+    return [[float(z.real), float(z.imag)] for z in (-outer, -inner, inner, outer)]
+
+
+def told(warnings: Iterable[str]) -> list[str]:
+    """Warnings but the one that cells by hand have no error."""
+    return [text for text in warnings if "no error is measured" not in text]

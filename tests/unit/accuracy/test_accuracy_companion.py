@@ -1,0 +1,151 @@
+"""Errors from the difference of two meshes, and the cells that are refined for them."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from crackgrow.accuracy.companion import (
+    BOUND,
+    Errors,
+    Quantities,
+    errors_of,
+    errors_of_record,
+    record_of,
+    unseen_shear,
+)
+from crackgrow.accuracy.features import Grading
+from crackgrow.accuracy.marking import COARSEST, MOST_AT_ONCE, coarsened, refined
+from crackgrow.arrays import Floats
+
+NAN = math.nan
+ENDS = ((0, False), (0, True), (1, True))
+HERE = Quantities(
+    ENDS, np.array([[3.0, 0.0], [3.0, 4.0], [1.0, 0.0]]), np.zeros(3), np.zeros(3), np.array([0.1, 0.2, 0.3]),
+    2.0, np.array([[0.0, 2.0]]), np.array([[3.0, 4.0]]), {"K": 0.1, "slip": 1e-9, "reaction": 1e-9},
+)  # fmt: skip
+GRADING = Grading(nested=True)
+
+
+def test_the_difference_of_a_crack_is_that_of_its_tip_where_it_is_largest() -> None:
+    there = replace(
+        HERE,
+        K=HERE.K + np.array([[0.03, 0.04], [0.0, 0.0], [0.01, 0.0]]),
+        kinks=HERE.kinks + np.array([0.0, 0.05, 0.01]),
+    )
+    errors = errors_of(GRADING, HERE, there)
+    assert pytest.approx((0.05, 0.05, 0.01)) == errors.K
+    assert errors.kinks == pytest.approx((0.05, 0.05, 0.01))
+    assert (errors.largest, errors.off("K")) == (5.0, pytest.approx(BOUND * 0.05 / 5.0))
+    assert errors.off_by_crack("K", 3) == pytest.approx([BOUND * 0.05 / 5.0, BOUND * 0.01 / 5.0, 0.0])
+    small = errors_of(GRADING, replace(HERE, small={**HERE.small, "K": 8.0}), there)
+    assert small.off("K") == pytest.approx(BOUND * 0.05 / 8.0)
+
+
+def test_the_spread_of_the_integral_and_shear_that_no_mesh_sees_are_added() -> None:
+    noisy = replace(HERE, spread=np.array([0.0, 0.0, 0.3]), unseen=np.array([0.0, 0.0, 1.2]))
+    errors = errors_of(GRADING, noisy, replace(HERE, K=HERE.K + np.array([[0.0, 0.0], [0.0, 0.0], [0.4, 0.0]])))
+    assert pytest.approx((0.0, 0.0, 0.5 + 1.2 / BOUND)) == errors.K
+
+
+def test_directions_and_critical_loads_are_known_no_better_than_the_K_that_they_follow_from() -> None:
+    there = replace(HERE, K=HERE.K + np.array([[0.0, 0.0], [0.0, 0.1], [0.02, 0.0]]), load_factor=2.0 + 1e-9)
+    errors = errors_of(GRADING, HERE, there)
+    assert errors.kinks == pytest.approx((0.1 / 3.0, 0.1 / 5.0, 0.02 / 1.0))
+    assert errors.shares["load_factor"] == pytest.approx(0.1 / 5.0)
+    assert errors_of(GRADING, HERE, replace(there, load_factor=2.0)).shares["load_factor"] == 0.0  # it was given
+
+
+def test_tips_are_found_by_name_and_what_is_not_there_is_not_known() -> None:
+    there = replace(HERE, ends=ENDS[1:], K=HERE.K[1:] + 0.1, kinks=HERE.kinks[1:])
+    errors = errors_of(GRADING, HERE, there)
+    assert math.isnan(errors.K[0])
+    assert errors.K[1:] == pytest.approx((0.1 * math.sqrt(2.0),) * 2)
+
+
+def test_goals_are_shares_of_their_largest_values() -> None:
+    there = replace(HERE, load_factor=2.1, jumps=np.array([[0.0, 1.9]]), forces=np.array([[3.0, 4.5]]))
+    errors = errors_of(GRADING, HERE, there)
+    assert [errors.off(goal) / BOUND for goal in ("load_factor", "slip", "reaction")] == pytest.approx(
+        [0.05, 0.05, 0.1]
+    )
+    small = replace(HERE, jumps=np.array([[0.0, 1e-3]]), small={**HERE.small, "slip": 0.5})
+    assert errors_of(GRADING, small, replace(small, jumps=np.zeros((1, 2)))).off("slip") == pytest.approx(BOUND * 2e-3)
+    nothing = replace(HERE, jumps=np.zeros((0, 2)))
+    assert errors_of(GRADING, nothing, nothing).off("slip") == math.inf
+
+
+def test_without_a_companion_nothing_is_known() -> None:
+    errors = errors_of(GRADING, HERE, None)
+    assert all(map(math.isnan, (*errors.K, *errors.kinks)))
+    assert errors.off("K") == errors.off("slip") == math.inf
+
+
+def test_a_tip_that_opens_before_the_first_contact_point_loses_its_shear() -> None:
+    """All of it over the length a of K_I = p sqrt(8 a / pi), or up to the point."""
+    y, p, c = 0.01, 4.0, 2.0
+    a = 0.25 * y
+    assert unseen_shear(p * math.sqrt(8.0 * a / math.pi), y, p, c) == pytest.approx(c * math.sqrt(8.0 * a / math.pi))
+    assert unseen_shear(1e9, y, p, c) == pytest.approx(c * math.sqrt(8.0 * y / math.pi))
+    assert unseen_shear(-1.0, y, p, c) == unseen_shear(0.0, y, p, c) == 0.0
+
+
+def test_errors_come_back_from_plain_data() -> None:
+    grading = Grading(True, False, (2, -1), 1, ((0, 0.5, 0.25),))
+    known = Errors(grading, ENDS[:2], (0.5, NAN), 7.0, (0.1, NAN), {"slip": 0.2, "reaction": NAN}, "why")
+    again = errors_of_record(json.loads(json.dumps(record_of(known))))
+    assert (again.grading, again.ends, again.largest, again.missed) == (grading, ENDS[:2], 7.0, "why")
+    assert (again.K[0], again.kinks[0], again.shares["slip"]) == (0.5, 0.1, 0.2)
+    assert all(map(math.isnan, (again.K[1], again.kinks[1], again.shares["reaction"])))
+
+
+def off(*shares: float, grading: Grading = GRADING) -> Errors:
+    """Errors whose bounds are such shares of the largest K, crack by crack."""
+    ends = tuple((crack, True) for crack in range(len(shares)))
+    return Errors(grading, ends, tuple(share / BOUND for share in shares), 1.0)
+
+
+def apart(n: int, distance: float = 1.0) -> list[Floats]:
+    """Cracks of length 1, one above the other."""
+    return [np.array([[0.0, distance * number], [1.0, distance * number]]) for number in range(n)]
+
+
+def test_neighbours_are_refined_and_kept_with_a_crack_that_is_off() -> None:
+    assert refined(off(0.035, 0.009, 0.0), None, 0.01, "K", apart(3, 0.4)).cracks == (2, 2, 0)
+    begun = off(0.001, 0.02, 0.001, math.nan, grading=replace(GRADING, cracks=(2, 2, 2, 2)))
+    assert coarsened(begun, 0.01, "K", [*apart(3, 0.2), *apart(5)[4:]], ()).cracks == (2, 2, 2, 2)
+    assert coarsened(begun, 0.01, "K", apart(4), ()).cracks == (0, 2, 0, 2)
+
+
+def test_features_of_cracks_that_are_off_are_refined_by_as_many_levels_as_they_need() -> None:
+    assert refined(off(0.035, 0.009, 0.011), None, 0.01, "K", apart(3)).cracks == (2, 0, 1)
+    assert refined(off(1.0), None, 0.01, "K", apart(1)).cracks == (MOST_AT_ONCE,)
+
+
+def test_where_that_leaves_too_much_theta_and_corners_are_refined_too() -> None:
+    now = off(0.018, grading=replace(GRADING, cracks=(1,)))
+    found = refined(now, off(0.02), 0.01, "K", apart(1))
+    assert (found.cracks, found.rest) == ((2,), 1)
+    assert refined(now, off(0.04), 0.01, "K", apart(1)).rest == 0
+
+
+def test_another_goal_refines_all_cracks() -> None:
+    errors = replace(off(0.0, 0.0), shares={"slip": 0.02 / BOUND})
+    assert refined(errors, None, 0.01, "slip", apart(2)).cracks == (1, 1)
+
+
+def test_cells_of_a_crack_that_is_better_than_asked_for_are_coarsened_as_far_as_the_target_lets_them() -> None:
+    """Each level doubles the error; what is left is within 0.6 of the target."""
+    changes = ((0, 0.1, 0.2),)
+    begun = replace(GRADING, cracks=(2, 2, 2))
+    assert coarsened(off(0.0014, 0.0029, 0.0031, grading=begun), 0.01, "K", apart(3), changes) == replace(
+        begun, cracks=(0, 1, 2), changes=changes
+    )
+    found = coarsened(off(0.0014, grading=replace(begun, rest=2)), 0.01, "K", apart(1), ())
+    assert (found.cracks, found.rest) == ((1,), 1)
+    least = off(0.0, grading=replace(GRADING, cracks=(COARSEST,)))
+    assert coarsened(least, 0.01, "K", apart(1), ()).cracks == (COARSEST,)
