@@ -48,6 +48,9 @@ THETA_OF_REST = 1.5
 Features = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells of a step right there, lattice units."""
 
+Changes = tuple[tuple[int, float, float], ...]
+"""Where contact status changes: crack, x and y (m)."""
+
 
 @dataclass(frozen=True, slots=True)
 class Grading:
@@ -57,7 +60,12 @@ class Grading:
     companion: bool = False
     cracks: tuple[int, ...] = ()  # crack by crack; those beyond have the level 0
     rest: int = 0  # of corners, and of theta
-    changes: tuple[tuple[int, float, float], ...] = field(default=(), repr=False)  # of status: crack, x and y (m)
+    changes: Changes = field(default=(), repr=False)
+
+    @property
+    def quartered(self) -> bool:
+        """Whether cells are those of the companion mesh, each quartered."""
+        return self.nested and not self.companion
 
     def level(self, crack: int) -> int:
         """The level of a crack."""
@@ -92,14 +100,13 @@ def graded(scene: Placed, cracks: Sequence[CrackGeometry], before: Lattice | Non
     h(x) = max(depth of the feature, theta distance to it), balanced: a companion has theta = 1 / rings and twice the
     depths, the step's cells are the companion's, each quartered.
     """
-    quartered = scene.grading.nested and not scene.grading.companion
-    return refined(scene.lattice, size_field(scene, cracks), before, quartered=quartered)
+    return refined(scene.lattice, size_field(scene, cracks), before, quartered=scene.grading.quartered)
 
 
 def graded_cells(scene: Placed, cracks: Sequence[CrackGeometry]) -> Squares:
     """The cells of that lattice."""
     cells = divided(scene.lattice, size_field(scene, cracks))
-    return cells.quartered() if scene.grading.nested and not scene.grading.companion else cells
+    return cells.quartered() if scene.grading.quartered else cells
 
 
 def size_field(scene: Placed, cracks: Sequence[CrackGeometry]) -> Focus:

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 
 from crackgrow.accuracy.companion import Errors
-from crackgrow.accuracy.features import Grading
+from crackgrow.accuracy.features import Changes, Grading
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Goal
 
@@ -44,10 +44,12 @@ def neighbours(cracks: Sequence[Floats]) -> Ints:
     return np.stack([first[close], second[close]])
 
 
-def refined(errors: Errors, before: Errors | None, target: float, goal: Goal, cracks: Sequence[Floats]) -> Grading:
+def refined(
+    errors: Errors, before: Errors | None, target: float, goal: Goal, cracks: Sequence[Floats], changes: Changes
+) -> Grading:
     """The grading after a round whose errors are beyond the target, and after one `before` it in the same step.
 
-    Depths at features have an error of the first order in the sizes of cells.
+    Depths at features have an error of the first order in the sizes of cells. Contact status changes at some places.
     """
     grading = errors.grading
     stuck = before is not None and errors.off(goal) > STUCK * before.off(goal)
@@ -56,13 +58,11 @@ def refined(errors: Errors, before: Errors | None, target: float, goal: Goal, cr
         if share > 1.0:
             levels[crack] += 1 if stuck else math.ceil(math.log2(min(share, 2.0**MOST_AT_ONCE)))
     none = all(level == grading.level(crack) for crack, level in enumerate(levels))
-    return replace(grading, cracks=tuple(levels), rest=grading.rest + (stuck or none))
+    return replace(grading, cracks=tuple(levels), rest=grading.rest + (stuck or none), changes=changes)
 
 
-def coarsened(
-    errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats], changes: Sequence[tuple[int, float, float]]
-) -> Grading:
-    """The grading that the next step begins with; contact status changes at some places (m) by now."""
+def coarsened(errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats], changes: Changes) -> Grading:
+    """The grading that the next step begins with; contact status changes at some places by now."""
     grading = errors.grading
     levels, shares = [grading.level(crack) for crack in range(len(cracks))], _shares(errors, goal, cracks) / target
     rest_too = grading.rest > 0 and bool(2.0 * np.fmax.reduce(shares, initial=math.nan) < ROOM)
@@ -70,7 +70,7 @@ def coarsened(
         if share < ROOM:  # neither where it is not known
             fewer = int(math.log2(ROOM / max(share, NO_ERROR)))
             levels[crack] = max(levels[crack] - min(fewer, MOST_AT_ONCE), min(levels[crack], COARSEST))
-    return replace(grading, cracks=tuple(levels), rest=grading.rest - rest_too, changes=tuple(changes))
+    return replace(grading, cracks=tuple(levels), rest=grading.rest - rest_too, changes=changes)
 
 
 def _shares(errors: Errors, goal: Goal, cracks: Sequence[Floats]) -> Floats:

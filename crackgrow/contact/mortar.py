@@ -77,10 +77,8 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float, *, nested: b
     nodes where they would have less than `FEW_NODES`. Where cells are `nested` in those of a companion mesh so are the
     nodes: each piece of that between nodes, and at ends, is halved.
     """
-    ends, passed = (
-        {surface: stretch_ends(cover, surface, 0.5 if nested else 1.0) for surface in touching},
-        _passed(cover),
-    )
+    ends = {surface: stretch_ends(cover, surface, 0.5 if nested else 1.0) for surface in touching}
+    passed = _passed(cover)
     parts = [_on_surface(cover, index, (spacing, nested), ends[index], passed) for index in touching]
     return joined_faces(cover, ends, parts)
 

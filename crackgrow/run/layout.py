@@ -67,7 +67,7 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
     settings = scene.case.numerics.contact
     if settings.discretization == "gauss":
         return gauss_faces(cover, touching)
-    return mortar_faces(cover, touching, settings.spacing, nested=_nested(scene))
+    return mortar_faces(cover, touching, settings.spacing, nested=scene.grading.quartered)
 
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
@@ -76,10 +76,5 @@ def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
     if not bonded:
         return held
-    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=_nested(scene))
+    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=scene.grading.quartered)
     return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
-
-
-def _nested(scene: Scene) -> bool:
-    """Whether cells are those of a companion mesh, each quartered."""
-    return scene.grading.nested and not scene.grading.companion

@@ -27,7 +27,6 @@ from crackgrow.run.judging import StepSolution, TipState
 from crackgrow.run.layout import cells_of, cover_of
 from crackgrow.run.misfit import mean_stress
 from crackgrow.run.reactions import reactions
-from crackgrow.run.report import paths_of
 from crackgrow.run.scene import Scene
 
 MOST_ROUNDS = 5
@@ -76,7 +75,8 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
         if not missed and round_ == MOST_ROUNDS:
             missed = f"cells were refined in {MOST_ROUNDS} rounds for it"
         if not missed:
-            wanted = refined(_with_changes(errors, solution), before, target, goal, _lines(solution))
+            changes = tuple(_changes(solution.state))
+            wanted = refined(errors, before, target, goal, _lines(solution), changes)
             finer, missed = _finer(solution, ways, wanted)
         if finer is None:
             errors = replace(errors, missed=missed)
@@ -102,7 +102,7 @@ def _finer(solution: StepSolution, ways: Ways, wanted: Grading) -> tuple[StepSol
             refine = scene.case.numerics.refine
             by_hand = any(isinstance(level, int) for level in (refine.tips, refine.kinks, refine.corners))
             return None, f"cells are as small as {'numerics.refine lets them' if by_hand else 'they can'} be"
-        n_dofs = cover_of(scene, solution.cracks).n_dofs
+        n_dofs = cover_of(scene, solution.cracks, solution.cover).n_dofs
         if n_dofs > MOST_UNKNOWNS:
             return None, f"smaller cells make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
         return ways.solve(scene, solution.configuration), ""
@@ -137,12 +137,7 @@ def next_grading(solution: StepSolution) -> Grading:
 
 def _lines(solution: StepSolution) -> list[Floats]:
     """The points (n, 2) m of each crack."""
-    return [path.points for path in paths_of(solution.cracks)]
-
-
-def _with_changes(errors: Errors, solution: StepSolution) -> Errors:
-    grading = replace(errors.grading, changes=tuple(_changes(solution.state)))
-    return replace(errors, grading=grading)
+    return [growing.crack.points for growing in solution.cracks]
 
 
 def _changes(state: LoadState) -> Iterator[tuple[int, float, float]]:

@@ -115,27 +115,27 @@ def apart(n: int, distance: float = 1.0) -> list[Floats]:
 
 
 def test_neighbours_are_refined_and_kept_with_a_crack_that_is_off() -> None:
-    assert refined(off(0.035, 0.009, 0.0), None, 0.01, "K", apart(3, 0.4)).cracks == (2, 2, 0)
+    assert refined(off(0.035, 0.009, 0.0), None, 0.01, "K", apart(3, 0.4), ()).cracks == (2, 2, 0)
     begun = off(0.001, 0.02, 0.001, math.nan, grading=replace(GRADING, cracks=(2, 2, 2, 2)))
     assert coarsened(begun, 0.01, "K", [*apart(3, 0.2), *apart(5)[4:]], ()).cracks == (2, 2, 2, 2)
     assert coarsened(begun, 0.01, "K", apart(4), ()).cracks == (0, 2, 0, 2)
 
 
 def test_features_of_cracks_that_are_off_are_refined_by_as_many_levels_as_they_need() -> None:
-    assert refined(off(0.035, 0.009, 0.011), None, 0.01, "K", apart(3)).cracks == (2, 0, 1)
-    assert refined(off(1.0), None, 0.01, "K", apart(1)).cracks == (MOST_AT_ONCE,)
+    assert refined(off(0.035, 0.009, 0.011), None, 0.01, "K", apart(3), ()).cracks == (2, 0, 1)
+    assert refined(off(1.0), None, 0.01, "K", apart(1), ()).cracks == (MOST_AT_ONCE,)
 
 
 def test_where_that_leaves_too_much_theta_and_corners_are_refined_too() -> None:
     now = off(0.018, grading=replace(GRADING, cracks=(1,)))
-    found = refined(now, off(0.02), 0.01, "K", apart(1))
+    found = refined(now, off(0.02), 0.01, "K", apart(1), ())
     assert (found.cracks, found.rest) == ((2,), 1)
-    assert refined(now, off(0.04), 0.01, "K", apart(1)).rest == 0
+    assert refined(now, off(0.04), 0.01, "K", apart(1), ()).rest == 0
 
 
 def test_another_goal_refines_all_cracks() -> None:
     errors = replace(off(0.0, 0.0), shares={"slip": 0.02 / BOUND})
-    assert refined(errors, None, 0.01, "slip", apart(2)).cracks == (1, 1)
+    assert refined(errors, None, 0.01, "slip", apart(2), ()).cracks == (1, 1)
 
 
 def test_cells_of_a_crack_that_is_better_than_asked_for_are_coarsened_as_far_as_the_target_lets_them() -> None:
