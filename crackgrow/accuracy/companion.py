@@ -3,13 +3,16 @@
 The step's cells are the companion's, each quartered, and so are the pieces between contact points: what the two meshes
 say of any quantity differs by D, which is as large as the companion's error. With c1 = EXPECTED and c2 = BOUND
 
-    error expected = D / c1,    error at most = c2 D
+    error estimate = D,    error expected = D / c1,    error at most = c2 D
 
 for K_I and K_II together, directions of growth, critical load factors, jumps of faces and reactions. An error may pass
 through zero at one tip, so D of K and of directions is that of the crack's tip where it is largest, and D of directions
 and of a critical load is not below that of the K that they follow from, over that K. To D of K is added, as to any two
 independent errors, the spread between the discs of the integral. What no pair can see is shear that faces
 carry beyond friction where a tip is open more closely to itself than any contact point lies (`unseen_shear`).
+
+Targets are of the estimate, as is usual where cells follow from errors: a target on the bound is met by errors of a
+fifth of it in the median, for three times the unknowns where cracks are many.
 """
 
 from __future__ import annotations
@@ -68,26 +71,26 @@ class Errors:
     shares: Mapping[str, float] = field(default_factory=dict)  # of goals, over the largest value; no K
     missed: str = ""  # why the target is out of reach, in words; empty where it is met
 
-    def off(self, goal: Goal) -> float:
-        """The bound of a goal over its largest value; infinite where it is not known."""
-        share = self._of_K(self.K) if goal == "K" else BOUND * self.shares.get(goal, math.nan)
+    def estimate(self, goal: Goal) -> float:
+        """D of a goal over its largest value; infinite where it is not known."""
+        share = self._of_K(self.K) if goal == "K" else self.shares.get(goal, math.nan)
         return math.inf if math.isnan(share) else share
 
-    def off_by_crack(self, goal: Goal, n: int) -> Floats:
+    def estimate_by_crack(self, goal: Goal, n: int) -> Floats:
         """The same (n,) crack by crack: of K nothing where a crack has no tips, nan where it is not known."""
         if goal != "K":
-            return np.full(n, self.off(goal))
+            return np.full(n, self.estimate(goal))
         found = np.zeros(n)
         for crack, tips in groupby(sorted(zip(self.ends, self.K, strict=True)), lambda tip: tip[0][0]):
             found[crack] = self._of_K([D for _, D in tips])
         return found
 
     def _of_K(self, D: Sequence[float]) -> float:
-        """The bound of K of some tips, of which there may be none, over the largest."""
+        """D of K of some tips, of which there may be none, over the largest."""
         known = [each for each in D if not math.isnan(each)]
         if not D or not self.largest > 0.0:  # no tips, no loads, or all faces stick
             return 0.0
-        return BOUND * max(known) / self.largest if known else math.nan
+        return max(known) / self.largest if known else math.nan
 
 
 def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> Errors:

@@ -52,7 +52,7 @@ def refined(
     Depths at features have an error of the first order in the sizes of cells. Contact status changes at some places.
     """
     grading = errors.grading
-    stuck = before is not None and errors.off(goal) > STUCK * before.off(goal)
+    stuck = before is not None and errors.estimate(goal) > STUCK * before.estimate(goal)
     levels = [grading.level(crack) for crack in range(len(cracks))]
     for crack, share in enumerate((_shares(errors, goal, cracks) / target).tolist()):
         if share > 1.0:
@@ -78,9 +78,9 @@ def _shares(errors: Errors, goal: Goal, cracks: Sequence[Floats]) -> Floats:
 
     A crack without tips has the largest of all: any K may hang on it.
     """
-    own = errors.off_by_crack(goal, len(cracks))
+    own = errors.estimate_by_crack(goal, len(cracks))
     tipless = np.setdiff1d(np.arange(len(cracks)), [crack for crack, _ in errors.ends])
-    own[tipless] = errors.off(goal) if math.isfinite(errors.off(goal)) else math.nan
+    own[tipless] = errors.estimate(goal) if math.isfinite(errors.estimate(goal)) else math.nan
     found = own.copy()
     first, second = neighbours(cracks)
     np.fmax.at(found, first, own[second])

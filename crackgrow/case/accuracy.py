@@ -15,7 +15,7 @@ AUTO: Final = "auto"
 STANDARD: Final = "standard"
 
 TARGETS: Final[Mapping[str, float]] = {"draft": 0.03, STANDARD: 0.01, "fine": 0.002}
-"""What K, or the goal, may be off by at most, over its largest value."""
+"""What the error estimate of K, or of the goal, may be, over its largest value."""
 
 MOST_ASKED_FOR: Final = 11
 """Refinement levels that a case can ask for by hand; a run takes as many as it needs."""
@@ -47,7 +47,7 @@ CELLS: Final[Mapping[Kind, float]] = {
 }
 """Cells along a length for 1 %."""
 
-FEWEST, MOST = 0.6, 2.0
+FEWEST, MOST = 0.4, 2.0
 """Parts of these that a run begins with for 3 % and for less than 1 %: it refines where that is not enough."""
 
 

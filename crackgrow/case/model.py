@@ -557,7 +557,7 @@ class Numerics:
             Share(Bounds(at_least=0.001, at_most=0.2)),
             tuple(f"{100.0 * target:g} %" for target in TARGETS.values()),
         ),
-        Doc("what the goal may be off by at most, over its largest value: cells are refined until it is"),
+        Doc("what the error estimate of the goal may be, over its largest value: cells are refined until it is"),
     ] = STANDARD
     goal: Annotated[
         Goal,
@@ -599,7 +599,7 @@ class Numerics:
 
     @property
     def target(self) -> float:
-        """What the goal may be off by at most, over its largest value, where cells are chosen for it."""
+        """What the error estimate of the goal may be, over its largest value, where cells are chosen for it."""
         return target_of(self.accuracy)
 
     @property

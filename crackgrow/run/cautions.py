@@ -98,8 +98,8 @@ def _off_target(solution: StepSolution) -> Iterator[Caution]:
     errors, numerics = solution.errors, solution.scene.case.numerics
     if errors is None or not errors.missed:
         return
-    off = errors.off(numerics.goal)
-    came = f"is within {100.0 * off:.2g} %" if np.isfinite(off) else "is not known to be within anything"
+    off = errors.estimate(numerics.goal)
+    came = f"is off by an estimated {100.0 * off:.2g} %" if np.isfinite(off) else "has no error estimate"
     yield Cause.TARGET.at(size=off, what=numerics.goal, wanted=100.0 * numerics.target, came=came, why=errors.missed)
 
 

@@ -69,7 +69,7 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
         errors, companion, cost = _held_against(solution, ways, companion)
         seconds.update(cost)
         n_solves += companion is not None
-        if errors.off(goal) <= target:
+        if errors.estimate(goal) <= target:
             break
         finer, missed = None, _out_of_reach(solution, errors, companion)
         if not missed and round_ == MOST_ROUNDS:
@@ -89,7 +89,7 @@ def _out_of_reach(solution: StepSolution, errors: Errors, companion: Configurati
     """Why no cells can be chosen for the target, if so."""
     if companion is None:
         return f"the companion mesh has no solution to hold it against: {errors.missed}"
-    if math.isinf(errors.off(solution.scene.case.numerics.goal)):
+    if math.isinf(errors.estimate(solution.scene.case.numerics.goal)):
         return "the companion mesh does not have it"
     return ""
 

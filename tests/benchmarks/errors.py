@@ -25,6 +25,7 @@ import numpy as np
 from crackgrow import run_case
 from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors, Quantities, errors_of
 from crackgrow.case import Case, load_case
+from crackgrow.case.accuracy import target_of
 from crackgrow.case.model import CriticalLoad, StrengthReduction
 from crackgrow.errors import CrackgrowError
 from crackgrow.run.checkpoint import beginning
@@ -256,6 +257,8 @@ def told(rows: Sequence[Row]) -> Iterator[str]:
             f"`{accuracy}`: {len(mine)} quantities of {n_scenes} scenes; {np.median(dofs):,.0f} unknowns in the "
             f"median, {max(dofs):,} at most; {np.median([row.seconds for row in mine]):.2f} s a step"
         )
+        met = [row.error <= target_of(accuracy) + row.within for row in mine if row.quantity.startswith("K of")]
+        yield f"  - K is within {100 * target_of(accuracy):g} %, the target, of {sum(met)} of {len(met)} cracks"
         kinds = dict.fromkeys(row.quantity.split(" of ")[0] for row in mine)
         for kind in (*kinds, ""):
             some = [row for row in mine if row.quantity.startswith(kind)]

@@ -69,7 +69,7 @@ def keys() -> str:
 
 def presets() -> str:
     """How many cells a run begins with along a length, for each name, and the target that it stands for."""
-    rows = [["bound of the error, over the largest value", *(f"{100 * target:g} %" for target in TARGETS.values())]]
+    rows = [["error estimate, over the largest value", *(f"{100 * target:g} %" for target in TARGETS.values())]]
     rows += [[words, *(f"{cells_along(kind, name):g}" for name in TARGETS)] for kind, words in CELL_RULES.items()]
     return table(("cells along, to begin with", *(f"`{name}`" for name in TARGETS)), rows)
 

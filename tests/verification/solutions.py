@@ -21,6 +21,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.judging import StepSolution
+from crackgrow.run.loop import solved_steps
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -88,7 +89,11 @@ def solved_text(text: str, *settings: str) -> Solved:
 
 
 def solve_case(case: Case) -> Solved:
-    """Solve a case before growth."""
+    """Solve a case before growth, on cells that meet its target where the run chooses them."""
+    if case.numerics.measured:
+        steps = solved_steps(case)
+        result, solution = next(steps) if case.growth is not None else [*steps][-1]
+        return Solved(case, solution.scene, solution, result)
     scene = make_scene(case)
     growing = before_growth(case)
     solution = solve_step(scene, growing, last_factor(case))
