@@ -151,7 +151,7 @@ def _along(scene: Placed, length: float, kind: Kind, level: int = 0) -> float:
 
 
 def _tips(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
-    """Tips: by the crack, the stretch behind the tip, what it grows by, and its room."""
+    """Tips: by the crack, the stretch behind the tip, what it grows by, and its room; never coarser than to begin with."""
     growth, lines = scene.case.growth, _lines(scene, cracks)
     tree = shapely.STRtree(lines)
     for number, crack in enumerate(cracks):
@@ -170,7 +170,7 @@ def _tips(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
                     _along(scene, growth.increment / scene.lattice.spacing, "increment"),
                     _along(scene, radius / scene.lattice.spacing, "radius"),
                 ]
-            yield tip, 0.5**level * max(min(sizes), least)
+            yield tip, 0.5 ** max(level, 0) * max(min(sizes), least)
 
 
 def _kinks(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:

@@ -50,13 +50,15 @@ def refined(
     """The grading after a round whose errors are beyond the target, and after one `before` it in the same step.
 
     Depths at features have an error of the first order in the sizes of cells. Contact status changes at some places.
+    Where errors are not known cells may be too large for a companion to have a solution at all.
     """
     grading = errors.grading
-    stuck = before is not None and errors.estimate(goal) > STUCK * before.estimate(goal)
+    unknown = math.isinf(errors.estimate(goal))
+    stuck = not unknown and before is not None and errors.estimate(goal) > STUCK * before.estimate(goal)
     levels = [grading.level(crack) for crack in range(len(cracks))]
     for crack, share in enumerate((_shares(errors, goal, cracks) / target).tolist()):
-        if share > 1.0:
-            levels[crack] += 1 if stuck else math.ceil(math.log2(min(share, 2.0**MOST_AT_ONCE)))
+        if share > 1.0 or unknown:
+            levels[crack] += 1 if stuck or unknown else math.ceil(math.log2(min(share, 2.0**MOST_AT_ONCE)))
     none = all(level == grading.level(crack) for crack, level in enumerate(levels))
     return replace(grading, cracks=tuple(levels), rest=grading.rest + (stuck or none), changes=changes)
 

@@ -71,8 +71,10 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
         n_solves += companion is not None
         if errors.estimate(goal) <= target:
             break
-        finer, missed = None, _out_of_reach(solution, errors, companion)
-        if not missed and round_ == MOST_ROUNDS:
+        finer, missed = None, ""
+        if math.isinf(errors.estimate(goal)) and before is not None and math.isinf(before.estimate(goal)):
+            missed = errors.missed or "the companion mesh does not have it"  # nor on smaller cells
+        elif round_ == MOST_ROUNDS:
             missed = f"cells were refined in {MOST_ROUNDS} rounds for it"
         if not missed:
             changes = tuple(_changes(solution.state))
@@ -83,15 +85,6 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
             break
         before, solution = errors, finer
     return replace(solution, errors=errors, companion=companion, factorizations=n_solves, seconds=dict(seconds))
-
-
-def _out_of_reach(solution: StepSolution, errors: Errors, companion: Configuration | None) -> str:
-    """Why no cells can be chosen for the target, if so."""
-    if companion is None:
-        return f"the companion mesh has no solution to hold it against: {errors.missed}"
-    if math.isinf(errors.estimate(solution.scene.case.numerics.goal)):
-        return "the companion mesh does not have it"
-    return ""
 
 
 def _finer(solution: StepSolution, ways: Ways, wanted: Grading) -> tuple[StepSolution | None, str]:
@@ -122,7 +115,8 @@ def _held_against(
         on = scene.with_grading(replace(scene.grading, companion=True))
         there, own_factor = ways.companion(on, solution, like)
     except (GeometryError, SolveError) as error:
-        return replace(errors_of(scene.grading, here, None), missed=str(error)), None, Counter()
+        missed = f"the companion mesh has no solution to hold it against: {error}"
+        return replace(errors_of(scene.grading, here, None), missed=missed), None, Counter()
     errors = errors_of(scene.grading, here, quantities(there, own_factor))
     return errors, there.configuration, Counter(there.seconds)
 
