@@ -151,7 +151,7 @@ def _along(scene: Placed, length: float, kind: Kind, level: int = 0) -> float:
 
 
 def _tips(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
-    """Tips: by the crack, the stretch behind the tip, what it grows by, and its room; never coarser than to begin with."""
+    """Tips: by the crack, the stretch behind, what it grows by, and its room; never coarser than a run begins with."""
     growth, lines = scene.case.growth, _lines(scene, cracks)
     tree = shapely.STRtree(lines)
     for number, crack in enumerate(cracks):
