@@ -1,8 +1,5 @@
 """Semismooth Newton method for the condensed contact problem, with projected Gauss-Seidel sweeps against cycling.
 
-Many points start from the solution of a problem of half as many (nested iteration, Hackbusch 1985, chapter 5), few
-from sweeps: then it takes two or three steps, however many points there are.
-
 The contact law is the fixed point p = project(p + r du) (`coulomb.project`). Its generalised derivative is that of
 the branch every point is on, including the dependence of the shear bound on the normal traction; all branches are
 linear, so that one Newton step is one linear solve with the current active set (Hintermueller, Ito, Kunisch 2002;
@@ -13,15 +10,12 @@ on these pieces, F p = pull.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import replace
 from typing import Final
 
 import numpy as np
 from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.coarse import doubled, halved
 from crackgrow.contact.coulomb import ActiveSet, Branches, active_set, project
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 
@@ -29,11 +23,7 @@ ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
 UNIT: Final = 1e-15  # round-off of a term of A p; its sum, weighed by r, is as far as a repeated set can come down
 FIRST_SWEEPS: Final = 3  # Gauss-Seidel sweeps before the first step
-FEW_POINTS: Final = 32  # up to so many points start from sweeps alone
-COARSE_ITERATIONS: Final = 20  # of a problem that is but a start
 SWEEPS: Final = (5, 10, 20, 40, 80, 160)  # after one cycle and the next: more than three are hardly ever of use
-SOFT: Final = 1.0  # compliance of the springs that hold pieces during sweeps, in parts of the rock's
-MOST_STEPS: Final = 60  # in which springs let go
 UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
 SINGULAR: Final = 1e-14
@@ -47,8 +37,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     """Tractions of the contact problem; status "solved", or "limit" with the best tractions found.
 
     `start` (2 n + l,) are unknowns to start from, `first_guess` if None. An iteration is one linear solve. Where an
-    active set comes back without convergence, springs that let go of loose pieces, tried once since they take many
-    solves, lead to the solution, or projected Gauss-Seidel sweeps out of the cycle.
+    active set comes back without convergence projected Gauss-Seidel sweeps lead out of the cycle.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
@@ -59,27 +48,23 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
     active = active_set(problem, x[:m], problem.jump(x))
     seen: set[bytes] = set()
     ways_out = iter(SWEEPS)
-    as_far = _as_far(problem)
+    as_good = as_far(problem)
     for iteration in range(1, max_iterations + 1):
         seen.add(active.key())
         x = solve_active(problem, active)
         du = problem.jump(x)
-        residual = max(_change(problem, x[:m], du), problem.imbalance(x))
+        residual = max(change(problem, x[:m], du), problem.imbalance(x))
         following = _through_stick(problem, active, active_set(problem, x[:m], du))
         repeated = following.key() == active.key()
         if residual < least:
             best, least = x, residual
-        if residual <= (as_far if repeated else ROUND_OFF):
+        if residual <= (as_good if repeated else ROUND_OFF):
             x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
             return ContactSolution(x[:m], "solved", iteration, active.states(), x[m:])
         if following.key() in seen:
             n_sweeps = next(ways_out, 0)
-            if n_sweeps == 0:
+            if n_sweeps == 0 or problem.motions is not None:
                 break
-            by_springs = n_sweeps == SWEEPS[0]
-            found = held_less_and_less(problem, solve_by_newton, x, [SOFT] * MOST_STEPS) if by_springs else None
-            if found is not None:
-                return replace(found, iterations=found.iterations + iteration)
             x = sweep(problem, x, n_sweeps)
             following = active_set(problem, x[:m], problem.jump(x))
             seen.clear()
@@ -89,15 +74,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None, max_it
 
 
 def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
-    """Unknowns (2 n + l,) after projected Gauss-Seidel sweeps from x on, point by point, normal before tangential.
-
-    Where contact alone holds pieces, springs hold them where they are meanwhile, and let go then.
-    """
-    if problem.motions is not None:
-        m = problem.free.size
-        held, springs = _held_by_springs(problem, x[m:], SOFT)
-        p = sweep(held, x[:m], n_sweeps)
-        return np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
+    """Unknowns (2 n + l,) after projected Gauss-Seidel sweeps from x on, point by point, normal before tangential."""
     A, n = problem.compliance, problem.n_points
     p, rows = x.copy(), list(A)
     arrays = (problem.free, A.diagonal(), problem.friction, problem.cohesion, problem.dilation, problem.slipped)
@@ -118,65 +95,13 @@ def sweep(problem: ContactProblem, x: Floats, n_sweeps: int) -> Floats:
     return p
 
 
-def held_less_and_less(
-    problem: ContactProblem,
-    solve: Callable[[ContactProblem, Floats], ContactSolution],
-    x: Floats,
-    softness: Sequence[float],
-) -> ContactSolution | None:
-    """The solution with springs that let go of the pieces step by step, each held where the one before has left it.
-
-    It leads on from the unknowns `x` (2 n + l,) where pieces hang on a few points, or on none: tractions then are
-    nothing, or undecided (proximal point method, Rockafellar 1976). `softness` is that of the springs, step by step, in
-    parts of the rock's; `solve` gives the solution with them, from tractions on. None where there are no such pieces,
-    where they are not held, and where `solve` fails.
-    """
-    if problem.motions is None:
-        return None
-    m, iterations, residual = problem.free.size, 0, np.inf
-    for soft in softness:
-        held, springs = _held_by_springs(problem, x[m:], soft)
-        solution = solve(held, x[:m])
-        iterations += solution.iterations
-        if solution.status != "solved":
-            return None
-        p = solution.traction
-        x = np.concatenate([p, x[m:] + springs @ (problem.motions.pull - problem.motions.force @ p)])
-        residual = max(_change(problem, p, problem.jump(x)), problem.imbalance(x))
-        if residual <= ROUND_OFF:
-            break
-    if residual > _as_far(problem):
-        return None
-    return ContactSolution(p, "solved", iterations, solution.state, x[m:])
-
-
-def _as_far(problem: ContactProblem) -> float:
+def as_far(problem: ContactProblem) -> float:
     """The change of tractions by `project` that another step cannot lower, relative to the largest."""
     return max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
 
 
-def _held_by_springs(problem: ContactProblem, at: Floats, soft: float) -> tuple[ContactProblem, Floats]:
-    """The problem where springs hold pieces at the amplitudes `at` (l,), and their compliance (l, l), m^2/N.
-
-    Springs as `soft` as the rock, with P the projection of jumps on those of rigid motions, add A P.
-    """
-    motions = problem.motions
-    assert motions is not None
-    stiffness = motions.force @ motions.jump
-    softness = soft * float(np.median(problem.reach))
-    springs = softness * np.asarray(np.linalg.pinv(stiffness, rcond=UNSEEN, hermitian=True), dtype=np.float64)
-    moved = motions.jump @ springs
-    held = replace(
-        problem,
-        compliance=problem.compliance + moved @ motions.force,
-        free=problem.free + motions.jump @ at + moved @ motions.pull,
-        motions=None,
-    )
-    return held, springs
-
-
 def first_guess(problem: ContactProblem) -> Floats:
-    """Unknowns (2 n + l,) to start from: of a problem of half as many points, or of sweeps where there are few.
+    """Unknowns (2 n + l,) to start from: of sweeps.
 
     Where contact alone holds pieces, all points stick at first.
     """
@@ -184,10 +109,7 @@ def first_guess(problem: ContactProblem) -> Floats:
         n = problem.n_points
         stuck = np.zeros(n, dtype=np.int64)
         return solve_active(problem, ActiveSet(np.ones(n, dtype=bool), stuck, stuck))
-    coarse = halved(problem) if problem.n_points > FEW_POINTS else None
-    if coarse is None:
-        return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
-    return doubled(problem, solve_by_newton(coarse, max_iterations=COARSE_ITERATIONS).traction)
+    return sweep(problem, np.zeros(problem.free.size), FIRST_SWEEPS)
 
 
 def _checked(problem: ContactProblem, start: Floats) -> Floats:
@@ -200,7 +122,7 @@ def _checked(problem: ContactProblem, start: Floats) -> Floats:
     return np.asarray(start, dtype=np.float64)
 
 
-def _change(problem: ContactProblem, p: Floats, du: Floats) -> float:
+def change(problem: ContactProblem, p: Floats, du: Floats) -> float:
     """Largest change of p by `project`, relative to the largest traction before or after."""
     projected = project(problem, p, du)
     scale = max(float(np.abs(p).max(initial=0.0)), float(np.abs(projected).max(initial=0.0)))

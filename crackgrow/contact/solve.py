@@ -23,8 +23,9 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
-from crackgrow.contact.newton import held_less_and_less, solve_active, solve_by_newton
+from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+from crackgrow.contact.stuck import solve_where_points_move
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -70,12 +71,6 @@ TOUCH_AGAIN = (
     "{} contact points open and touch again by dilation under one load: cohesion that is kept holds them from the next "
     "load on only, so that results depend on how many loads lead there; cohesion_after_slip: lost is the same for all"
 )
-
-SOFTER = tuple(0.1 * 2.0**step for step in range(24))
-"""Springs that let go of pieces, in parts of the rock's compliance.
-
-With stiff ones the problem is well conditioned, and its solution is close to that with softer ones.
-"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -278,6 +273,8 @@ class Increment:
         n, dilation = len(gap), law.opening(slip)
         sees = np.any(self.contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
         taken = self.memory.coheres(law) | (gap - dilation < -self.tolerance) | sees
+        if taken.any():  # all that carry nothing while they are open
+            taken |= law.bound_of(self.memory.lost)[1] == 0.0
         none, nothing = np.zeros(n, dtype=bool), np.zeros(n)
         trial = Trial(taken, self.memory.lost, none)
         return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none)
@@ -382,13 +379,12 @@ def solved(
 ) -> tuple[ContactSolution, str]:
     """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
 
-    Where neither finds one and contact alone holds pieces, springs that let go of them may lead there. `start`
-    (2 n + l,) are unknowns that may be close. Raises NotSolvedError where nothing does.
+    `start` (2 n + l,) are unknowns that may be close. Raises NotSolvedError where neither does.
     """
     failures: list[str] = []
     for name in ("newton", "lemke") if solver == "newton" else ("lemke", "newton"):
         try:
-            solution = solve_by_newton(problem, start) if name == "newton" else solve_by_lemke(problem)
+            solution = _by_newton(problem, start) if name == "newton" else solve_by_lemke(problem)
             if solution.status != "solved" and name == "newton" and start is not None:
                 solution = solve_by_newton(problem)
         except NotSolvedError as error:
@@ -401,22 +397,15 @@ def solved(
         failures.append(
             f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
         )
-    found = _let_go(problem, solver)
-    if found is not None:
-        return found, f"the contact problem was solved with springs that let go of pieces after {'; '.join(failures)}"
     raise NotSolvedError(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_advice(problem)}"
     )
 
 
-def _let_go(problem: ContactProblem, solver: Literal["newton", "lemke"]) -> ContactSolution | None:
-    """The solution that springs lead to which let go of pieces; None where they don't."""
-    still = np.zeros(problem.free.size + problem.n_motions)
-    try:
-        return held_less_and_less(problem, lambda held, start: solved(held, solver, start)[0], still, SOFTER)
-    except NotSolvedError:
-        return None
+def _by_newton(problem: ContactProblem, start: Floats | None) -> ContactSolution:
+    """The solution by steps on the points that move, or on all where most of them do."""
+    return solve_where_points_move(problem, start) or solve_by_newton(problem, start)
 
 
 def _advice(problem: ContactProblem) -> str:

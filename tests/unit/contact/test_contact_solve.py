@@ -278,10 +278,8 @@ def test_open_faces_cost_no_solve(build, monkeypatch: pytest.MonkeyPatch) -> Non
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])
 @pytest.mark.parametrize("solver", ["newton", "lemke"])
-def test_points_that_stay_open_are_left_out(build, solver: str, friction: float) -> None:
+def test_points_that_stay_open_carry_nothing(build, solver: str, friction: float) -> None:
     outcome = tilting(build).solve(friction, solver=solver)
-    per_point = 1 if friction == 0.0 else 2
-    assert 0 < outcome.points.n_unknowns < per_point * outcome.points.state.size
     is_open = outcome.points.state == OPEN
     assert is_open[0]
     assert not is_open[-1]

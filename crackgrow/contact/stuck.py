@@ -1,0 +1,177 @@
+"""Newton on the points that move: those that stick are condensed once, however often others change.
+
+With S the points that slip, open or may do so, and the jump du given there and nothing elsewhere, tractions follow from
+one factorization of A,
+
+    p = p0 - P du_S,    P = A^-1 E - A^-1 B (F A^-1 B)^-1 F A^-1 E,
+
+E the columns of the identity at S. So P_SS^-1 is the compliance of a problem of these points alone, a Schur complement,
+in which motions remain of pieces that only they hold. Points outside that leave the stuck state are taken in: S only
+grows, so that nothing cycles outside of the small problem.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
+
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.contact.coulomb import active_set
+from crackgrow.contact.newton import ROUND_OFF, SINGULAR, UNSEEN, as_far, change, solve_by_newton
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+
+MOST_MOVING = 0.5
+"""Share of the points: where more of them move their columns cost more than Newton's steps on all points."""
+
+GAIN = 0.5
+"""Corrections of what round-off of both inverses leaves end where one leaves more than this part of it."""
+
+
+def solve_where_points_move(
+    problem: ContactProblem, start: Floats | None = None, most_moving: float = MOST_MOVING
+) -> ContactSolution | None:
+    """The solution, from unknowns `start` (2 n + l,) on; None where a larger share of points than
+    `most_moving` moves, or the small problem has none.
+
+    Iterations are those of Newton on the small problems.
+    """
+    n, m, moves, x = problem.n_points, problem.free.size, ~problem.resists, start
+    if start is not None:
+        moves |= _moving(problem, start)
+    if problem.motions is not None:
+        problem, moving, moved = _settled(problem, problem.motions)
+    motions = problem.motions or _none(problem)
+    lu, pivots, info = dgetrf(problem.compliance.T)
+    if info or dgecon(lu, np.abs(problem.compliance).sum(axis=1).max(), norm="1")[0] <= SINGULAR:
+        return None
+    rest = np.concatenate([problem.dilation * np.abs(problem.slipped), np.zeros(n)])  # jumps of points that stick
+    by_rock = dgetrs(lu, pivots, np.column_stack([problem.free - rest, motions.jump]), trans=1)[0]
+    base, pull, small = by_rock[:, 0], motions.pull.copy(), None
+    at, per, iterations, last = np.zeros(0, dtype=np.int64), np.zeros((m, 0)), 0, np.inf
+    while moves.mean() <= most_moving:
+        new = np.setdiff1d(np.flatnonzero(np.tile(moves, 2)), at)
+        if small is None or len(new):
+            units = np.zeros((m, len(new)), order="F")
+            units[new, np.arange(len(new))] = 1.0
+            at, per = np.append(at, new), np.column_stack([per, dgetrs(lu, pivots, units, trans=1, overwrite_b=1)[0]])
+            order = np.argsort(at)
+            at, per = at[order], per[:, order]
+            small = _Small.of(motions, by_rock[:, 1:], per, at)
+            if small is None:
+                return None
+        found = small.solved(problem, (base, pull, rest), x)
+        if found is None:
+            return None
+        x, wanted, more = found
+        du, iterations = problem.jump(x), iterations + more
+        leaving = _moving(problem, x) & ~moves
+        if leaving.any():
+            moves |= leaving
+            continue
+        residual = max(change(problem, x[:m], du), problem.imbalance(x))
+        if residual <= ROUND_OFF or GAIN * last < residual <= as_far(problem):
+            x[:n] = np.minimum(x[:n], 0.0)
+            if problem.motions is not None:
+                x[m:] += moving @ x[:m] - moved
+            return ContactSolution(x[:m], "solved", iterations, active_set(problem, x[:m], du).states(), x[m:])
+        if residual > GAIN * last:
+            return None
+        base = base + dgetrs(lu, pivots, du - wanted, trans=1)[0]
+        pull += motions.pull - motions.force @ x[:m]
+        last = residual
+    return None
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Small:
+    """The rock as the points that move see it, where nothing else moves, and what follows from their tractions."""
+
+    at: Ints  # (k,) their rows among those of all points
+    compliance: Floats  # (k, k) m/Pa
+    per: Floats  # (2 n, k) Pa/m tractions that each jump takes away
+    motions: Motions
+    seen: Floats  # (r, l) motions that points which stick see
+    kept: Floats  # (j, l) motions that only those see which move
+    moved: Floats  # (2 n, r) Pa/m tractions by the motions that are seen
+    balance: Floats  # (r, r) m^2/N: what is seen of the motions by a pull along them
+    turned: Floats  # (r, k) the same by each jump
+
+    @classmethod
+    def of(cls, motions: Motions, by_motions: Floats, by_units: Floats, at: Ints) -> _Small | None:
+        """By tractions A^-1 B (2 n, l) and A^-1 E (2 n, k); None where the small compliance is singular."""
+        seen, kept = _split(np.delete(motions.jump, at, axis=0))
+        moved, force = by_motions @ seen.T, seen @ motions.force
+        balance = np.linalg.inv(force @ moved)
+        turned = balance @ (force @ by_units)
+        per = by_units - moved @ turned
+        try:
+            compliance = np.linalg.inv(per[at])
+        except np.linalg.LinAlgError:
+            return None
+        if not np.all(compliance.diagonal() > 0.0) or (len(kept) and not len(at)):
+            return None
+        return cls(at, compliance, per, motions, seen, kept, moved, balance, turned)
+
+    def solved(
+        self, problem: ContactProblem, data: tuple[Floats, Floats, Floats], start: Floats | None
+    ) -> tuple[Floats, Floats, int] | None:
+        """All unknowns (2 n + l,), all jumps (2 n,) by the law, iterations; None where Newton finds none.
+
+        `data` are tractions without motions and jumps (2 n,), pulls (l,), jumps of points that stick (2 n,).
+        """
+        (base, pull, rest), at, F = data, self.at, self.motions.force
+        motion = self.balance @ (self.seen @ (pull - F @ base))
+        without = base + self.moved @ motion
+        laws = (getattr(problem, name)[at[: len(at) // 2]] for name in ("friction", "cohesion", "dilation", "slipped"))
+        left = Motions(self.motions.jump[at] @ self.kept.T, self.kept @ F[:, at], self.kept @ pull)
+        free = rest[at] + self.compliance @ without[at]
+        small = ContactProblem(self.compliance, free, *laws, left if len(self.kept) else None)
+        found = solve_by_newton(small, None if start is None else np.append(start[at], np.zeros(small.n_motions)))
+        if found.status != "solved":
+            return None
+        jump, du = self.compliance @ (without[at] - found.traction), rest.copy()
+        p, du[at] = without - self.per @ jump, small.jump(found.unknowns)
+        p[at] = found.traction
+        motion += self.turned @ jump
+        return np.concatenate([p, self.seen.T @ motion + self.kept.T @ found.motion]), du, found.iterations
+
+
+def _settled(problem: ContactProblem, motions: Motions) -> tuple[ContactProblem, Floats, Floats]:
+    """The same problem but for what the supports do that hold loose pieces to be solved for, and the motions by that.
+
+    Single tractions turn such pieces far: of A all is taken off that is a motion, or works on one, and springs as soft
+    as the rock are put in its place. Motions per traction (l, 2 n) that this takes off are to be added, and those (l,)
+    without tractions taken off.
+    """
+    B, F, A = motions.jump, motions.force, problem.compliance
+    balance = np.linalg.pinv(F @ B, rcond=UNSEEN, hermitian=True)  # with W the projection is one of symmetric A W^-1
+    moving, pushed = balance @ (F @ A), (A @ B) @ balance
+    pushed -= B @ (moving @ B @ balance)
+    softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
+    moving -= softness * balance @ F
+    free = problem.free - pushed @ motions.pull
+    moved = balance @ (F @ free)
+    return replace(problem, compliance=A - B @ moving - pushed @ F, free=free - B @ moved), moving, moved
+
+
+def _split(jump: Floats) -> tuple[Floats, Floats]:
+    """Orthonormal motions (r, l) that jumps (k, l) of points that stick see, and the rest of all motions (l - r, l)."""
+    if not jump.shape[1]:
+        return np.zeros((0, 0)), np.zeros((0, 0))
+    _, sizes, rows = np.linalg.svd(np.vstack([jump, np.zeros((jump.shape[1],) * 2)]), full_matrices=False)
+    seen = sizes > UNSEEN * sizes[0]
+    return rows[seen], rows[~seen]
+
+
+def _moving(problem: ContactProblem, x: Floats) -> Bools:
+    """Points (n,) that unknowns say do not stick."""
+    m = problem.free.size
+    active = active_set(problem, x[:m], problem.jump(x))
+    return np.asarray(~active.closed | (active.slip != 0))
+
+
+def _none(problem: ContactProblem) -> Motions:
+    """No motions."""
+    return Motions(np.zeros((problem.free.size, 0)), np.zeros((0, problem.free.size)), np.zeros(0))
