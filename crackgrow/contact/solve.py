@@ -25,7 +25,7 @@ from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.newton import solve_active, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
-from crackgrow.contact.stuck import solve_where_points_move
+from crackgrow.contact.stuck import settled, solve_where_points_move
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -296,7 +296,8 @@ class Increment:
         if like.active is None:
             return self._untouched(free)
         problem = self._problem(like.trial, free)
-        x, m = solve_active(problem, like.active), problem.free.size
+        other, unknowns = settled(problem)
+        x, m = unknowns(solve_active(other, like.active)), problem.free.size
         solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:])
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations, notes=like.notes)

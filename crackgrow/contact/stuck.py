@@ -12,6 +12,7 @@ grows, so that nothing cycles outside of the small problem.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -40,8 +41,7 @@ def solve_where_points_move(
     n, m, moves, x = problem.n_points, problem.free.size, ~problem.resists, start
     if start is not None:
         moves |= _moving(problem, start)
-    if problem.motions is not None:
-        problem, moving, moved = _settled(problem, problem.motions)
+    problem, unknowns = settled(problem)
     motions = problem.motions or _none(problem)
     lu, pivots, info = dgetrf(problem.compliance.T)
     if info or dgecon(lu, np.abs(problem.compliance).sum(axis=1).max(), norm="1")[0] <= SINGULAR:
@@ -73,9 +73,8 @@ def solve_where_points_move(
         residual = max(change(problem, x[:m], du), problem.imbalance(x))
         if residual <= ROUND_OFF or GAIN * last < residual <= as_far(problem):
             x[:n] = np.minimum(x[:n], 0.0)
-            if problem.motions is not None:
-                x[m:] += moving @ x[:m] - moved
-            return ContactSolution(x[:m], "solved", iterations, active_set(problem, x[:m], du).states(), x[m:])
+            state = active_set(problem, x[:m], du).states()
+            return ContactSolution(x[:m], "solved", iterations, state, unknowns(x)[m:])
         if residual > GAIN * last:
             return None
         base = base + dgetrs(lu, pivots, du - wanted, trans=1)[0]
@@ -138,22 +137,24 @@ class _Small:
         return np.concatenate([p, self.seen.T @ motion + self.kept.T @ found.motion]), du, found.iterations
 
 
-def _settled(problem: ContactProblem, motions: Motions) -> tuple[ContactProblem, Floats, Floats]:
-    """The same problem but for what the supports do that hold loose pieces to be solved for, and the motions by that.
+def settled(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats], Floats]]:
+    """The same problem without what supports do that hold loose pieces to be solved for, and all unknowns of its own.
 
-    Single tractions turn such pieces far: of A all is taken off that is a motion, or works on one, and springs as soft
-    as the rock are put in its place. Motions per traction (l, 2 n) that this takes off are to be added, and those (l,)
-    without tractions taken off.
+    Single tractions, and loads, turn such pieces far: of A and of the free jumps all is taken off that is a motion, or
+    works on one, and springs as soft as the rock are put in its place. Digits would be lost in what they turn.
     """
-    B, F, A = motions.jump, motions.force, problem.compliance
+    if problem.motions is None:
+        return problem, np.array
+    B, F, A, m = problem.motions.jump, problem.motions.force, problem.compliance, problem.free.size
     balance = np.linalg.pinv(F @ B, rcond=UNSEEN, hermitian=True)  # with W the projection is one of symmetric A W^-1
     moving, pushed = balance @ (F @ A), (A @ B) @ balance
     pushed -= B @ (moving @ B @ balance)
     softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
     moving -= softness * balance @ F
-    free = problem.free - pushed @ motions.pull
+    free = problem.free - pushed @ problem.motions.pull
     moved = balance @ (F @ free)
-    return replace(problem, compliance=A - B @ moving - pushed @ F, free=free - B @ moved), moving, moved
+    other = replace(problem, compliance=A - B @ moving - pushed @ F, free=free - B @ moved)
+    return other, lambda x: np.append(x[:m], x[m:] + moving @ x[:m] - moved)
 
 
 def _split(jump: Floats) -> tuple[Floats, Floats]:
