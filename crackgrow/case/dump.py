@@ -88,7 +88,8 @@ def _as_it_is(case: Case) -> dict[str, Any]:
 
 def _loading(case: Case) -> object:
     if isinstance(case.loading, LoadHistory):
-        return {"history": list(case.loading.factors)}
+        number = case.loading.increments
+        return {"history": list(case.loading.factors), **({} if number is None else {"follow": number})}
     if isinstance(case.loading, Stages):
         return case.resolved["loading"]
     return "critical" if isinstance(case.loading, CriticalLoad) else REDUCTION

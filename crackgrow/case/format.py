@@ -124,19 +124,31 @@ STAGE: Final = Mapping(
     }
 )
 
+EVENTS: Final = "events"
+
 _HISTORY: Final = Mapping(
     {
         "history": Field(ListOf(Number()), "load factors applied in turn; left out: [1], or stages", OPTIONAL),
         "stages": Field(ListOf(STAGE), "stages of a construction, in turn", OPTIONAL),
+        "follow": Field(
+            WordOr((EVENTS,), Integer(Bounds(at_least=1)), ("from one change of a contact point to the next",)),
+            "how the way to each load of the history is taken; a number: in so many increments of one size",
+            OPTIONAL,
+        ),
     }
 )
 
 
 def _history_or_stages(value: object, path: Path, context: Context) -> object:
     """Return a history, [1] where there is neither that nor stages; report both."""
-    if isinstance(value, dict) and len(value) > 1:
-        context.report.fault(path, "has a history and stages; give one of them: a stage has a `factor`, too")
-    return value or {"history": [1.0]}
+    if not isinstance(value, dict):
+        return value
+    if "stages" not in value:
+        return {"history": [1.0], **value}
+    for key in sorted(value.keys() & {"history", "follow"}):
+        why = "give one of them: a stage has a `factor`, too" if key == "history" else "stages follow events"
+        context.report.fault(path, f"has {'a ' * (key == 'history')}{key} and stages; {why}")
+    return value
 
 
 LOADING: Final = WordOr(

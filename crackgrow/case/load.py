@@ -17,7 +17,7 @@ from crackgrow.case.check_supports import check_agreement, check_foundations, ch
 from crackgrow.case.checks import check_contacts, check_counts, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
 from crackgrow.case.declared import made
-from crackgrow.case.format import CASE, DEFINITIONS, UNITS_SPEC
+from crackgrow.case.format import CASE, DEFINITIONS, EVENTS, UNITS_SPEC
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
@@ -220,7 +220,8 @@ def _loading(resolved: Resolved) -> model.Loading:
         return model.StrengthReduction() if loading == REDUCTION else model.CriticalLoad()
     if "stages" in loading:
         return _stages(loading["stages"], resolved["loads"])
-    return model.LoadHistory(tuple(loading["history"]))
+    follow = loading.get("follow", EVENTS)
+    return model.LoadHistory(tuple(loading["history"]), None if follow == EVENTS else follow)
 
 
 def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:

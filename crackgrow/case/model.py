@@ -342,6 +342,7 @@ class LoadHistory:
     """Factors of the loads that are not held, applied in turn; friction remembers."""
 
     factors: tuple[float, ...]
+    increments: int | None = None  # of each load; None: they go from event to event
 
 
 @dataclass(frozen=True, slots=True, eq=False)

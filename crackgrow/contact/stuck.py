@@ -102,11 +102,11 @@ class _Small:
         """By tractions A^-1 B (2 n, l) and A^-1 E (2 n, k); None where the small compliance is singular."""
         seen, kept = _split(np.delete(motions.jump, at, axis=0))
         moved, force = by_motions @ seen.T, seen @ motions.force
-        balance = np.linalg.inv(force @ moved)
+        balance = np.asarray(np.linalg.inv(force @ moved), dtype=np.float64)
         turned = balance @ (force @ by_units)
         per = by_units - moved @ turned
         try:
-            compliance = np.linalg.inv(per[at])
+            compliance = np.asarray(np.linalg.inv(per[at]), dtype=np.float64)
         except np.linalg.LinAlgError:
             return None
         if not np.all(compliance.diagonal() > 0.0) or (len(kept) and not len(at)):
@@ -123,7 +123,8 @@ class _Small:
         (base, pull, rest), at, F = data, self.at, self.motions.force
         motion = self.balance @ (self.seen @ (pull - F @ base))
         without = base + self.moved @ motion
-        laws = (getattr(problem, name)[at[: len(at) // 2]] for name in ("friction", "cohesion", "dilation", "slipped"))
+        some = at[: len(at) // 2]
+        laws = problem.friction[some], problem.cohesion[some], problem.dilation[some], problem.slipped[some]
         left = Motions(self.motions.jump[at] @ self.kept.T, self.kept @ F[:, at], self.kept @ pull)
         free = rest[at] + self.compliance @ without[at]
         small = ContactProblem(self.compliance, free, *laws, left if len(self.kept) else None)

@@ -23,6 +23,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -203,7 +204,11 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     began, at, end = time.perf_counter(), start, LoadLevel(factor)
     if start.grown:
         return _told(_booked(_part(configuration, start, end), start), began)
-    reached: list[LoadState] = []
+    loading, reached = configuration.scene.case.loading, list[LoadState]()
+    number = loading.increments if isinstance(loading, LoadHistory) else None
+    for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if number else ():
+        reached.append(_part(configuration, at, start.level.towards(end, share)))
+        at = from_state(reached[-1])
     in_turn = 0  # jumps
     event: PointStates | None = None  # the states at the one that has been reached
     while not reached or at.level != end:

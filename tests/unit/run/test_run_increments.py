@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,13 +10,14 @@ import pytest
 
 import crackgrow.run.increments as increments
 from crackgrow.case import load_case
+from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
-from crackgrow.run.increments import LoadState, carried, from_state, increment, unloaded
+from crackgrow.run.increments import LoadState, carried, from_state, held_loads, increment, unloaded
 from crackgrow.run.judging import judged
 from crackgrow.run.scene import Scene, make_scene
 from tests.verification.reversed_shear import ShearedCrack
@@ -218,6 +220,32 @@ def test_one_increment_and_twenty_are_the_same_where_nothing_reverses() -> None:
     np.testing.assert_allclose(many.outcome.points.tangential, once.outcome.points.tangential, rtol=1e-9, atol=1e-3)
     assert many.energy.dissipated == pytest.approx(once.energy.dissipated, rel=1e-4)
     assert many.energy.work == pytest.approx(once.energy.work, rel=1e-6)
+
+
+@pytest.mark.parametrize("name", ["confined30", "two_flaws"])
+def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
+    """Their dissipation is of the first order in the increments, and the balance of energies of the second."""
+    case = load_case(CASES / f"{name}.yaml", ["numerics.spacing=3"])
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
+
+    def loaded(follow: int | None) -> LoadState:
+        loading = LoadHistory((1.0,), follow)
+        configuration = assemble(make_scene(replace(case, loading=loading)), cracks)
+        return increment(configuration, held_loads(configuration), 1.0)
+
+    events, some = loaded(None), [loaded(number) for number in (4, 8, 16)]
+    for state in some:
+        slip, known = state.outcome.points.slip, events.outcome.points.slip
+        np.testing.assert_allclose(slip, known, atol=1e-9 * np.abs(known).max())
+    off = [abs(state.energy.dissipated / events.energy.dissipated - 1.0) for state in some]
+    errors = [state.energy.error for state in some]
+    if name == "two_flaws":  # nothing is held: all is in proportion to the load
+        assert max(off) < 1e-9
+        assert len(events.via) == 0
+    else:
+        assert off[2] < 0.6 * off[1] < 0.36 * off[0] < 0.01
+        assert len(events.via) > 1
+    assert max(errors) < 1e-5
 
 
 def test_residual_slip_stays_when_the_shear_is_taken_off() -> None:
