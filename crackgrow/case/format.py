@@ -144,7 +144,7 @@ def _history_or_stages(value: object, path: Path, context: Context) -> object:
     if not isinstance(value, dict):
         return value
     if "stages" not in value:
-        return {"history": [1.0], **value}
+        return {"history": [1.0], **{key: what for key, what in value.items() if what != EVENTS}}
     for key in sorted(value.keys() & {"history", "follow"}):
         why = "give one of them: a stage has a `factor`, too" if key == "history" else "stages follow events"
         context.report.fault(path, f"has {'a ' * (key == 'history')}{key} and stages; {why}")

@@ -385,7 +385,8 @@ def solved(
     failures: list[str] = []
     for name in ("newton", "lemke") if solver == "newton" else ("lemke", "newton"):
         try:
-            solution = _by_newton(problem, start) if name == "newton" else solve_by_lemke(problem)
+            few = solve_where_points_move(problem, start) if name == "newton" else solve_by_lemke(problem)
+            solution = few or solve_by_newton(problem, start)
             if solution.status != "solved" and name == "newton" and start is not None:
                 solution = solve_by_newton(problem)
         except NotSolvedError as error:
@@ -402,11 +403,6 @@ def solved(
         f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
         f"try a coarser contact spacing or a softer contact stiffness{_advice(problem)}"
     )
-
-
-def _by_newton(problem: ContactProblem, start: Floats | None) -> ContactSolution:
-    """The solution by steps on the points that move, or on all where most of them do."""
-    return solve_where_points_move(problem, start) or solve_by_newton(problem, start)
 
 
 def _advice(problem: ContactProblem) -> str:

@@ -49,6 +49,15 @@ def test_history(setting: str, factors: tuple[float, ...]):
     assert case.loading.factors == factors
 
 
+def test_the_way_to_a_load_is_taken_by_events_or_in_increments(tmp_path: Path):
+    for setting, number in (("events", None), ("8", 8)):
+        case = load_case(FILE, [f"loading.follow={setting}"])
+        assert isinstance(case.loading, LoadHistory)
+        assert (case.loading.factors, case.loading.increments) == ((1.0,), number)
+        assert same(case, reread(case, tmp_path))
+    assert faults("loading.follow=0")[0][0] == "loading.follow"
+
+
 def test_critical_load(tmp_path: Path):
     case = load_case(FILE, ["loading=critical", "growth.steps=0"])
     assert isinstance(case.loading, CriticalLoad)
@@ -86,7 +95,7 @@ def test_a_word_gives_way_at_loading_only():
         (
             "loading=crit",
             "loading",
-            "critical | strength_reduction | a mapping of history, stages; did you mean 'critical'?",
+            "critical | strength_reduction | a mapping of history, stages, follow; did you mean 'critical'?",
         ),
         ("loading=1", "loading", "'1' given; wanted: critical"),
         ("loading=[1]", "loading", "a list given; wanted: a mapping of history"),

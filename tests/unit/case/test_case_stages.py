@@ -89,6 +89,7 @@ def test_fault_of_a_stage(stages: list[dict[str, Any]], key: str, words: str, tm
     ("changes", "key", "words"),
     [
         ({"loading": {"stages": [{}], "history": [1]}}, "loading", "has a history and stages"),
+        ({"loading": {"stages": [{}], "follow": 3}}, "loading", "stages follow events"),
         (
             {"cracks": {"flaw": {"path": {"points": [[1, 3], [2, 3]]}, "contact": "none"}}},
             "loading.stages.1.excavate",
