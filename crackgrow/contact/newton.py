@@ -101,10 +101,7 @@ def as_far(problem: ContactProblem) -> float:
 
 
 def first_guess(problem: ContactProblem) -> Floats:
-    """Unknowns (2 n + l,) to start from: of sweeps.
-
-    Where contact alone holds pieces, all points stick at first.
-    """
+    """Unknowns (2 n + l,) to start from: of sweeps, or where contact alone holds pieces with all points stuck."""
     if problem.motions is not None:
         n = problem.n_points
         stuck = np.zeros(n, dtype=np.int64)
