@@ -96,7 +96,7 @@ FORMAT_FAULTS = [
         "numerics:",
         "loading: critcal\nnumerics:",
         "loading",
-        "a mapping of history, stages; did you mean 'critical'?",
+        "a mapping of history, stages, follow; did you mean 'critical'?",
         "loading",
     ),
     ("numerics:", "title: again\nnumerics:", "title", "given twice; the first is in line 3", "title: again"),
