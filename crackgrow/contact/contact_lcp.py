@@ -14,8 +14,8 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL, active_set, complementarity_residual
+from crackgrow.contact.equations import UNSEEN, solve_active
 from crackgrow.contact.lemke import lemke
-from crackgrow.contact.newton import UNSEEN, solve_active
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 

@@ -23,7 +23,8 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
-from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.equations import solve_active
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.stuck import settled, solve_where_points_move
 from crackgrow.contact.system import ContactSystem, spoilt
@@ -109,7 +110,6 @@ class PointStates:
     n_unknowns: int = 0
     complementarity: float = 0.0  # relative
     iterations: int = 0  # of all trials
-    notes: frozenset[str] = frozenset()
 
     @property
     def status(self) -> Literal["none", "solved"]:
@@ -203,7 +203,7 @@ class Increment:
         """States that are close as a start: what broke or opened in their own increment is not of this one."""
         taken = near.trial.taken | self.memory.coheres(self.contact.law)
         trial = Trial(taken, self.memory.lost, np.zeros(len(taken), dtype=bool))
-        return replace(near, trial=trial, iterations=0, notes=frozenset())
+        return replace(near, trial=trial, iterations=0)
 
     def formed(
         self,
@@ -249,7 +249,7 @@ class Increment:
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
-        notes = sorted(state.notes)
+        notes = []
         if off > UNSURE:
             notes.append(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
         law = self.contact.law
@@ -285,11 +285,10 @@ class Increment:
         if start.solution is not None:
             rows = np.flatnonzero(np.tile(trial.taken, 2))
             known = np.concatenate([start.tractions[rows], start.solution.motion])
-        solution, note = solved(problem, self.contact.solver, known)
+        solution = solved(problem, self.contact.solver, known)
         active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
         found = self._with(trial, free, problem, (solution, active))
-        notes = start.notes | ({note} if note else set())
-        return replace(found, iterations=start.iterations + solution.iterations, notes=notes)
+        return replace(found, iterations=start.iterations + solution.iterations)
 
     def on_branch(self, like: PointStates, free: Floats) -> PointStates:
         """The states where every point is on the branch that it has in others, whether the law holds or not."""
@@ -300,7 +299,7 @@ class Increment:
         x, m = unknowns(solve_active(other, like.active)), problem.free.size
         solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:])
         found = self._with(like.trial, free, problem, (solution, like.active))
-        return replace(found, iterations=like.iterations, notes=like.notes)
+        return replace(found, iterations=like.iterations)
 
     def on_wearing_branch(self, like: PointStates, free: Floats) -> PointStates:
         """The same where points lose by slip on these branches what the law says, and no more."""
@@ -375,32 +374,20 @@ class Increment:
         return np.where(slips, np.minimum(self.memory.lost + law.worn(moved), 1.0), found.trial.lost)
 
 
-def solved(
-    problem: ContactProblem, solver: Literal["newton", "lemke"], start: Floats | None = None
-) -> tuple[ContactSolution, str]:
-    """Solution of a contact problem by `solver`, or by the other one, and then a note that says why.
+def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: Floats | None = None) -> ContactSolution:
+    """Solution of a contact problem by `solver`, looked for from unknowns `start` (2 n + l,) on, which may be close.
 
-    `start` (2 n + l,) are unknowns that may be close. Raises NotSolvedError where neither does.
+    Raises NotSolvedError where it finds none.
     """
-    failures: list[str] = []
-    for name in ("newton", "lemke") if solver == "newton" else ("lemke", "newton"):
-        try:
-            few = solve_where_points_move(problem, start) if name == "newton" else solve_by_lemke(problem)
-            solution = few or solve_by_newton(problem, start)
-            if solution.status != "solved" and name == "newton" and start is not None:
-                solution = solve_by_newton(problem)
-        except NotSolvedError as error:
-            failures.append(f"{name}: {error}")
-            continue
-        if solution.status == "solved":
-            note = f"the contact problem was solved by {name} after {failures[-1]}" if failures else ""
-            return solution, note
-        residual = complementarity_residual(problem, solution.unknowns)
-        failures.append(
-            f"{name}: status '{solution.status}' after {solution.iterations} iterations, residual {residual:.2g}"
-        )
+    if solver == "lemke":
+        found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
+    else:
+        found, other = solve_where_points_move(problem, start) or solve_by_newton(problem, start), ""
+    if found.status == "solved":
+        return found
     raise NotSolvedError(
-        f"the contact problem of {problem.n_points} points was not solved: {'; '.join(failures)}; "
+        f"the contact problem of {problem.n_points} points was not solved: {solver}: status '{found.status}' after "
+        f"{found.iterations} iterations, residual {complementarity_residual(problem, found.unknowns):.2g}{other}; "
         f"try a coarser contact spacing or a softer contact stiffness{_advice(problem)}"
     )
 

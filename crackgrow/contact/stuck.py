@@ -20,7 +20,8 @@ from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import active_set
-from crackgrow.contact.newton import ROUND_OFF, SINGULAR, UNSEEN, as_far, change, solve_by_newton
+from crackgrow.contact.equations import SINGULAR, UNSEEN, split
+from crackgrow.contact.newton import ROUND_OFF, as_far, missed, solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 
 MOST_MOVING = 0.5
@@ -70,7 +71,7 @@ def solve_where_points_move(
         if leaving.any():
             moves |= leaving
             continue
-        residual = max(change(problem, x[:m], du), problem.imbalance(x))
+        residual = missed(problem, x, du)
         if residual <= ROUND_OFF or GAIN * last < residual <= as_far(problem):
             x[:n] = np.minimum(x[:n], 0.0)
             state = active_set(problem, x[:m], du).states()
@@ -100,7 +101,7 @@ class _Small:
     @classmethod
     def of(cls, motions: Motions, by_motions: Floats, by_units: Floats, at: Ints) -> _Small | None:
         """By tractions A^-1 B (2 n, l) and A^-1 E (2 n, k); None where the small compliance is singular."""
-        seen, kept = _split(np.delete(motions.jump, at, axis=0))
+        seen, kept = split(np.delete(motions.jump, at, axis=0))
         moved, force = by_motions @ seen.T, seen @ motions.force
         balance = np.asarray(np.linalg.inv(force @ moved), dtype=np.float64)
         turned = balance @ (force @ by_units)
@@ -156,15 +157,6 @@ def settled(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats],
     moved = balance @ (F @ free)
     other = replace(problem, compliance=A - B @ moving - pushed @ F, free=free - B @ moved)
     return other, lambda x: np.append(x[:m], x[m:] + moving @ x[:m] - moved)
-
-
-def _split(jump: Floats) -> tuple[Floats, Floats]:
-    """Orthonormal motions (r, l) that jumps (k, l) of points that stick see, and the rest of all motions (l - r, l)."""
-    if not jump.shape[1]:
-        return np.zeros((0, 0)), np.zeros((0, 0))
-    _, sizes, rows = np.linalg.svd(np.vstack([jump, np.zeros((jump.shape[1],) * 2)]), full_matrices=False)
-    seen = sizes > UNSEEN * sizes[0]
-    return rows[seen], rows[~seen]
 
 
 def _moving(problem: ContactProblem, x: Floats) -> Bools:

@@ -36,7 +36,8 @@ from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set
-from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.equations import solve_active
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, PointStates
 from crackgrow.contact.system import ContactSystem
@@ -49,7 +50,6 @@ from crackgrow.study.setting import under_its_loads
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
 LEMKE_POINTS: Final = 300  # of more, Lemke's method would cost several times what everything else of a step does
-ITERATIONS: Final = 40  # of Newton's method from a start that is but one of several
 
 WORDS: Final = {OPEN: "is open", STICK: "sticks", SLIP: "slips"}
 
@@ -105,8 +105,7 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
     for slip in (0, 1, -1):
         slips = np.full(n, slip, dtype=np.int64)
         closed = ActiveSet(np.ones(n, dtype=bool), slips, slips)
-        yield solve_by_newton(problem, solve_active(problem, closed), ITERATIONS)
-    yield solve_by_newton(problem)
+        yield solve_by_newton(problem, solve_active(problem, closed))
     if n > LEMKE_POINTS:
         return
     try:
