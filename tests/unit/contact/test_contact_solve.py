@@ -273,7 +273,6 @@ def test_open_faces_cost_no_solve(build, monkeypatch: pytest.MonkeyPatch) -> Non
         n_tractions = (2 if friction > 0.0 else 1) * outcome.points.state.size
         assert solved == ([1] if outcome.points.status == "none" else [1, n_tractions])
         assert set(np.flatnonzero(outcome.points.state != OPEN)) <= set(outcome.points.rows)
-        assert outcome.points.iterations <= 2
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4])
@@ -377,21 +376,6 @@ def test_no_solution_is_an_error_and_not_a_result(build, monkeypatch, solver: st
         monkeypatch.setattr(module, f"solve_by_{name}", gives_up)
     with pytest.raises(SolveError, match=rf"{solver}: status '{status}' after 17 iterations"):
         pressed(build, 0.02).solve(solver=solver)
-
-
-@pytest.mark.parametrize(("solver", "other"), [("newton", "lemke"), ("lemke", "newton")])
-def test_the_other_solver_steps_in_and_says_so(build, monkeypatch, solver: str, other: str) -> None:
-    expected = pressed(build, 0.02).solve(solver=solver)
-
-    def gives_up(problem, start=None):
-        zeros = np.zeros(problem.free.size)
-        return ContactSolution(zeros, "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
-
-    monkeypatch.setattr(module, f"solve_by_{solver}", gives_up)
-    outcome = pressed(build, 0.02).solve(solver=solver)
-    assert expected.notes == ()
-    assert [f"by {other} after {solver}: status 'limit'" in note for note in outcome.notes] == [True]
-    np.testing.assert_allclose(outcome.points.normal, expected.points.normal, rtol=1e-9)
 
 
 def test_gaps_that_are_none_do_not_depend_on_how_pieces_are_held() -> None:

@@ -83,7 +83,7 @@ def test_one_point_has_the_solutions_found_by_hand(friction: float) -> None:
     for free_n, free_t in itertools.product((-1.0, 1.0), (-7.3, -2.1, -0.4, 0.3, 1.9, 4.7, 5.3, 11.0, 23.0)):
         problem, known = one_point(friction, free_n, free_t), by_hand(friction, free_n, free_t)
         numbers.add(len(known))
-        found, _ = solved(problem, "newton")
+        found = solved(problem, "newton")
         assert close(found.traction, known)
         others = list(other_solutions(problem, found.traction))
         assert all(close(p, known) for p in others)
@@ -156,7 +156,7 @@ def test_two_points_that_wedge_each_other(c: float) -> None:
         problem = ContactProblem(compliance, free, np.full(2, friction))
         alike = [np.repeat(p, 2) for p in by_hand(friction, 1.0, 1e2, c)]
         assert len(alike) == number
-        found, _ = solved(problem, "newton")
+        found = solved(problem, "newton")
         others = list(other_solutions(problem, found.traction))
         assert bool(others) == (number > 1)
         for p in (found.traction, *others):
@@ -171,7 +171,7 @@ def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> Non
     compliance = np.kron(part, np.eye(2))
     problem = ContactProblem(compliance, np.array([1.0, 1.0, 8.0, 8.0]), np.full(2, 3.0))
     assert len(every_solution(problem)) == 9
-    found, _ = solved(problem, "newton")
+    found = solved(problem, "newton")
     assert list(other_solutions(problem, found.traction))
 
 
@@ -205,11 +205,8 @@ def test_no_solution_is_an_error_that_names_the_friction(solver: str) -> None:
     """No rock has this compliance (1 < 2): open, stuck and slipping all contradict themselves."""
     assert by_hand(3.0, -1.0, 0.0, 2.0) == []
     assert every_solution(one_point(3.0, -1.0, 0.0, 2.0)) == []
-    with pytest.raises(
-        SolveError, match=r"newton: status.*less friction: of 3 it may leave several solutions"
-    ) as error:
+    with pytest.raises(SolveError, match=rf"{solver}: status.*less friction: of 3 it may leave several solutions"):
         solved(one_point(3.0, -1.0, 0.0, 2.0), solver)
-    assert "lemke: status" in str(error.value)
 
 
 def rock_of(problem: ContactProblem, solver: str = "newton") -> tuple[ContactSystem, np.ndarray]:
@@ -224,28 +221,23 @@ def rock_of(problem: ContactProblem, solver: str = "newton") -> tuple[ContactSys
     return contact, np.append(K[:m, :m] @ problem.free, 0.0)
 
 
-def test_newton_fails_and_lemke_steps_in() -> None:
+def test_where_newton_goes_round_in_circles_the_one_solution_is_followed() -> None:
     """A point pressed and sheared the way that presses it less; the only solution slips."""
     problem = one_point(10.0, -1.0, -5.0)
     assert by_hand(10.0, -1.0, -5.0) == [pytest.approx((-1.0 / 6.0, -10.0 / 6.0))]
-    assert solve_by_newton(problem).status == "limit"
-    assert solve_by_lemke(problem).status == "solved"
     contact, loads = rock_of(problem)
     outcome = solve_contact(contact, loads, np.zeros(1))
-    assert len(outcome.notes) == 1
-    assert "solved by lemke after newton: status 'limit'" in outcome.notes[0]
+    assert outcome.notes == ()
     assert outcome.points.normal == pytest.approx([-1.0 / 6.0])
     assert outcome.points.tangential == pytest.approx([-10.0 / 6.0])
     assert outcome.points.state.tolist() == [SLIP]
 
 
-def test_lemke_refuses_and_newton_steps_in() -> None:
+def test_lemke_refuses_what_newton_solves() -> None:
     problem = smooth(np.ones((2, 2)), -np.ones(2))
-    with pytest.raises(SolveError, match="condition number"):
-        solve_by_lemke(problem)
-    solution, note = solved(problem, "lemke")
-    assert solution.traction.sum() == pytest.approx(-1.0)
-    assert note.startswith("the contact problem was solved by newton after lemke: contact compliance: condition number")
+    with pytest.raises(SolveError, match=r"condition number.*the Newton solver"):
+        solved(problem, "lemke")
+    assert solved(problem, "newton").traction.sum() == pytest.approx(-1.0)
 
 
 def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
