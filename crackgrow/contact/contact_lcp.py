@@ -14,8 +14,9 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL, active_set, complementarity_residual
-from crackgrow.contact.equations import UNSEEN, solve_active
+from crackgrow.contact.equations import solve_active
 from crackgrow.contact.lemke import lemke
+from crackgrow.contact.loose import UNSEEN
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 

@@ -18,7 +18,8 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import ActiveSet
-from crackgrow.contact.equations import split, towards
+from crackgrow.contact.equations import towards
+from crackgrow.contact.loose import split
 from crackgrow.contact.problem import ContactProblem, Motions
 
 MOST_EVENTS: Final = 20

@@ -15,8 +15,6 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import ActiveSet, Branches
 from crackgrow.contact.problem import ContactProblem
 
-UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
-
 SINGULAR: Final = 1e-14
 """Reciprocal condition from which equations with motions have no digits: nothing that is closed sees some of them."""
 
@@ -53,15 +51,6 @@ def towards(
     size = float(np.abs(K).max(initial=0.0)) / (float(np.abs(other).max(initial=0.0)) or 1.0)
     way = np.linalg.svd(np.column_stack([K, -size * other]))[2][-1]
     return unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
-
-
-def split(jump: Floats) -> tuple[Floats, Floats]:
-    """Orthonormal motions (r, l) that jumps (k, l) of points see, and the rest of all motions (l - r, l)."""
-    if not jump.shape[1]:
-        return np.zeros((0, 0)), np.zeros((0, 0))
-    _, sizes, rows = np.linalg.svd(np.vstack([jump, np.zeros((jump.shape[1],) * 2)]), full_matrices=False)
-    seen = sizes > UNSEEN * sizes[0]
-    return rows[seen], rows[~seen]
 
 
 def _equations(problem: ContactProblem, active: ActiveSet) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:

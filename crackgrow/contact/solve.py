@@ -24,9 +24,10 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.equations import solve_active
+from crackgrow.contact.loose import settled
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
-from crackgrow.contact.stuck import settled, solve_where_points_move
+from crackgrow.contact.stuck import solve_where_points_move
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -382,7 +383,11 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
     if solver == "lemke":
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
     else:
-        found, other = solve_where_points_move(problem, start) or solve_by_newton(problem, start), ""
+        lying, unknowns = settled(problem)
+        m, other = problem.free.size, ""
+        near = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
+        found = solve_where_points_move(lying, near) or solve_by_newton(lying, near)
+        found = replace(found, motion=unknowns(found.unknowns)[m:])
     if found.status == "solved":
         return found
     raise NotSolvedError(
