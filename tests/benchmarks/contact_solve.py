@@ -20,7 +20,8 @@ sys.path.insert(0, str(Path(__file__).parents[2]))  # run as a file
 
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import active_set, complementarity_residual
-from crackgrow.contact.newton import first_guess, solve_active, solve_by_newton
+from crackgrow.contact.equations import solve_active
+from crackgrow.contact.newton import first_guess, solve_by_newton
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.study.uniqueness import friction_limit
 from tests.contact_problems import crack_problem, rock_problem, with_law

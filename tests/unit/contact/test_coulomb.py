@@ -7,7 +7,8 @@ import pytest
 
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, complementarity_residual, project
-from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.equations import solve_active
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.errors import NotSolvedError
 from tests.contact_problems import random_problem, smooth

@@ -13,7 +13,8 @@ from scipy.sparse import csc_array, csr_array
 from crackgrow.case import load_case
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, complementarity_residual
-from crackgrow.contact.newton import solve_active, solve_by_newton
+from crackgrow.contact.equations import solve_active
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
