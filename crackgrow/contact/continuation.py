@@ -18,7 +18,7 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import ActiveSet
-from crackgrow.contact.equations import towards
+from crackgrow.contact.equations import solve_active, towards
 from crackgrow.contact.loose import split
 from crackgrow.contact.problem import ContactProblem, Motions
 
@@ -67,10 +67,16 @@ def _with_what_is_seen(problem: ContactProblem) -> tuple[ContactProblem, Callabl
 
 
 def _pressed(problem: ContactProblem) -> tuple[ContactProblem, Floats, ActiveSet]:
-    """The problem whose points all stick under a pressure of the size of the tractions, its unknowns and active set."""
+    """The problem whose points all stick under a pressure, its unknowns and active set.
+
+    The pressure is of the size of the tractions that there were if all points stuck under the loads.
+    """
     n, m = problem.n_points, problem.free.size
     x, motions = np.zeros(m + problem.n_motions), problem.motions
-    x[:n] = -max(problem.least_traction, np.finfo(float).tiny) * (1.0 + UNLIKE * (GOLDEN * np.arange(n) % 1.0))
+    none = np.zeros(n, dtype=np.int64)
+    stuck = np.abs(solve_active(problem, ActiveSet(np.ones(n, dtype=bool), none, none))[:m])
+    pressure = float(stuck.mean()) if stuck.any() else 1.0
+    x[:n] = -pressure * (1.0 + UNLIKE * (GOLDEN * np.arange(n) % 1.0))
     free = problem.compliance @ x[:m]
     free[:n] += problem.dilation * np.abs(problem.slipped)
     sense = np.where(problem.slipped < 0.0, -1, 1)

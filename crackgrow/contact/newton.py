@@ -10,6 +10,7 @@ on these pieces, F p = pull.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -35,7 +36,16 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
     """
-    x = first_guess(problem) if start is None else _checked(problem, start)
+    found = _stepped(problem, first_guess(problem) if start is None else _checked(problem, start))
+    way = None if found.status == "solved" else followed(problem)
+    if way is None:
+        return found
+    there = _stepped(problem, way[0])
+    return replace(there, iterations=found.iterations + way[2] + there.iterations)
+
+
+def _stepped(problem: ContactProblem, x: Floats) -> ContactSolution:
+    """What Newton's steps from unknowns x (2 n + l,) on come to."""
     m, iterations = problem.free.size, 0
     active = active_set(problem, x[:m], problem.jump(x))
     seen: set[bytes] = set()
@@ -49,12 +59,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
             x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
             return ContactSolution(x[:m], "solved", iterations, active.states(), x[m:])
         active = following
-    found, status = followed(problem), "limit"
-    if found is not None:
-        x, active, iterations = found[0], found[1], iterations + found[2]
-        if missed(problem, x, problem.jump(x)) <= as_good:
-            status = "solved"
-    return ContactSolution(x[:m], status, iterations, active.states(), x[m:])
+    return ContactSolution(x[:m], "limit", iterations, active.states(), x[m:])
 
 
 def as_far(problem: ContactProblem) -> float:
