@@ -40,7 +40,7 @@ def followed(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
     begin, x, active = _pressed(problem)
     lacks, left, entered = begin.free - problem.free, 1.0, -1
     for event in range(1, MOST_EVENTS * (n + 1) + 1):
-        way, less = towards(problem, begin, left, active, x)
+        x, way, less = towards(problem, begin, left, active, x)
         du, more = problem.jump(x) + left * lacks, problem.jump(way) - problem.free + less * lacks
         room, rate = _room(problem, active, x, du), _room(problem, active, way, more, 0.0)
         if (less > 0.0) if entered < 0 else (rate[entered] < 0.0):

@@ -37,20 +37,21 @@ def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
 
 def towards(
     problem: ContactProblem, begin: ContactProblem, left: float, active: ActiveSet, x: Floats
-) -> tuple[Floats, float]:
-    """The way (2 n + l,) that unknowns x of an active set go, and how `left` changes on it.
+) -> tuple[Floats, Floats, float]:
+    """The unknowns x (2 n + l,) of an active set to the last digit, the way that they go, and how `left` changes on it.
 
     Free jumps and pulls are those of the problem and a share `left` of what they lack of those at the `begin`. Where
     nothing that is closed sees a motion, or points share a traction in any way, they change alone.
     """
     K, right, unknowns = _equations(problem, active)
-    end = _by_lu(K, right, SINGULAR)
-    if end is not None:
-        return unknowns(end) - x, -left
     other = _equations(begin, active)[1] - right
+    both = _by_lu(K, np.column_stack([right, other]), SINGULAR)
+    if both is not None:
+        end, x = unknowns(both[:, 0]), unknowns(both[:, 0] + left * both[:, 1])
+        return x, end - x, -left
     size = float(np.abs(K).max(initial=0.0)) / (float(np.abs(other).max(initial=0.0)) or 1.0)
     way = np.linalg.svd(np.column_stack([K, -size * other]))[2][-1]
-    return unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
+    return x, unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
 
 
 def _equations(problem: ContactProblem, active: ActiveSet) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
