@@ -131,6 +131,12 @@ def test_where_that_leaves_too_much_theta_and_corners_are_refined_too() -> None:
     assert refined(now, off(0.04), 0.01, "K", apart(1), ()).rest == 0
 
 
+def test_where_no_error_is_known_all_cracks_are_refined() -> None:
+    unknown = errors_of(GRADING, HERE, None)
+    assert refined(unknown, None, 0.01, "K", apart(2), ()).cracks == (1, 1)
+    assert refined(unknown, None, 0.01, "K", apart(2), ()).rest == 0
+
+
 def test_another_goal_refines_all_cracks() -> None:
     errors = replace(off(0.0, 0.0), shares={"slip": 0.02})
     assert refined(errors, None, 0.01, "slip", apart(2), ()).cracks == (1, 1)

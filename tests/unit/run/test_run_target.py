@@ -171,6 +171,14 @@ def test_without_a_solution_on_the_companion_nothing_is_known(monkeypatch: pytes
     assert all(math.isnan(tip.K_I_error) for tip in step.tips)
 
 
+def test_a_companion_without_a_solution_is_tried_once_more_on_smaller_cells() -> None:
+    """On the first ones the functions of both tips depend on each other, where a wing starts at a flaw that sticks."""
+    shallow = ("cracks.flaw.path.angle=15", "cracks.flaw.contact.friction=0.4", "growth.steps=1")
+    steps = list(grow(case("compression30", "1 %", *shallow)))
+    assert [told(step) for step in steps] == [[], []]
+    assert all(math.isfinite(tip.K_I_error) for tip in steps[1].tips)
+
+
 def test_a_target_that_takes_too_many_unknowns_ends_with_what_was_reached(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(target_file, "MOST_UNKNOWNS", 100)
     step = next(grow(case("two_flaws", "0.1 %")))
