@@ -307,12 +307,7 @@ def _percent(row: Row) -> str:
 
 
 def page(rows: Sequence[Row]) -> str:
-    """errors.md: what the rows say together, what is beyond its bound, and the worst quantity of each scene."""
-    worst: dict[tuple[str, str], Row] = {}
-    for row in rows:
-        known = worst.get(key := (row.scene, row.accuracy))
-        if known is None or row.error / max(row.D, ROUND_OFF) > known.error / max(known.D, ROUND_OFF):
-            worst[key] = row
+    """errors.md: what the rows say together, and what is beyond its bound."""
     beyond = [row for row in rows if not row.holds]
     head = ("scene", "accuracy", "quantity", "error, %", "truth good to", "expected", "at most", "unknowns", "CPU s")
     return (
@@ -323,8 +318,6 @@ def page(rows: Sequence[Row]) -> str:
         + "".join(f"{'' if line.startswith('  ') else '- '}{line}\n" for line in told(rows))
         + f"\n## Beyond their bound: {len(beyond)}\n\n"
         + table(head, list(map(_cells, beyond)))
-        + "\n## The quantity of each step that comes nearest\n\n"
-        + table(head, list(map(_cells, worst.values())))
     )
 
 
