@@ -7,8 +7,9 @@ say of any quantity differs by D, which is as large as the companion's error. Wi
 
 for K_I and K_II together, directions of growth, critical load factors, jumps of faces and reactions. An error may pass
 through zero at one tip, so D of K and of directions is that of the crack's tip where it is largest, and D of directions
-and of a critical load is not below that of the K that they follow from, over that K. To D of K is added, as to any two
-independent errors, the spread between the discs of the integral. What no pair can see is shear that faces
+and of a critical load is not below that of the K that they follow from, over that K. To D of K are added, as any
+independent errors are, the spread between the discs of the integral, and K_I below zero at faces that can't overlap:
+next to such a tip they touch over less than the cells there, on both meshes. What no pair can see is shear that faces
 carry beyond friction where a tip is open more closely to itself than any contact point lies (`unseen_shear`).
 
 Targets are of the estimate, as is usual where cells follow from errors: a target on the bound is met by errors of a
@@ -50,7 +51,7 @@ class Quantities:
 
     ends: tuple[End, ...]  # tip by tip
     K: Floats  # (n, 2) Pa sqrt(m), nan where it is not known
-    spread: Floats  # (n,) Pa sqrt(m), of both between discs
+    spread: Floats  # (n,) Pa sqrt(m), of both between discs, with K_I below zero of faces that touch
     unseen: Floats  # (n,) Pa sqrt(m)
     kinks: Floats  # (n,) rad, directions of growth; nan without growth
     load_factor: float  # on the mesh's own path

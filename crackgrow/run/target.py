@@ -20,6 +20,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.tips import Tip
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.criteria import hoop_stress_kink
+from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.increments import LoadState
@@ -161,7 +162,7 @@ def quantities(solution: StepSolution, own_factor: float) -> Quantities:
         K=np.array([tip.K if moved else (math.nan,) * 2 for tip, moved in zip(tips, moves, strict=True)]).reshape(
             -1, 2
         ),
-        spread=np.nan_to_num(np.array([math.hypot(K.K_I_spread, K.K_II_spread) for K in intensities])),
+        spread=np.array([_spread(state, *each) for each in zip(state.cover.tips, intensities, strict=True)]),
         unseen=np.array([_unseen(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
         kinks=np.array([_direction(state.scene, tip) for tip in tips]),
         load_factor=own_factor,
@@ -195,6 +196,13 @@ def _direction(scene: Scene, tip: TipState) -> float:
         return math.nan
     implicit = growth.direction == "implicit" and tip.verdict.mode == "tension"
     return hoop_stress_kink(*tip.K) if implicit else tip.verdict.kink
+
+
+def _spread(state: LoadState, tip: Tip, known: StressIntensity) -> float:
+    """What K of a tip says itself that it is off by (Pa sqrt(m))."""
+    law = state.scene.laws[tip.crack]
+    overlap = 0.0 if law.contact is None or law.elastic else max(-known.K_I, 0.0)
+    return float(np.nan_to_num(math.hypot(known.K_I_spread, known.K_II_spread, overlap)))
 
 
 def _unseen(state: LoadState, tip: Tip, known: TipState) -> float:

@@ -5,6 +5,7 @@ Of all scenes of tests/benchmarks/errors.md these are the quick ones.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,10 +15,13 @@ import pytest
 import yaml
 
 from crackgrow.accuracy.companion import BOUND
-from crackgrow.case import load_case
+from crackgrow.case import Case, load_case
 from crackgrow.run import grow
 from crackgrow.run.caution import Cause
+from crackgrow.run.loading import load
+from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
+from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE
 from tests.scenes import MPA, plate, shipped, winged
 from tests.verification.solutions import rows
@@ -125,6 +129,21 @@ def test_the_bound_holds(tmp_path: Path, name: str, accuracy: float | str) -> No
     largest = max(np.hypot(tip.K_I, tip.K_II) for tip in step.tips)
     assert off <= max(tip.K_I_error for tip in step.tips) / largest + GOOD_TO.get(name, 1e-3)
     assert all(tip.K_I_error > tip.K_error_expected for tip in step.tips)
+
+
+@pytest.mark.parametrize("number", [4, 22, 36])
+def test_faces_that_touch_next_to_a_tip_are_seen(number: int) -> None:
+    """Wings whose tips are closed over less than a cell: K_I was below zero there, and K_II 1.4 to 2.5 % off.
+
+    Both meshes miss that alike. The truth is that of cells three levels finer.
+    """
+    _, scene = [*wings(2)][number]
+    ((step, solution),) = solved_steps(Case.from_dict({**scene, "numerics": {"accuracy": "standard"}}))
+    levels = tuple(level + 3 for level in solution.scene.grading.cracks or (0,))
+    finer = load(solution.scene.with_grading(replace(solution.scene.grading, cracks=levels)), solution.cracks)
+    for tip, true in zip(step.tips, finer.tips, strict=True):
+        off = np.hypot(tip.K_I - true.K[0], tip.K_II - true.K[1])
+        assert off <= tip.K_I_error
 
 
 def beside(what: str, room: float) -> dict[str, Any]:
