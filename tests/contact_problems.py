@@ -33,7 +33,7 @@ def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: 
     zeros, none = np.zeros(len(friction)), np.zeros(len(friction), dtype=bool)
     usual = {"shear_compliance": compliance, "residual_friction": friction, "kept": none, "dilation": zeros}
     given = {name: value for name, value in more.items() if value is not None}
-    return ContactLaw(friction, cohesion, compliance, **{**usual, "weakening": zeros, **given})
+    return ContactLaw(friction, cohesion, compliance, **{**usual, "weakening": zeros, "tension": zeros, **given})
 
 
 def crack_problem(n: int, friction: float, cohesion: float, ratio: float, coupling: float, seed: int) -> ContactProblem:

@@ -96,7 +96,7 @@ def _finest_spacing(width: float, height: float, margin: float) -> float:
 
 
 def check_contacts(scene: Scene) -> None:
-    """Report a residual friction above the friction, and a dilation steeper than the residual friction."""
+    """Report what is no law: friction that rises, steep dilation, tensile strength beyond what shear allows."""
     for key, law in contact_laws(scene):
         friction, residual, dilation = law["friction"], law["residual_friction"], law["dilation_angle"]
         if residual > friction:
@@ -107,7 +107,11 @@ def check_contacts(scene: Scene) -> None:
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
             scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
-        keeps = law["cohesion"] == 0.0 or law["cohesion_after_slip"] == "kept"
+        if law["tension"] * friction > law["cohesion"]:
+            apex = scene.units.show(law["cohesion"] / friction, "stress")
+            message = f"above the apex of the shear strength, cohesion / friction = {apex}; wanted: at most that"
+            scene.report.fault((*key, "tension"), message)
+        keeps = law["tension"] == 0.0 and (law["cohesion"] == 0.0 or law["cohesion_after_slip"] == "kept")
         if "weakening_length" in law and residual == friction and keeps:
             message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
             scene.report.fault((*key, "weakening_length"), message)

@@ -7,7 +7,7 @@ type says that: see `declared`. The others follow from the geometry.
 from __future__ import annotations
 
 from collections.abc import Mapping as AnyMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -99,12 +99,17 @@ class Body:
 class CoulombContact:
     """Coulomb friction with cohesion on closed faces, |p_t| <= c - mu p_n, and what slip makes of it.
 
-    A point that has slipped or opened is broken: friction falls to its residual value, and cohesion is lost unless it
-    is kept. Slip over asperities opens the faces by tan(dilation angle) |slip|.
+    A point that has slipped or opened is broken: friction falls to its residual value, tensile strength is lost, and
+    cohesion unless it is kept. Slip over asperities opens the faces by tan(dilation angle) |slip|.
     """
 
     friction: Annotated[float, Number(NOT_NEGATIVE), Doc("Coulomb's friction coefficient")]
     cohesion: Annotated[float, COHESION, Doc("cohesion of the closed faces", default=0.0)]  # Pa
+    tension: Annotated[
+        float,
+        COHESION,
+        Doc("tensile strength, up to which faces stay together; then, or once they have slipped, they have none"),
+    ] = field(default=0.0, kw_only=True)  # Pa
     residual_friction: Annotated[
         float,
         Number(NOT_NEGATIVE),
@@ -120,7 +125,7 @@ class CoulombContact:
         float,
         SIZE,
         Doc(
-            "slip over which friction and cohesion fall linearly to their residual values; left out: at once",
+            "slip over which friction, cohesion and tension fall linearly to what is left; left out: at once",
             default=OPTIONAL,
         ),
     ] = 0.0  # m

@@ -9,7 +9,8 @@ SYNONYMS: Final = {  # in small letters: the first of these that is allowed wher
     "e": ("young",), "modulus": ("young",), "youngs_modulus": ("young",), "elastic_modulus": ("young",),
     "nu": ("poisson",), "v": ("poisson",), "poissons_ratio": ("poisson",), "rho": ("density",),
     # strength and contact
-    "sigma_t": ("tension",), "t0": ("tension",), "ft": ("tension",), "tensile": ("tension",), "c": ("cohesion",),
+    "sigma_t": ("tension",), "t0": ("tension",), "ft": ("tension",), "tensile": ("tension",),
+    "tensile_strength": ("tension",), "jtension": ("tension",), "c": ("cohesion",),
     "c0": ("cohesion",), "phi": ("friction_angle", "friction"), "mu": ("friction",), "psi": ("dilation_angle",),
     "mu_r": ("residual_friction",), "kn": ("normal",), "ks": ("shear",), "kt": ("shear",), "dc": ("weakening_length",),
     "k_ic": ("toughness",), "kic": ("toughness",), "k_iic": ("shear_toughness",), "kiic": ("shear_toughness",),

@@ -10,11 +10,14 @@ increments, and d = tan(psi)
 
     gap = du_n - d |s0 + du_t|.
 
-A point that slips or opens is broken: its friction is the residual one from then on, and its cohesion lost unless it is
-kept. With a weakening length D slip takes both linearly: a share |du_t - du_t'| / D of what can be lost is lost besides
-what was before, until all is; a point that opens loses all. The law is taken as written: b is the cohesion at an open
-point too. Whoever knows the history of a point passes a cohesion of zero where the bond is lost; an open point then
-carries no shear.
+A point with a tensile strength T bears p_n <= T while its faces are together: of q = p_n - T it is the law above, with
+a cohesion c - friction T, which is not negative. Solvers know of no other.
+
+A point that slips or opens is broken: its friction is the residual one from then on, its tensile strength lost, and its
+cohesion unless it is kept. With a weakening length D slip takes them linearly: a share |du_t - du_t'| / D of what can
+be lost is lost besides what was before, until all is; a point that opens loses all. The law is taken as written: b is
+the cohesion at an open point too. Whoever knows the history of a point passes a cohesion of zero where the bond is
+lost; an open point then carries no shear.
 """
 
 from __future__ import annotations
@@ -47,6 +50,7 @@ class ContactLaw:
     kept: Bools  # (n,) whether such points that are closed cohere
     dilation: Floats  # (n,) tan(dilation angle)
     weakening: Floats  # (n,) m: slip that takes all that can be lost; 0: any slip does
+    tension: Floats  # (n,) Pa: tensile strength
 
     @property
     def weakens(self) -> Bools:
@@ -67,6 +71,10 @@ class ContactLaw:
         rest, cohesion = 1.0 - lost, np.where(self.kept, self.cohesion, 0.0)
         return rest * self.friction + lost * self.residual_friction, rest * self.cohesion + lost * cohesion
 
+    def tension_of(self, lost: Floats) -> Floats:
+        """Tensile strength (n,) Pa where a share `lost` (n,) is gone."""
+        return (1.0 - lost) * self.tension
+
     def opening(self, slip: Floats) -> Floats:
         """What slip (n,) m, less its elastic part, opens by dilation, m."""
         return np.asarray(self.dilation * np.abs(slip))
@@ -81,7 +89,7 @@ class ContactLaw:
     def breakable(self) -> Bools:
         """Which points (n,) have something to lose."""
         friction, cohesion = self.bound_of(np.ones(len(self.friction)))
-        return np.asarray((friction < self.friction) | (cohesion < self.cohesion))
+        return np.asarray((friction < self.friction) | (cohesion < self.cohesion) | (self.tension > 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +108,7 @@ class ContactMemory:
     def coheres(self, law: ContactLaw) -> Bools:
         """Which points (n,) the bond holds."""
         _, cohesion = law.bound_of(self.lost)
-        return np.asarray((cohesion > 0.0) & self.closed)
+        return np.asarray(((cohesion > 0.0) | (law.tension_of(self.lost) > 0.0)) & self.closed)
 
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:

@@ -3,7 +3,7 @@
 Limit analysis tells whether any tractions that the faces can carry hold them, and along which motion they give way. The
 pieces are rigid here. Balance of the loads along every motion that the supports leave free asks for tractions with
 
-    p_n <= 0,   |p_t| <= c - mu p_n
+    p_n <= T,   |p_t| <= c - mu p_n
 
 (static theorem, Drucker, Greenberg, Prager 1952). Where there are none, nothing holds the pieces. Where there are some,
 faces that slide without dilating may still let the pieces go (Drucker 1954): only the contact problem tells.
@@ -23,7 +23,7 @@ from crackgrow.errors import FreePieceError, NotSolvedError
 from crackgrow.solid.rigid_modes import FreePiece
 
 AMPLE = 1e6
-"""Times the mean traction of the loads: more cohesion than that is as good as that."""
+"""Times the mean traction of the loads: more cohesion or tensile strength than that is as good as that."""
 
 UNBALANCED = 1e-6
 """Loads out of balance by less than this fraction of them are balanced: what linear programming is good for."""
@@ -53,7 +53,8 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     whole = np.zeros(len(law.friction))
     lost, opened = (whole, whole > 0.0) if trial is None else (trial.lost, trial.opened)
     friction, cohesion = law.bound_of(lost)
-    left, way = _unbalanced(contact, loads, friction, np.where(opened, 0.0, cohesion))
+    held = (np.where(opened, 0.0, strength) for strength in (cohesion, law.tension_of(lost)))
+    left, way = _unbalanced(contact, loads, friction, *held)
     if left <= UNBALANCED:
         return
     gap, slip = np.split(contact.moving @ way, 2)
@@ -65,7 +66,7 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
         "balance"
     )
     weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion > 0.0))
-    if weaker.any() and _unbalanced(contact, loads, law.friction, law.cohesion)[0] <= UNBALANCED:
+    if weaker.any() and _unbalanced(contact, loads, law.friction, law.cohesion, law.tension)[0] <= UNBALANCED:
         where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
         what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"
     raise FreePieceError(what, "it needs supports, friction or another load")
@@ -81,11 +82,14 @@ def alone(pieces: Sequence[FreePiece]) -> str:
     )
 
 
-def _unbalanced(contact: ContactSystem, loads: Floats, friction: Floats, cohesion: Floats) -> tuple[float, Floats]:
-    """The part of the loads (n_dofs,) N/m that faces of some strength (n,) leave unbalanced, and how they give way."""
+def _unbalanced(contact: ContactSystem, loads: Floats, *strength: Floats) -> tuple[float, Floats]:
+    """The part of the loads (n_dofs,) N/m that faces leave unbalanced, and how they give way.
+
+    Their `strength` is friction, cohesion and tensile strength, each (n,).
+    """
     assert contact.loose is not None
     size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
-    return least_unbalanced(contact.motions(contact.loose.along(loads)), size, length, friction, cohesion)
+    return least_unbalanced(contact.motions(contact.loose.along(loads)), size, length, *strength)
 
 
 def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
@@ -129,12 +133,12 @@ def _in_words(motion: Floats, piece: FreePiece, surfaces: tuple[list[str], list[
 
 
 def least_unbalanced(
-    motions: Motions, size: float, length: float, friction: Floats, cohesion: Floats
+    motions: Motions, size: float, length: float, friction: Floats, cohesion: Floats, tension: Floats
 ) -> tuple[float, Floats]:
     """The least part of the loads that the faces leave unbalanced, and the motion (l,) along which they give way.
 
-    `size` (N/m) is that of the loads, `length` (m) that of all n contact points, with friction (n,) and cohesion (n,)
-    Pa. Raises NotSolvedError where linear programming fails.
+    `size` (N/m) is that of the loads, `length` (m) that of all n contact points, with friction (n,), cohesion (n,) Pa
+    and tensile strength (n,) Pa. Raises NotSolvedError where linear programming fails.
     """
     from scipy.optimize import linprog  # here: loading it takes a tenth of a second, and few scenes need it
 
@@ -151,7 +155,9 @@ def least_unbalanced(
         b_ub=np.tile(cohesion / pressure, 2),
         A_eq=np.concatenate([forces, np.eye(k), -np.eye(k)], axis=1),
         b_eq=motions.pull / size,
-        bounds=[(None, 0.0)] * n + [(None, None)] * n + [(0.0, None)] * (2 * k),
+        bounds=[(None, most) for most in np.minimum(tension / pressure, AMPLE).tolist()]
+        + [(None, None)] * n
+        + [(0.0, None)] * (2 * k),
         method="highs",
     )
     if not found.success:

@@ -242,7 +242,8 @@ class Increment:
         Slip wears all of what it does: many increments that each take less than `WORN` take something together. Points
         that stick keep their slip to the bit: by round-off of it faces that dilate would part where loads are gone.
         """
-        apart = (state.state == OPEN) & (state.gap > self.tolerance)
+        parted = state.gap - self.contact.law.compliance * np.maximum(state.normal, 0.0)  # a pulled joint is longer
+        apart = (state.state == OPEN) & (parted > self.tolerance)
         slip = state.slip - self.contact.law.shear_compliance * state.tangential
         slip = np.where(state.state == STICK, self.memory.slip, slip)
         breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
@@ -285,7 +286,7 @@ class Increment:
         problem, known = self._problem(trial, free), None
         if start.solution is not None:
             rows = np.flatnonzero(np.tile(trial.taken, 2))
-            known = np.concatenate([start.tractions[rows], start.solution.motion])
+            known = np.concatenate([start.tractions[rows] - self._pulled(trial)[rows], start.solution.motion])
         solution = solved(problem, self.contact.solver, known)
         active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
         found = self._with(trial, free, problem, (solution, active))
@@ -321,8 +322,19 @@ class Increment:
         at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilation > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
         jumps = np.where(counts, free[at] - np.concatenate([np.zeros(len(rows)), before[rows]]), 0.0)
+        compliance, motions = contact.compliance(rows, resists[rows]), self._motions(at, counts)
+        pulled = self._pulled(trial)
+        if pulled.any():  # unknown are tractions less the tensile strength
+            cohesion = np.maximum(cohesion - friction * pulled[:n], 0.0)
+            jumps = jumps - compliance @ pulled[at]
+            motions = motions and replace(motions, pull=motions.pull - motions.force @ pulled[at])
         laws = (friction[rows], cohesion[rows], law.dilation[rows], before[rows])
-        return ContactProblem(contact.compliance(rows, resists[rows]), jumps, *laws, self._motions(at, counts))
+        return ContactProblem(compliance, jumps, *laws, motions)
+
+    def _pulled(self, trial: Trial) -> Floats:
+        """(2 n,) Pa: the tensile strength that taken points have in a trial, across the faces."""
+        left = np.where(trial.taken & ~trial.opened, self.contact.law.tension_of(trial.lost), 0.0)
+        return np.concatenate([left, np.zeros(len(left))])
 
     def _with(
         self, trial: Trial, free: Floats, problem: ContactProblem, found: tuple[ContactSolution, ActiveSet]
@@ -330,14 +342,16 @@ class Increment:
         """The states of all points with a solution of a trial's problem."""
         contact, law, (solution, active) = self.contact, self.contact.law, found
         rows, n = np.flatnonzero(trial.taken), len(trial.taken)
-        p = np.zeros(2 * n)
-        p[np.concatenate([rows, n + rows])] = solution.traction
+        p = self._pulled(trial)
+        strong = p[:n] > 0.0
+        p[np.concatenate([rows, n + rows])] += solution.traction
         p_n, p_t = np.split(p, 2)
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
         dilation = law.opening(slip - law.shear_compliance * p_t)
         state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
-        coheres[rows] = problem.cohesion > 0.0
-        state[rows] = _states(problem, solution, (gap - dilation)[rows], problem.cohesion)
+        coheres[rows] = (problem.cohesion > 0.0) | strong[rows]
+        apart = gap - dilation - law.compliance * np.maximum(p_n, 0.0)
+        state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], problem.cohesion))
         return PointStates(
             trial, p_n, p_t, gap - dilation, slip, dilation, state, coheres, solution, active, problem,
             problem.n_unknowns, complementarity_residual(problem, solution.unknowns),
@@ -358,7 +372,8 @@ class Increment:
         if missed.any():
             return replace(trial, taken=trial.taken | missed)
         law = self.contact.law
-        breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & law.breakable & ~law.weakens
+        at_once = ~law.weakens | ((found.state == OPEN) & (law.tension > 0.0))
+        breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & law.breakable & at_once
         if breaking.any():
             return replace(trial, lost=np.where(breaking, 1.0, trial.lost))
         worn = self._worn(found)

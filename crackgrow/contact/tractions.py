@@ -61,8 +61,9 @@ def elastic_tractions(
     normal, tangential, across, along = between_contact_points(faces, crack, s, *known)
     broken = outcome.memory.broken
     gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
-    p_n = np.where(normal < 0.0, np.minimum(gap, 0.0) / across, 0.0)
-    ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal < 0.0)
+    pulled = (normal > 0.0) & (points.normal > 0.0)[nearest]
+    p_n = np.where((normal < 0.0) | pulled, np.where(pulled, np.maximum(gap, 0.0), np.minimum(gap, 0.0)) / across, 0.0)
+    ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal != 0.0)
     _, cohesion = law.bound_of(outcome.memory.lost)
     cohesive = np.where(points.state == SLIP, np.copysign(cohesion, points.tangential), 0.0)[nearest]
     never_slipped = ((points.state == STICK) & ~broken)[nearest]

@@ -147,6 +147,8 @@ def _loads(case: Case) -> str:
 def _law(contact: CoulombContact) -> str:
     """Say the law of closed faces: friction and cohesion, and the rest where it is not the default."""
     words = [f"friction {contact.friction:g}", f"cohesion {stress_text(contact.cohesion)}"]
+    if contact.tension:
+        words.append(f"tensile strength {stress_text(contact.tension)}")
     if contact.residual_friction != contact.friction:
         words.append(f"residual friction {contact.residual_friction:g}")
     if contact.cohesion_kept:

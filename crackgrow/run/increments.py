@@ -281,7 +281,7 @@ def held_loads(configuration: Configuration) -> Start:
     Raises SolveError where there is none.
     """
     start, law = unloaded(configuration), configuration.contact.law
-    remembers = (law.friction > 0.0) | (law.cohesion > 0.0)
+    remembers = (law.friction > 0.0) | (law.cohesion > 0.0) | (law.tension > 0.0)
     if configuration.constant.any() and remembers.any():
         return from_state(increment(configuration, start, 0.0))
     return start

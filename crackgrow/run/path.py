@@ -2,8 +2,9 @@
 
 Everything is linear in the loads as long as each point stays on its branch of the law (`coulomb.Branches`). A piece
 sets out from a state on the branches that an increment to its end has, if these lead back to the state; else on those
-of a much shorter increment. It ends at the first event: a closed point is not pressed any more, an open one closes, one
-that only its bond holds opens, a sticking one comes to its limit, or slip that dilates comes back to where it began.
+of a much shorter increment. It ends at the first event: a closed point is not pressed any more, or at its tensile
+strength, an open one closes, one that only its bond holds opens, a sticking one comes to its limit, or slip that
+dilates comes back to where it began.
 """
 
 from __future__ import annotations
@@ -251,7 +252,7 @@ def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bo
     if begin.active is not None:
         closed[trial.taken], sticks[trial.taken] = begin.active.closed, begin.active.slip == 0
         sense[trial.taken], slip[trial.taken] = begin.active.sense, begin.active.slip
-    yield closed, -begin.normal, -end.normal
+    yield closed, law.tension_of(trial.lost) - begin.normal, law.tension_of(end.trial.lost) - end.normal
     yield ~closed, begin.gap, end.gap
     held = trial.taken & ~closed & (cohesion > 0.0)
     yield held, BEYOND * begin.touching - begin.gap, BEYOND * end.touching - end.gap

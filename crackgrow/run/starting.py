@@ -101,7 +101,7 @@ def new_crack(case: Case, growing: Sequence[GrowingCrack], name: str, body: str,
         contact: CoulombContact | None = CoulombContact(friction, 0.0, friction, False)
     else:
         law = growing[parent].crack.contact
-        contact = None if law is None else replace(law, cohesion=0.0, friction=law.residual_friction)
+        contact = None if law is None else replace(law, cohesion=0.0, tension=0.0, friction=law.residual_friction)
     return Crack(name, np.zeros((2, 2)), True, True, contact, body)
 
 

@@ -1,6 +1,6 @@
-"""The factor of safety: friction and cohesion of contact divided by a factor until nothing holds the scene any more.
+"""The factor of safety: the strength of contact divided by a factor until nothing holds the scene any more.
 
-tan(phi) and c of every surface, residual values and the tangent of the dilation angle included, are divided by the
+tan(phi), c and T of every surface, residual values and the tangent of the dilation angle included, are divided by the
 same factor (Zienkiewicz, Humpheson, Lewis 1975). Every factor is a fresh start: the loads come on with the strength
 that is left. The scene holds where contact and rock find a balance; where they don't, the limit analysis of the pieces
 that contact alone holds says which of them moves, and how.
@@ -174,6 +174,7 @@ def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:
         contact,
         friction=contact.friction / factor,
         cohesion=contact.cohesion / factor,
+        tension=contact.tension / factor,
         residual_friction=contact.residual_friction / factor,
         dilation_angle=float(np.rad2deg(np.arctan(np.tan(np.deg2rad(contact.dilation_angle)) / factor))),
     )

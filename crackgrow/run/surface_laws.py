@@ -62,7 +62,7 @@ def laws_at_points(
     laws: Sequence[SurfaceLaw], cover: Cover, faces: ContactFaces, growing: Sequence[GrowingCrack]
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    friction, cohesion, compliance, along, residual, dilation, weakening = np.zeros((7, faces.n))
+    friction, cohesion, compliance, along, residual, dilation, weakening, tension = np.zeros((8, faces.n))
     kept = np.zeros(faces.n, dtype=bool)
     for index, law in enumerate(laws):
         if law.contact is None:
@@ -73,10 +73,10 @@ def laws_at_points(
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
         dilation[mine] = law.dilation
-        weakening[mine] = law.contact.weakening_length
+        weakening[mine], tension[mine] = law.contact.weakening_length, law.contact.tension
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
             new = mine & ((faces.s < given[0] - SAME_PLACE) | (faces.s > given[-1] + SAME_PLACE))
-            cohesion[new], friction[new] = 0.0, law.contact.residual_friction
-    return ContactLaw(friction, cohesion, compliance, along, residual, kept, dilation, weakening)
+            cohesion[new], tension[new], friction[new] = 0.0, 0.0, law.contact.residual_friction
+    return ContactLaw(friction, cohesion, compliance, along, residual, kept, dilation, weakening, tension)

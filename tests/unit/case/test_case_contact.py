@@ -56,6 +56,7 @@ def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
     assert list(case.resolved["cracks"]["flaw"]["contact"].items()) == [  # type: ignore[index]
         ("friction", 0.3),
         ("cohesion", 0.0),
+        ("tension", 0.0),
         ("residual_friction", 0.3),
         ("cohesion_after_slip", "lost"),
         ("dilation_angle", 0.0),

@@ -30,7 +30,7 @@ def block_on_slope(angle: float, height: float, friction: float, cohesion: float
     pull = WEIGHT * np.array([-np.cos(a), np.sin(a), -height * np.sin(a)])
     jump = np.concatenate([gap, slip])
     motions = Motions(jump, 0.5 * LENGTH * jump.T, pull)
-    return least_unbalanced(motions, WEIGHT, LENGTH, np.full(2, friction), np.full(2, cohesion))
+    return least_unbalanced(motions, WEIGHT, LENGTH, np.full(2, friction), np.full(2, cohesion), np.zeros(2))
 
 
 @pytest.mark.parametrize("angle", [5.0, 20.0, 40.0])
