@@ -30,10 +30,19 @@ THICK = 3
 
 def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: Any) -> ContactLaw:
     """A law (n,) by point; what is left out, or None, does nothing: slip breaks cohesion, and no more."""
-    zeros, none = np.zeros(len(friction)), np.zeros(len(friction), dtype=bool)
-    usual = {"shear_compliance": compliance, "residual_friction": friction, "kept": none, "dilation": zeros}
-    given = {name: value for name, value in more.items() if value is not None}
-    return ContactLaw(friction, cohesion, compliance, **{**usual, "weakening": zeros, "tension": zeros, **given})
+    zeros = np.zeros(len(friction))
+    usual = {"shear_compliance": compliance, "residual_friction": friction, "kept": zeros, "dilation": zeros}
+    usual |= {"weakening": zeros, "tension": zeros}
+    usual |= {name: value for name, value in more.items() if value is not None}
+    rows = (
+        (zeros, np.ones(len(friction))),
+        (friction, usual["residual_friction"]),
+        (cohesion, np.where(usual["kept"], cohesion, 0.0)),
+        (usual["tension"], zeros),
+        (usual["dilation"],) * 2,
+    )
+    along, weakening = usual["shear_compliance"], usual["weakening"]
+    return ContactLaw(compliance, along, weakening, zeros > 0.0, *(np.stack(row) for row in rows))
 
 
 def crack_problem(n: int, friction: float, cohesion: float, ratio: float, coupling: float, seed: int) -> ContactProblem:

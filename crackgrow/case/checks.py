@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
+from itertools import pairwise
 
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.report import Path
@@ -102,7 +103,7 @@ def check_contacts(scene: Scene) -> None:
         if residual > friction:
             message = f"{residual:g} given; wanted: at most the friction, {friction:g}: slip wears faces, it cannot"
             scene.report.fault((*key, "residual_friction"), f"{message} make them rougher")
-        elif math.tan(math.radians(dilation)) > residual:
+        elif math.tan(math.radians(dilation)) > residual and not {"wear", "residual_dilation_angle"} & set(law):
             steepest = math.degrees(math.atan(residual))
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
@@ -111,10 +112,50 @@ def check_contacts(scene: Scene) -> None:
             apex = scene.units.show(law["cohesion"] / friction, "stress")
             message = f"above the apex of the shear strength, cohesion / friction = {apex}; wanted: at most that"
             scene.report.fault((*key, "tension"), message)
+        _check_wear(scene, key, law)
         keeps = law["tension"] == 0.0 and (law["cohesion"] == 0.0 or law["cohesion_after_slip"] == "kept")
-        if "weakening_length" in law and residual == friction and keeps:
-            message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
-            scene.report.fault((*key, "weakening_length"), message)
+        for length in ("weakening_length", "decay_length"):
+            if length in law and residual == friction and keeps and "residual_dilation_angle" not in law:
+                message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
+                scene.report.fault((*key, length), message)
+
+
+def _check_wear(scene: Scene, key: Path, law: Resolved) -> None:
+    """What wears has one length, is told once, falls, and dilates by less than friction holds back."""
+    ways = [way for way in ("weakening_length", "decay_length", "wear") if way in law]
+    if len(ways) > 1:
+        scene.report.fault(
+            (*key, ways[1]), f"is given beside {ways[0]}; wanted: one of them: each says how strength wears"
+        )
+        return
+    angle, friction = law["dilation_angle"], law["friction"]
+    slips, frictions = [0.0, 1.0], [friction, law["residual_friction"]]
+    angles, where = [angle, law.get("residual_dilation_angle", angle)], "residual_dilation_angle"
+    if "wear" in law:
+        where, told = "wear", law["wear"]
+        slips, frictions = [0.0, *told["slip"]], [friction, *told["friction"]]
+        angles = [angle, *told.get("dilation_angle", [angle] * len(told["slip"]))]
+        for other in ("residual_friction", "residual_dilation_angle"):
+            if law.get(other, friction) != friction:
+                message = f"is the last one of {'.'.join(map(str, key))}.wear; wanted: one of them"
+                scene.report.fault((*key, other), message)
+                return
+    elif where in law and not ways:
+        message = "dilation wears over a length of slip; wanted besides: weakening_length or decay_length"
+        scene.report.fault((*key, where), message)
+    message, rising = "", [angles] if where != "wear" else [frictions, angles]
+    if not len(slips) == len(frictions) == len(angles) > 1:
+        message = f"{len(slips) - 1} slips, {len(frictions) - 1} frictions and {len(angles) - 1} angles given; wanted: "
+        message += "one or more slips, and as many of each"
+    elif any(after <= before for before, after in pairwise(slips)):
+        message = "slips do not rise; wanted: each above the one before it, and the first above 0"
+    elif any(after > before for values in rising for before, after in pairwise(values)):
+        message = "friction or dilation angle rises; wanted: each at most the one before it: slip wears faces"
+    elif where in law and any(math.tan(math.radians(a)) > mu for a, mu in zip(angles, frictions, strict=True)):
+        message = "faces rise more steeply than friction holds them back, and would create energy when they slip; "
+        message += "wanted: tan(dilation angle) at most the friction at each slip"
+    if message:
+        scene.report.fault((*key, where), message)
 
 
 def contact_laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:

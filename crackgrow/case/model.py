@@ -7,7 +7,7 @@ type says that: see `declared`. The others follow from the geometry.
 from __future__ import annotations
 
 from collections.abc import Mapping as AnyMapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Final, Literal
 
 import numpy as np
@@ -96,6 +96,17 @@ class Body:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Wear:
+    """What faces are after slips, from `friction` and `dilation_angle` of the law on."""
+
+    slip: Annotated[tuple[float, ...], ListOf(SIZE), Doc("slips, rising; the last takes all that can be lost")]  # m
+    friction: Annotated[tuple[float, ...], ListOf(Number(NOT_NEGATIVE)), Doc("friction after each")]
+    dilation_angle: Annotated[
+        tuple[float, ...] | None, ListOf(ACUTE), Doc("dilation angle after each; left out: as it was")
+    ] = None  # degrees
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class CoulombContact:
     """Coulomb friction with cohesion on closed faces, |p_t| <= c - mu p_n, and what slip makes of it.
 
@@ -129,6 +140,15 @@ class CoulombContact:
             default=OPTIONAL,
         ),
     ] = 0.0  # m
+    decay_length: Annotated[
+        float,
+        SIZE,
+        Doc("slip over which the same fall to 1/e of what can be lost, in place of weakening_length", default=OPTIONAL),
+    ] = 0.0  # m
+    residual_dilation_angle: Annotated[
+        float | None, ACUTE, Doc("dilation angle where slip has taken all; left out: it does not wear")
+    ] = None  # degrees
+    wear: Annotated[Wear | None, Doc("friction and dilation angle after slips, linear between them")] = None
     stiffness: Annotated[
         tuple[float, float] | None,
         Mapping(
@@ -139,6 +159,22 @@ class CoulombContact:
         ),
         Doc("stiffness of the joint, in place of numerics.contact.stiffness"),
     ] = None  # Pa/m: normal, shear; None: that of the numerics
+
+    @property
+    def worn(self) -> tuple[float, float]:
+        """Friction and dilation angle (degrees) where slip has taken all."""
+        friction, angle = self.residual_friction, self.residual_dilation_angle
+        if self.wear is not None:
+            friction = self.wear.friction[-1]
+            angle = self.wear.dilation_angle[-1] if self.wear.dilation_angle else None
+        return friction, self.dilation_angle if angle is None else angle
+
+    @property
+    def without_bond(self) -> CoulombContact:
+        """The law of faces that are broken from the start."""
+        friction, angle = self.worn
+        bare = replace(self, friction=friction, residual_friction=friction, dilation_angle=angle, wear=None)
+        return replace(bare, cohesion=0.0, tension=0.0, residual_dilation_angle=None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

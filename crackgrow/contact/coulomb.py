@@ -14,10 +14,11 @@ A point with a tensile strength T bears p_n <= T while its faces are together: o
 a cohesion c - friction T, which is not negative. Solvers know of no other.
 
 A point that slips or opens is broken: its friction is the residual one from then on, its tensile strength lost, and its
-cohesion unless it is kept. With a weakening length D slip takes them linearly: a share |du_t - du_t'| / D of what can
-be lost is lost besides what was before, until all is; a point that opens loses all. The law is taken as written: b is
-the cohesion at an open point too. Whoever knows the history of a point passes a cohesion of zero where the bond is
-lost; an open point then carries no shear.
+cohesion unless it is kept. With a weakening length D slip takes them by and by. Of what can be lost a share |s - s0|/D
+is lost besides what was before, until all is; or of what is left 1 - exp(-|s - s0| / D). A point that opens loses all.
+Dilation that wears is a rate, d' |s| with the d of what is lost by then: faces that slip back do not close all of what
+they have opened. The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a
+point passes a cohesion of zero where the bond is lost; an open point then carries no shear.
 """
 
 from __future__ import annotations
@@ -35,31 +36,46 @@ OPEN: Final = 0
 STICK: Final = 1
 SLIP: Final = 2
 
+ROUGH: Final = 1e-9  # shares that are lost are the same if they differ by less
+EPSILON: Final = float(np.finfo(float).eps)
 SOLVED_RESIDUAL: Final = 1e-8  # a solver that ends above this complementarity residual does not say "solved"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactLaw:
-    """Law of every contact point."""
+    """Law of every contact point; what slip wears is linear between `shares` of it that are lost, from 0 to 1."""
 
-    friction: Floats  # (n,)
-    cohesion: Floats  # (n,) Pa
     compliance: Floats  # (n,) m/Pa: 1/k across the faces, zero for rigid contact
     shear_compliance: Floats  # (n,) m/Pa: the same along the faces
-    residual_friction: Floats  # (n,) of points that have lost all
-    kept: Bools  # (n,) whether such points that are closed cohere
-    dilation: Floats  # (n,) tan(dilation angle)
     weakening: Floats  # (n,) m: slip that takes all that can be lost; 0: any slip does
-    tension: Floats  # (n,) Pa: tensile strength
+    decays: Bools  # (n,) whether it takes all but 1/e of it
+    shares: Floats  # (k, n)
+    friction: Floats  # (k, n)
+    cohesion: Floats  # (k, n) Pa, of points that are closed
+    tension: Floats  # (k, n) Pa: tensile strength
+    dilation: Floats  # (k, n) tan(dilation angle)
 
     @property
     def weakens(self) -> Bools:
         """Which points (n,) lose by and by what they can lose."""
         return self.weakening > 0.0
 
-    def worn(self, slip: Floats) -> Floats:
-        """The share (n,) of what can be lost that slip (n,) m, less its elastic part, takes: of points that weaken."""
-        return np.divide(np.abs(slip), self.weakening, out=np.zeros(len(slip)), where=self.weakens)
+    @property
+    def flattens(self) -> Bools:
+        """Which points (n,) dilate by less the more they have lost."""
+        return np.asarray(self.dilation[-1] < self.dilation[0])
+
+    def worn(self, lost: Floats, slip: Floats) -> Floats:
+        """The share (n,) of what can be lost that slip (n,) m, less its elastic part, takes besides what was `lost`.
+
+        Of points that weaken; it may be more than was left, but where they decay.
+        """
+        length = np.divide(np.abs(slip), self.weakening, out=np.zeros(len(slip)), where=self.weakens)
+        return np.where(self.decays, -(1.0 - lost) * np.expm1(-length), length)
+
+    def following(self, lost: Floats) -> Floats:
+        """The next of the shares (n,) at which the law bends, or ends."""
+        return np.asarray(np.min(self.shares, axis=0, initial=1.0, where=self.shares > lost + ROUGH))
 
     @property
     def compliances(self) -> Floats:
@@ -68,28 +84,54 @@ class ContactLaw:
 
     def bound_of(self, lost: Floats) -> tuple[Floats, Floats]:
         """Friction (n,) and cohesion (n,) where a share `lost` (n,), 0 to 1, of what points can lose is gone."""
-        rest, cohesion = 1.0 - lost, np.where(self.kept, self.cohesion, 0.0)
-        return rest * self.friction + lost * self.residual_friction, rest * self.cohesion + lost * cohesion
+        return self._at(self.friction, lost), self._at(self.cohesion, lost)
 
     def tension_of(self, lost: Floats) -> Floats:
         """Tensile strength (n,) Pa where a share `lost` (n,) is gone."""
-        return (1.0 - lost) * self.tension
+        return self._at(self.tension, lost)
 
-    def opening(self, slip: Floats) -> Floats:
-        """What slip (n,) m, less its elastic part, opens by dilation, m."""
-        return np.asarray(self.dilation * np.abs(slip))
+    def dilation_of(self, lost: Floats) -> Floats:
+        """How fast (n,) slip opens by dilation where a share `lost` (n,) is gone."""
+        return np.where(self.flattens, self._at(self.dilation, lost), self.dilation[0])
+
+    def dilation_between(self, first: Floats, last: Floats) -> Floats:
+        """The mean of that (n,) over slip one way that has taken what is lost from a share to another one, (n,) both.
+
+        All slip beyond all that can be lost is slip on.
+        """
+        if not self.flattens.any():
+            return np.asarray(self.dilation[0])
+        ends = np.concatenate([self.shares[1:], np.full((1, len(first)), np.inf)])
+        low, high = (np.clip(lost, self.shares, ends) for lost in (first, last))
+        parts, middles = high - low, 0.5 * (low + high)
+        rates = np.array(
+            [parts * self._at(self.dilation, middle) for parts, middle in zip(parts, middles, strict=True)]
+        )
+        mean = np.divide(rates.sum(axis=0), parts.sum(axis=0), out=self.dilation_of(first), where=last > first)
+        part = np.divide(last - first, 1.0 - first, out=np.zeros(len(first)), where=self.decays & (first < 1.0))
+        length = -np.log1p(-np.minimum(part, 1.0 - EPSILON))
+        decayed = np.divide(part, length, out=np.ones(len(first)), where=length > 0.0)  # mean of what is left
+        decayed = self._at(self.dilation, 1.0 - (1.0 - first) * decayed)
+        return np.where(self.flattens, np.where(self.decays, decayed, mean), self.dilation[0])
+
+    def _at(self, of: Floats, lost: Floats) -> Floats:
+        """(n,) of the rows `of` the law (k, n), where a share `lost` (n,) is gone."""
+        point, lost = np.arange(of.shape[1]), np.minimum(lost, 1.0)
+        row = (lost > self.shares[1:-1]).sum(axis=0)
+        first, last = self.shares[row, point], self.shares[row + 1, point]
+        share = (lost - first) / (last - first)
+        return np.asarray((1.0 - share) * of[row, point] + share * of[row + 1, point])
 
     @property
     def resists(self) -> Bools:
         """At which points (n,) something can resist slip: others carry no shear in any state."""
-        laws = [np.maximum(*self.bound_of(np.full(len(self.friction), lost))) for lost in (0.0, 1.0)]
-        return np.asarray((laws[0] > 0.0) | (laws[1] > 0.0) | (self.dilation > 0.0))
+        return np.asarray(np.any((self.friction > 0.0) | (self.cohesion > 0.0) | (self.dilation > 0.0), axis=0))
 
     @property
     def breakable(self) -> Bools:
         """Which points (n,) have something to lose."""
-        friction, cohesion = self.bound_of(np.ones(len(self.friction)))
-        return np.asarray((friction < self.friction) | (cohesion < self.cohesion) | (self.tension > 0.0))
+        falls = [of[-1] < of[0] for of in (self.friction, self.cohesion, self.tension, self.dilation)]
+        return np.asarray(np.any(falls, axis=0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -99,6 +141,7 @@ class ContactMemory:
     slip: Floats  # (n,) m, less its elastic part
     lost: Floats  # (n,) share, 0 to 1, of what it can lose; without a weakening length all, once it has slipped
     closed: Bools  # (n,) is not open
+    risen: Floats  # (n,) m that dilation, worn on the way, has opened beyond that of all slip at the rate of now
 
     @property
     def broken(self) -> Bools:
@@ -110,10 +153,15 @@ class ContactMemory:
         _, cohesion = law.bound_of(self.lost)
         return np.asarray(((cohesion > 0.0) | (law.tension_of(self.lost) > 0.0)) & self.closed)
 
+    def dilates(self, law: ContactLaw, lost: Floats) -> tuple[Floats, Floats]:
+        """How fast (n,) slip opens while what is lost comes to a share (n,), and what (n,) m is open without slip."""
+        rate = law.dilation_between(self.lost, lost)
+        return rate, self.risen + (law.dilation_of(self.lost) - rate) * np.abs(self.slip)
+
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:
         """Memory of n points that nothing has happened to."""
-        return cls(np.zeros(n), np.zeros(n), np.ones(n, dtype=bool))
+        return cls(np.zeros(n), np.zeros(n), np.ones(n, dtype=bool), np.zeros(n))
 
 
 @dataclass(frozen=True, slots=True, eq=False)

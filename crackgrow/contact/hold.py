@@ -50,7 +50,7 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     """
     free, law = contact.loose, contact.law
     assert free is not None
-    whole = np.zeros(len(law.friction))
+    whole = np.zeros(len(contact.weights))
     lost, opened = (whole, whole > 0.0) if trial is None else (trial.lost, trial.opened)
     friction, cohesion = law.bound_of(lost)
     held = (np.where(opened, 0.0, strength) for strength in (cohesion, law.tension_of(lost)))
@@ -65,8 +65,9 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
         f"{names} is free to move: contact does not hold it, {moves}; {100.0 * left:.3g} % of the loads stay out of "
         "balance"
     )
-    weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion > 0.0))
-    if weaker.any() and _unbalanced(contact, loads, law.friction, law.cohesion, law.tension)[0] <= UNBALANCED:
+    weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion[0] > 0.0))
+    full = law.friction[0], law.cohesion[0], law.tension[0]
+    if weaker.any() and _unbalanced(contact, loads, *full)[0] <= UNBALANCED:
         where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
         what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"
     raise FreePieceError(what, "it needs supports, friction or another load")

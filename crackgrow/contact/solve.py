@@ -246,8 +246,11 @@ class Increment:
         apart = (state.state == OPEN) & (parted > self.tolerance)
         slip = state.slip - self.contact.law.shear_compliance * state.tangential
         slip = np.where(state.state == STICK, self.memory.slip, slip)
-        breaks = apart | ((state.state == SLIP) & ~self.contact.law.weakens)
-        return ContactMemory(slip, np.where(breaks, 1.0, self._worn(state)), ~apart)
+        law = self.contact.law
+        breaks = apart | ((state.state == SLIP) & ~law.weakens)
+        lost = np.where(breaks, 1.0, np.minimum(self._worn(state), 1.0))
+        rate, risen = self.memory.dilates(law, state.trial.lost)
+        return ContactMemory(slip, lost, ~apart, risen + (rate - law.dilation_of(lost)) * np.abs(slip))
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
@@ -255,7 +258,7 @@ class Increment:
         if off > UNSURE:
             notes.append(f"jumps of the faces are off by {off:.1g} of the largest: the system is ill conditioned")
         law = self.contact.law
-        again = state.trial.opened & (state.state != OPEN) & law.kept & (law.cohesion > 0.0)
+        again = state.trial.opened & (state.state != OPEN) & (law.cohesion[-1] > 0.0)
         if again.any():
             notes.append(TOUCH_AGAIN.format(again.sum()))
         elastic = law.compliance * state.normal
@@ -272,7 +275,8 @@ class Increment:
     def _untouched(self, free: Floats) -> PointStates:
         """What the rock does without contact tractions, and the first trial."""
         law, (gap, slip) = self.contact.law, np.split(free, 2)
-        n, dilation = len(gap), law.opening(slip)
+        rate, risen = self.memory.dilates(law, self.memory.lost)
+        n, dilation = len(gap), rate * np.abs(slip) + risen
         sees = np.any(self.contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
         taken = self.memory.coheres(law) | (gap - dilation < -self.tolerance) | sees
         if taken.any():  # all that carry nothing while they are open
@@ -318,17 +322,18 @@ class Increment:
         contact, law, before = self.contact, self.contact.law, self.memory.slip
         friction, cohesion = law.bound_of(trial.lost)
         cohesion[trial.opened] = 0.0
+        rate, risen = self.memory.dilates(law, trial.lost)
         rows, n = np.flatnonzero(trial.taken), len(friction)
-        at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (law.dilation > 0.0)
+        at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (rate > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
-        jumps = np.where(counts, free[at] - np.concatenate([np.zeros(len(rows)), before[rows]]), 0.0)
+        jumps = np.where(counts, free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
         compliance, motions = contact.compliance(rows, resists[rows]), self._motions(at, counts)
         pulled = self._pulled(trial)
         if pulled.any():  # unknown are tractions less the tensile strength
             cohesion = np.maximum(cohesion - friction * pulled[:n], 0.0)
             jumps = jumps - compliance @ pulled[at]
             motions = motions and replace(motions, pull=motions.pull - motions.force @ pulled[at])
-        laws = (friction[rows], cohesion[rows], law.dilation[rows], before[rows])
+        laws = (friction[rows], cohesion[rows], rate[rows], before[rows])
         return ContactProblem(compliance, jumps, *laws, motions)
 
     def _pulled(self, trial: Trial) -> Floats:
@@ -347,7 +352,8 @@ class Increment:
         p[np.concatenate([rows, n + rows])] += solution.traction
         p_n, p_t = np.split(p, 2)
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
-        dilation = law.opening(slip - law.shear_compliance * p_t)
+        rate, risen = self.memory.dilates(law, trial.lost)
+        dilation = rate * np.abs(slip - law.shear_compliance * p_t) + risen
         state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
         coheres[rows] = (problem.cohesion > 0.0) | strong[rows]
         apart = gap - dilation - law.compliance * np.maximum(p_n, 0.0)
@@ -372,7 +378,7 @@ class Increment:
         if missed.any():
             return replace(trial, taken=trial.taken | missed)
         law = self.contact.law
-        at_once = ~law.weakens | ((found.state == OPEN) & (law.tension > 0.0))
+        at_once = ~law.weakens | ((found.state == OPEN) & (law.tension[0] > 0.0))
         breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & law.breakable & at_once
         if breaking.any():
             return replace(trial, lost=np.where(breaking, 1.0, trial.lost))
@@ -387,7 +393,8 @@ class Increment:
         law = self.contact.law
         slips = found.trial.taken & (found.state == SLIP) & law.weakens
         moved = found.slip - law.shear_compliance * found.tangential - self.memory.slip
-        return np.where(slips, np.minimum(self.memory.lost + law.worn(moved), 1.0), found.trial.lost)
+        lost, most = self.memory.lost, np.where(law.flattens, np.inf, 1.0)  # how far beyond all says the mean dilation
+        return np.where(slips, np.minimum(lost + law.worn(lost, moved), most), found.trial.lost)
 
 
 def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: Floats | None = None) -> ContactSolution:

@@ -59,8 +59,9 @@ def elastic_tractions(
     points = outcome.points
     known = (points.normal, points.tangential, law.compliance, law.shear_compliance)
     normal, tangential, across, along = between_contact_points(faces, crack, s, *known)
-    broken = outcome.memory.broken
-    gap = gap - np.where(broken, law.dilation, 0.0)[nearest] * np.abs(slip - along * tangential)
+    memory, broken = outcome.memory, outcome.memory.broken
+    rate = np.where(broken, law.dilation_of(memory.lost), 0.0)
+    gap = gap - rate[nearest] * np.abs(slip - along * tangential) - memory.risen[nearest]
     pulled = (normal > 0.0) & (points.normal > 0.0)[nearest]
     p_n = np.where((normal < 0.0) | pulled, np.where(pulled, np.maximum(gap, 0.0), np.minimum(gap, 0.0)) / across, 0.0)
     ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal != 0.0)

@@ -157,6 +157,12 @@ def _law(contact: CoulombContact) -> str:
         words.append(f"dilation angle {contact.dilation_angle:g} deg")
     if contact.weakening_length:
         words.append(f"weakening over {Metres(contact.weakening_length):g} of slip")
+    if contact.decay_length:
+        words.append(f"decaying over {Metres(contact.decay_length):g} of slip")
+    if contact.wear is not None:
+        words.append(f"worn to friction {contact.worn[0]:g} by {Metres(contact.wear.slip[-1]):g} of slip")
+    if contact.worn[1] < contact.dilation_angle:
+        words.append(f"dilation worn to {contact.worn[1]:g} deg")
     if contact.stiffness is not None:
         words.append("stiffness {:g} and {:g} GPa/m".format(*(k / 1e9 for k in contact.stiffness)))
     return ", ".join(words)

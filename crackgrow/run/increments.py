@@ -167,7 +167,7 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
     old, faces, outcome, points = state.configuration, configuration.faces, state.outcome, state.outcome.points
     n = faces.n
     jump = np.zeros(len(faces.lengths))  # at the integration points
-    elastic, normal, tangential, dilation, lost = np.zeros((5, n))
+    elastic, normal, tangential, dilation, risen, lost = np.zeros((6, n))
     closed = np.ones(n, dtype=bool)
     numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
     for index, surface in enumerate(old.cover.surfaces):
@@ -181,13 +181,14 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
             (normal, points.normal),
             (tangential, points.tangential),
             (dilation, points.dilation),
+            (risen, outcome.memory.risen),
         ):
             (values[mine],) = between_contact_points(old.faces, index, s, found)
         nearest = nearest_contact_point(old.faces, index, s)
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0)), normal, tangential, dilation)
+    remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0), risen), normal, tangential, dilation)
     return Start(state.level, remembered, state.energy, state.conjugates, state.good_to, grown=True)
 
 
@@ -281,8 +282,8 @@ def held_loads(configuration: Configuration) -> Start:
     Raises SolveError where there is none.
     """
     start, law = unloaded(configuration), configuration.contact.law
-    remembers = (law.friction > 0.0) | (law.cohesion > 0.0) | (law.tension > 0.0)
-    if configuration.constant.any() and remembers.any():
+    remembers = law.friction.any() or law.cohesion.any() or law.tension.any()
+    if configuration.constant.any() and remembers:
         return from_state(increment(configuration, start, 0.0))
     return start
 
@@ -365,13 +366,15 @@ def _resisted(law: ContactLaw, was: Remembered, now: Remembered, bulge: Floats, 
 
     That is Simpson's rule up to where nothing is left to lose, and beyond.
     """
-    worn = law.worn(now.memory.slip - was.memory.slip)
+    slip = now.memory.slip - was.memory.slip
+    worn = law.worn(was.memory.lost, slip)
     left = np.where(law.weakens, 1.0 - was.memory.lost, 0.0)
     falls = np.divide(left, worn, out=np.where(left > 0.0, 1.0, 0.0), where=worn > left)  # share of the slip
 
     def shear(share: Floats | float) -> Floats:
         """After a share of the slip."""
-        lost = np.where(law.weakens, was.memory.lost + np.minimum(share * worn, left), now.memory.lost)
+        falling = np.minimum(law.worn(was.memory.lost, share * slip), left)
+        lost = np.where(law.weakens, was.memory.lost + falling, now.memory.lost)
         friction, cohesion = law.bound_of(lost)
         cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
         normal = was.normal + share * (now.normal - was.normal) + share * (1.0 - share) * bulge

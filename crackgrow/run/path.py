@@ -72,13 +72,14 @@ class Remembered:
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Remembered:
         """What was remembered, from its `arrays`."""
-        memory = ContactMemory(arrays["slip"], arrays["lost"], arrays["closed"])
+        memory = ContactMemory(arrays["slip"], arrays["lost"], arrays["closed"], arrays["risen"])
         return cls(memory, arrays["normal"], arrays["tangential"], arrays["dilation"])
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All that points remember (n,), by name."""
-        of_memory = {"slip": self.memory.slip, "lost": self.memory.lost, "closed": self.memory.closed}
+        memory = self.memory
+        of_memory = {"slip": memory.slip, "lost": memory.lost, "closed": memory.closed, "risen": memory.risen}
         return {**of_memory, "normal": self.normal, "tangential": self.tangential, "dilation": self.dilation}
 
     @property
@@ -134,7 +135,7 @@ class _Way:
         """The largest share of what weakening points can lose, and had not lost yet, that their slip is of."""
         law = self.configuration.contact.law
         slips = (states.state == SLIP) & law.weakens & (self.was.memory.lost < 1.0) & states.trial.taken
-        return float(np.max(law.worn(self.moved(states))[slips], initial=0.0))
+        return float(np.max(law.worn(self.was.memory.lost, self.moved(states))[slips], initial=0.0))
 
 
 def next_piece(
@@ -261,11 +262,12 @@ def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bo
         yield sticks, left, there
     moved = [way.moved(some) for some in (begin, end)]
     yield (
-        closed & ~sticks & (law.dilation > 0.0),
+        closed & ~sticks & (law.dilation[0] > 0.0),
         sense * (way.was.memory.slip + moved[0]),
         sense * (way.was.memory.slip + moved[1]),
     )
     wears = closed & ~sticks & law.weakens & (way.was.memory.lost < 1.0)
     yield wears, slip * moved[0], slip * moved[1]
-    left, there = (1.0 - way.was.memory.lost - law.worn(some) for some in moved)
+    lost = way.was.memory.lost
+    left, there = (law.following(lost) - lost - law.worn(lost, some) for some in moved)
     yield wears, left, there

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 import shapely
@@ -101,7 +100,7 @@ def new_crack(case: Case, growing: Sequence[GrowingCrack], name: str, body: str,
         contact: CoulombContact | None = CoulombContact(friction, 0.0, friction, False)
     else:
         law = growing[parent].crack.contact
-        contact = None if law is None else replace(law, cohesion=0.0, tension=0.0, friction=law.residual_friction)
+        contact = None if law is None else law.without_bond
     return Crack(name, np.zeros((2, 2)), True, True, contact, body)
 
 

@@ -170,11 +170,24 @@ def _giving_way(given: Configuration, factor: float) -> str:
 
 def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:
     """A law with its strength divided by a factor."""
+    wear = contact.wear
     return replace(
         contact,
         friction=contact.friction / factor,
         cohesion=contact.cohesion / factor,
         tension=contact.tension / factor,
         residual_friction=contact.residual_friction / factor,
-        dilation_angle=float(np.rad2deg(np.arctan(np.tan(np.deg2rad(contact.dilation_angle)) / factor))),
+        dilation_angle=_flatter(contact.dilation_angle, factor),
+        residual_dilation_angle=_flatter(contact.worn[1], factor),
+        wear=wear
+        and replace(
+            wear,
+            friction=tuple(friction / factor for friction in wear.friction),
+            dilation_angle=wear.dilation_angle and tuple(_flatter(angle, factor) for angle in wear.dilation_angle),
+        ),
     )
+
+
+def _flatter(angle: float, factor: float) -> float:
+    """The angle (degrees) whose tangent is divided by a factor."""
+    return float(np.rad2deg(np.arctan(np.tan(np.deg2rad(angle)) / factor)))

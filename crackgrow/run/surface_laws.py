@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case, CoulombContact
+from crackgrow.case.model import Case, CoulombContact, Wear
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.cover.cover import Cover
@@ -38,7 +38,29 @@ class SurfaceLaw:
     @property
     def dilation(self) -> float:
         """What slip opens: tan(dilation angle)."""
-        return 0.0 if self.contact is None else float(np.tan(np.deg2rad(self.contact.dilation_angle)))
+        return float(self.table[4, 0])
+
+    @property
+    def table(self) -> Floats:
+        """(5, k): shares that are lost; friction, cohesion (Pa), tensile strength (Pa), tan(dilation angle) then."""
+        law = self.contact
+        if law is None:
+            return np.array([[0.0, 1.0], *np.zeros((4, 2))])
+        wear = law.wear or Wear((1.0,), law.worn[:1], law.worn[1:])
+        angles = wear.dilation_angle or (law.dilation_angle,) * len(wear.slip)
+        lost, friction = np.array([0.0, *wear.slip]) / wear.slip[-1], [law.friction, *wear.friction]
+        angle = [law.dilation_angle, *angles]
+        left = 1.0 - lost
+        cohesion = law.cohesion * (np.ones(len(left)) if law.cohesion_kept else left)
+        return np.array([lost, friction, cohesion, law.tension * left, np.tan(np.deg2rad(angle))])
+
+    @property
+    def weakening(self) -> tuple[float, bool]:
+        """Slip (m) that takes all that can be lost, 0 if any does; whether it takes all but 1/e."""
+        law = self.contact
+        if law is None:
+            return 0.0, False
+        return (law.wear.slip[-1] if law.wear else law.decay_length or law.weakening_length), law.decay_length > 0.0
 
     def compliance(self, size: Floats) -> Floats:
         """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
@@ -62,21 +84,23 @@ def laws_at_points(
     laws: Sequence[SurfaceLaw], cover: Cover, faces: ContactFaces, growing: Sequence[GrowingCrack]
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    friction, cohesion, compliance, along, residual, dilation, weakening, tension = np.zeros((8, faces.n))
-    kept = np.zeros(faces.n, dtype=bool)
-    for index, law in enumerate(laws):
+    compliance, along, weakening = np.zeros((3, faces.n))
+    decays = np.zeros(faces.n, dtype=bool)
+    tables = [law.table for law in laws]
+    most = max((table.shape[1] for table in tables), default=2)
+    rows = np.zeros((5, most, faces.n))
+    for index, (law, table) in enumerate(zip(laws, tables, strict=True)):
+        mine = faces.surface == index
+        rows[:, :, mine] = np.pad(table, ((0, 0), (0, most - table.shape[1])), mode="edge")[:, :, None]
         if law.contact is None:
             continue
-        mine = faces.surface == index
-        friction[mine], cohesion[mine] = law.contact.friction, law.contact.cohesion
         size = cover.surfaces[index].in_cells.size(faces.s[mine]) * cover.lattice.spacing
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
-        residual[mine], kept[mine] = law.contact.residual_friction, law.contact.cohesion_kept
-        dilation[mine] = law.dilation
-        weakening[mine], tension[mine] = law.contact.weakening_length, law.contact.tension
+        weakening[mine], decays[mine] = law.weakening
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
             new = mine & ((faces.s < given[0] - SAME_PLACE) | (faces.s > given[-1] + SAME_PLACE))
-            cohesion[new], tension[new], friction[new] = 0.0, 0.0, law.contact.residual_friction
-    return ContactLaw(friction, cohesion, compliance, along, residual, kept, dilation, weakening, tension)
+            rows[1:, :, new] = rows[1:, -1:, new]
+            rows[2:4, :, new] = 0.0
+    return ContactLaw(compliance, along, weakening, decays, *rows)

@@ -215,7 +215,7 @@ def _unseen(state: LoadState, tip: Tip, known: TipState) -> float:
     first, outcome = points[np.argmin(away)], state.outcome.points
     if outcome.state[first] == OPEN:
         return 0.0
-    friction = min(law.contact.friction, law.contact.residual_friction)
+    friction = law.contact.worn[0]
     pressure = -float(outcome.normal[first])
     shear = max(abs(float(outcome.tangential[first])) - friction * max(pressure, 0.0), 0.0)
     return unseen_shear(known.intensity.K_I, float(away.min()), pressure, shear)

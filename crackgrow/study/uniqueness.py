@@ -190,9 +190,9 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
     if why_not_examined(contact, points):
         return None
     limit, problem, rows = proven_limit(contact, points), points.problem, points.rows
-    if limit is None or problem is None:
+    if limit is None or problem is None or points.solution is None:
         return None
-    known = np.concatenate([points.normal[rows], points.tangential[rows]])
+    known = points.solution.traction
     for p in other_solutions(problem, known):
         states = active_set(problem, p, problem.jump(p)).states()
         whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]

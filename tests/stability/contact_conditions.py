@@ -127,7 +127,7 @@ def violations(increment: Increment) -> dict[str, float]:
     gap, slip = ((faces.functions @ (faces.lengths * jump)) / total for jump in (gap_there, slip_there))
     p_n, p_t = outcome.points.normal, outcome.points.tangential
     slid = slip - law.compliance * p_t
-    opened = law.dilation * np.abs(slid)
+    opened = law.dilation[0] * np.abs(slid)
     room = gap - opened - law.compliance * p_n
     change = slid - memory.slip
     loads, given = configuration.loads(increment.level), increment.level.factor * configuration.held.given
@@ -147,7 +147,7 @@ def violations(increment: Increment) -> dict[str, float]:
     friction, cohesion = law.bound_of(broken)
     is_open = room > tolerance * length
     bound = np.where(is_open, 0.0, cohesion - friction * np.minimum(p_n, 0.0))
-    least = np.where(broken | outcome.memory.broken, law.bound_of(np.ones_like(broken))[0], law.friction)
+    least = np.where(broken | outcome.memory.broken, law.bound_of(np.ones_like(broken))[0], law.friction[0])
     limit = -least * np.minimum(p_n, 0.0)
     short = np.minimum(np.abs(change) / length, np.maximum(limit - np.abs(p_t), 0.0) / pressure)
     against = np.minimum(np.abs(change) / length, np.abs(p_t) / pressure) * (change * p_t < 0.0)

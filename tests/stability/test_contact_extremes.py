@@ -239,7 +239,9 @@ def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.Monk
     """Both solvers give up: neither the memory handed in nor later solves notice. Bit for bit."""
     system = configuration(*law(0.3))
     broken = np.arange(system.faces.n) % 2 == 0
-    memory = ContactMemory(np.linspace(-1e-6, 1e-6, system.faces.n), broken.astype(float), ~broken)
+    memory = ContactMemory(
+        np.linspace(-1e-6, 1e-6, system.faces.n), broken.astype(float), ~broken, np.zeros(system.faces.n)
+    )
     slip = memory.slip.copy()
     messages = []
     for _ in range(2):

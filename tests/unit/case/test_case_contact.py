@@ -84,7 +84,7 @@ FAULTS = [
     ({"dilation_angle": 90}, "dilation_angle", "< 90"),
     ({"dilation_angle": "5 mm"}, "dilation_angle", "unit of length; wanted: an angle"),
     ({"cohesion_after_slip": "keep"}, "cohesion_after_slip", "'keep' is not one of lost | kept; did you mean 'kept'?"),
-    ({"residual": 0.1}, "residual", "unknown key; allowed: friction, cohesion, residual_friction, cohesion_after_slip"),
+    ({"residual": 0.1}, "residual", "unknown key; allowed: friction, cohesion, tension, residual_friction"),
 ]
 
 

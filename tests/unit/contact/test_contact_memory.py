@@ -186,7 +186,7 @@ def test_nothing_breaks_without_load(solver: str, kept: bool) -> None:
 def test_one_point_that_breaks_can_take_its_neighbours_along(solver: str) -> None:
     """Only the last one is beyond its limit; the shear that it drops breaks the others in the same increment."""
     springs = Springs(solver, coupling=1e3, cohesion=COHESION)
-    uneven = replace(springs.law, cohesion=np.array([0.4, 0.4, 0.2]) * PRESSURE)
+    uneven = replace(springs.law, cohesion=np.array([[0.4, 0.4, 0.2], [0.0] * 3]) * PRESSURE)
     (held,) = springs.follow(0.85)
     assert not held.memory.broken.any()
     springs.contact = ContactSystem(
@@ -227,7 +227,7 @@ def test_no_dilation_is_a_dilation_of_zero(solver: str) -> None:
 def test_dilation_that_does_not_settle_is_an_error(solver: str) -> None:
     """The opening that is asked for is no number: never a silent result."""
     springs = Springs(solver, dilation=0.2)
-    wild = replace(springs.law, dilation=np.full(N, 1e12))
+    wild = replace(springs.law, dilation=np.full((2, N), 1e12))
     springs.contact = ContactSystem(
         springs.contact.system, springs.contact.gap_of, springs.contact.slip_of, WEIGHTS, wild, solver
     )
@@ -267,7 +267,7 @@ def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -
     np.testing.assert_allclose(outcome.points.normal, -P - d * s * np.array([2.0, 1.0]), rtol=1e-12)
     np.testing.assert_allclose(outcome.points.slip, [s, 0.0], atol=1e-12)
     assert outcome.memory.broken.tolist() == [True, False]
-    without = replace(contact, law=replace(law, dilation=np.zeros(2)))
+    without = replace(contact, law=replace(law, dilation=np.zeros((2, 2))))
     assert solve_contact(without, np.concatenate([-P, T]), np.zeros(0)).memory.broken.all()
 
 

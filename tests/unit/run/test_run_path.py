@@ -99,7 +99,7 @@ def test_the_way_that_was_followed_leaves_what_was_remembered_alone() -> None:
     (state,) = through(configuration, 1.0)[-1:]
     start = from_state(state)
     memory = start.remembered.memory
-    kept = ContactMemory(memory.slip.copy(), memory.lost.copy(), memory.closed.copy())
+    kept = ContactMemory(memory.slip.copy(), memory.lost.copy(), memory.closed.copy(), memory.risen.copy())
     one = increment(configuration, start, -1.0)
     two = increment(configuration, start, -1.0)
     np.testing.assert_array_equal(one.outcome.u, two.outcome.u)

@@ -291,7 +291,7 @@ def test_a_point_that_nothing_presses_is_left_open() -> None:
 def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPatch) -> None:
     """r(A), failure, r(A): the same, bit for bit, and what was remembered is what it was."""
     contact, loads = rock_of(one_point(0.5, -1.0, 3.0))
-    memory = ContactMemory(np.array([0.25]), np.zeros(1), np.ones(1, dtype=bool))
+    memory = ContactMemory(np.array([0.25]), np.zeros(1), np.ones(1, dtype=bool), np.zeros(1))
     before = solve_contact(contact, loads, np.zeros(1), memory)
     with monkeypatch.context() as patch:
         for name in ("newton", "lemke"):
