@@ -108,8 +108,11 @@ def check_contacts(scene: Scene) -> None:
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
             scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
-        if law["tension"] * friction > law["cohesion"]:
-            apex = scene.units.show(law["cohesion"] / friction, "stress")
+        if "max_closure" in law and "stiffness" not in law:
+            scene.report.fault((*key, "max_closure"), "is of a joint; wanted besides: its stiffness {normal, shear}")
+        steepest = max(friction, math.tan(math.radians(70.0))) if "barton" in law else friction
+        if law["tension"] * steepest > law["cohesion"]:
+            apex = scene.units.show(law["cohesion"] / steepest, "stress")
             message = f"above the apex of the shear strength, cohesion / friction = {apex}; wanted: at most that"
             scene.report.fault((*key, "tension"), message)
         _check_wear(scene, key, law)

@@ -107,6 +107,15 @@ class Wear:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class Barton:
+    """Shear strength of rough faces, p tan(phi + JRC log10(JCS / p)), with tan(phi) the `friction` of the law."""
+
+    jrc: Annotated[float, Number(Bounds(above=0, at_most=20)), Doc("joint roughness coefficient")]
+    jcs: Annotated[float, MODULUS, Doc("compressive strength of the joint's walls")]  # Pa
+    reduced: float = 1.0  # share of its strength, where that is reduced
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class CoulombContact:
     """Coulomb friction with cohesion on closed faces, |p_t| <= c - mu p_n, and what slip makes of it.
 
@@ -159,6 +168,14 @@ class CoulombContact:
         ),
         Doc("stiffness of the joint, in place of numerics.contact.stiffness"),
     ] = None  # Pa/m: normal, shear; None: that of the numerics
+    max_closure: Annotated[
+        float | None,
+        SIZE,
+        Doc("most that the joint closes, by a hyperbola (Bandis) that begins with stiffness.normal; left out: linear"),
+    ] = None  # m
+    barton: Annotated[
+        Barton | None, Doc("roughness: friction is tan(phi + JRC log10(JCS/p)), at most of 70 deg, tan(phi) = friction")
+    ] = None
 
     @property
     def worn(self) -> tuple[float, float]:

@@ -17,7 +17,14 @@ A point that slips or opens is broken: its friction is the residual one from the
 cohesion unless it is kept. With a weakening length D slip takes them by and by. Of what can be lost a share |s - s0|/D
 is lost besides what was before, until all is; or of what is left 1 - exp(-|s - s0| / D). A point that opens loses all.
 Dilation that wears is a rate, d' |s| with the d of what is lost by then: faces that slip back do not close all of what
-they have opened. The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a
+they have opened.
+
+Faces whose closure has a limit v_m close by v = e q / (1 + e q / v_m) under a pressure q (Bandis et al. 1983).
+Friction of rough faces is tan(phi + JRC log10(JCS / q)), at least that of flat ones, phi, and at most 70 degrees
+(Barton, Choubey 1977). Closure is taken by its tangent, and friction as the secant, at a pressure, and again until that
+is the one that comes of it. Nothing of it is remembered.
+
+The law is taken as written: b is the cohesion at an open point too. Whoever knows the history of a
 point passes a cohesion of zero where the bond is lost; an open point then carries no shear.
 """
 
@@ -37,6 +44,7 @@ STICK: Final = 1
 SLIP: Final = 2
 
 ROUGH: Final = 1e-9  # shares that are lost are the same if they differ by less
+STEEPEST: Final = float(np.deg2rad(70.0))  # of rough faces under little pressure (Barton, Choubey 1977)
 EPSILON: Final = float(np.finfo(float).eps)
 SOLVED_RESIDUAL: Final = 1e-8  # a solver that ends above this complementarity residual does not say "solved"
 
@@ -54,6 +62,37 @@ class ContactLaw:
     cohesion: Floats  # (k, n) Pa, of points that are closed
     tension: Floats  # (k, n) Pa: tensile strength
     dilation: Floats  # (k, n) tan(dilation angle)
+    most: Floats  # (n,) m: the limit of closure; infinite where it is linear
+    rough: Floats  # (n,) radians per decade of pressure: JRC
+    wall: Floats  # (n,) Pa: JCS
+    reduced: Floats  # (n,) share of friction that is left where strength is reduced
+
+    @property
+    def bends(self) -> Bools:
+        """Which points (n,) are elastic, or slip, in no proportion to their pressure."""
+        return np.isfinite(self.most) | (self.rough > 0.0)
+
+    def closure(self, normal: Floats) -> Floats:
+        """What elastic faces close by (n,) m under normal tractions (n,) Pa; negative where these are tension."""
+        linear = -self.compliance * normal
+        return np.asarray(linear / (1.0 + np.maximum(linear, 0.0) / self.most))
+
+    def softness(self, normal: Floats) -> Floats:
+        """Its derivative (n,) by pressure, of that without pressure."""
+        return np.asarray((1.0 + np.maximum(-self.compliance * normal, 0.0) / self.most) ** -2)
+
+    def stored(self, normal: Floats) -> Floats:
+        """Energy (n,) J/m^2 of the closure beyond half of traction times closure."""
+        pressure, some = np.maximum(-normal, 0.0), np.isfinite(self.most)
+        closes = np.divide(self.compliance * pressure, self.most, out=np.zeros(len(normal)), where=some)
+        area = np.divide(self.most**2, self.compliance, out=np.zeros(len(normal)), where=some)
+        return np.where(some, area * (np.log1p(closes) - closes + 0.5 * closes**2 / (1.0 + closes)), 0.0)
+
+    def changed(self, normal: Floats, other: Floats) -> float:
+        """How far apart softness or friction are at two normal tractions (n,) Pa, at most."""
+        lost = np.zeros(len(normal))
+        soft, friction = self.softness(normal) - self.softness(other), self.bound_of(lost, normal)[0]
+        return float(np.max(np.maximum(np.abs(soft), np.abs(friction - self.bound_of(lost, other)[0])), initial=0.0))
 
     @property
     def weakens(self) -> Bools:
@@ -82,9 +121,18 @@ class ContactLaw:
         """Compliance (2 n,) m/Pa across the faces, then along them."""
         return np.concatenate([self.compliance, self.shear_compliance])
 
-    def bound_of(self, lost: Floats) -> tuple[Floats, Floats]:
-        """Friction (n,) and cohesion (n,) where a share `lost` (n,), 0 to 1, of what points can lose is gone."""
-        return self._at(self.friction, lost), self._at(self.cohesion, lost)
+    def bound_of(self, lost: Floats, normal: Floats | None = None) -> tuple[Floats, Floats]:
+        """Friction (n,) and cohesion (n,) where a share `lost` (n,), 0 to 1, of what points can lose is gone.
+
+        Friction of rough faces is that under normal tractions (n,) Pa, the most that it can be without.
+        """
+        friction = self._at(self.friction, lost)
+        if self.rough.any():
+            flat, pressure = np.arctan(friction / self.reduced), np.zeros(len(lost)) if normal is None else -normal
+            decades = np.log10(self.wall) - np.log10(np.maximum(pressure, np.finfo(float).tiny))
+            steep = np.minimum(flat + self.rough * np.maximum(decades, 0.0), np.maximum(flat, STEEPEST))
+            friction = np.where(self.rough > 0.0, self.reduced * np.tan(steep), friction)
+        return friction, self._at(self.cohesion, lost)
 
     def tension_of(self, lost: Floats) -> Floats:
         """Tensile strength (n,) Pa where a share `lost` (n,) is gone."""

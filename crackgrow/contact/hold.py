@@ -5,8 +5,9 @@ pieces are rigid here. Balance of the loads along every motion that the supports
 
     p_n <= T,   |p_t| <= c - mu p_n
 
-(static theorem, Drucker, Greenberg, Prager 1952). Where there are none, nothing holds the pieces. Where there are some,
-faces that slide without dilating may still let the pieces go (Drucker 1954): only the contact problem tells.
+(static theorem, Drucker, Greenberg, Prager 1952), with mu of rough faces the most that it can be. Where there are none,
+nothing holds the pieces. Where there are some, faces that slide without dilating may still let the pieces go (Drucker
+1954): only the contact problem tells.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
         "balance"
     )
     weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion[0] > 0.0))
-    full = law.friction[0], law.cohesion[0], law.tension[0]
+    full = *law.bound_of(whole), law.tension[0]
     if weaker.any() and _unbalanced(contact, loads, *full)[0] <= UNBALANCED:
         where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
         what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"

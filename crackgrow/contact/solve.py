@@ -10,7 +10,8 @@ Points remember (`ContactMemory`): a point sticks where it stuck before,
     du_t = du_t' where |p_t| < b, else du_t - du_t' has the sign of p_t,    gap >= tan(dilation) |du_t|,
 
 with du_t' the slip after the increment before. What breaks in an increment is broken in all of it, what slip
-wears is worn as at its end: the increment is solved again until no more points break or wear.
+wears is worn as at its end: the increment is solved again until no more points break or wear, and closure and friction
+of rough faces are those at the pressure that there is.
 """
 
 from __future__ import annotations
@@ -60,6 +61,9 @@ GAIN = 0.5
 WORN = 1e-7
 """Less than this share of what slip can take is nothing: what slip has taken is found by repetition."""
 
+CONSISTENT = 1e-9
+"""Friction, or the softness of closure over that without pressure, may be off by so much from those at the pressure."""
+
 MOST_WEARS = 1000
 """Repetitions. Where a fall of strength is just what the rock can follow each of them changes next to nothing."""
 
@@ -82,7 +86,8 @@ class Trial:
     taken: Bools  # (n,) points that are among the unknowns
     lost: Floats  # (n,) share of what points can lose that is gone, in this increment or before
     opened: Bools  # (n,) points that have opened in this increment: they do not cohere in it
-    wears: int = 0  # how often slip has taken some of what can be lost
+    pressed: Floats  # (n,) Pa: normal tractions that closure and friction of rough faces are taken at
+    wears: int = 0  # how often slip has taken some of what can be lost, or these have been taken anew
 
 
 class TrialNotSolvedError(NotSolvedError):
@@ -203,7 +208,7 @@ class Increment:
     def begun(self, near: PointStates) -> PointStates:
         """States that are close as a start: what broke or opened in their own increment is not of this one."""
         taken = near.trial.taken | self.memory.coheres(self.contact.law)
-        trial = Trial(taken, self.memory.lost, np.zeros(len(taken), dtype=bool))
+        trial = Trial(taken, self.memory.lost, np.zeros(len(taken), dtype=bool), near.normal)
         return replace(near, trial=trial, iterations=0)
 
     def formed(
@@ -261,7 +266,7 @@ class Increment:
         again = state.trial.opened & (state.state != OPEN) & (law.cohesion[-1] > 0.0)
         if again.any():
             notes.append(TOUCH_AGAIN.format(again.sum()))
-        elastic = law.compliance * state.normal
+        elastic = -law.closure(state.normal)
         return ContactOutcome(
             u=rock[0],
             multipliers=rock[1],
@@ -282,7 +287,7 @@ class Increment:
         if taken.any():  # all that carry nothing while they are open
             taken |= law.bound_of(self.memory.lost)[1] == 0.0
         none, nothing = np.zeros(n, dtype=bool), np.zeros(n)
-        trial = Trial(taken, self.memory.lost, none)
+        trial = Trial(taken, self.memory.lost, none, nothing)
         return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none)
 
     def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
@@ -311,16 +316,18 @@ class Increment:
         """The same where points lose by slip on these branches what the law says, and no more."""
         states = self.on_branch(like, free)
         for _ in range(MOST_WEARS):
-            lost = self._worn(states)
-            if np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
+            lost, settled_down = self._worn(states), not self._bent(states)
+            if settled_down and np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
                 break
-            states = self.on_branch(replace(states, trial=replace(states.trial, lost=lost)), free)
+            states = self.on_branch(
+                replace(states, trial=replace(states.trial, lost=lost, pressed=states.normal)), free
+            )
         return states
 
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
         contact, law, before = self.contact, self.contact.law, self.memory.slip
-        friction, cohesion = law.bound_of(trial.lost)
+        friction, cohesion = law.bound_of(trial.lost, trial.pressed)
         cohesion[trial.opened] = 0.0
         rate, risen = self.memory.dilates(law, trial.lost)
         rows, n = np.flatnonzero(trial.taken), len(friction)
@@ -328,6 +335,11 @@ class Increment:
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
         jumps = np.where(counts, free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
         compliance, motions = contact.compliance(rows, resists[rows]), self._motions(at, counts)
+        if np.isfinite(law.most).any():
+            softness, k = law.compliance * law.softness(trial.pressed), np.arange(len(rows))
+            compliance = compliance.copy()
+            compliance[k, k] += (softness - law.compliance)[rows]
+            jumps[: len(rows)] += (law.closure(trial.pressed) + softness * trial.pressed)[rows]
         pulled = self._pulled(trial)
         if pulled.any():  # unknown are tractions less the tensile strength
             cohesion = np.maximum(cohesion - friction * pulled[:n], 0.0)
@@ -378,6 +390,10 @@ class Increment:
         if missed.any():
             return replace(trial, taken=trial.taken | missed)
         law = self.contact.law
+        if self._bent(found):
+            if trial.wears >= MOST_WEARS:
+                raise NotSolvedError("closure or friction of rough faces does not settle at the pressure that there is")
+            return replace(trial, pressed=found.normal, wears=trial.wears + 1)
         at_once = ~law.weakens | ((found.state == OPEN) & (law.tension[0] > 0.0))
         breaking = trial.taken & (found.state != STICK) & (trial.lost < 1.0) & law.breakable & at_once
         if breaking.any():
@@ -387,6 +403,11 @@ class Increment:
             return replace(trial, lost=np.maximum(worn, trial.lost), wears=trial.wears + 1)
         opening = trial.taken & (found.state == OPEN) & found.coheres & ~trial.opened
         return replace(trial, opened=trial.opened | opening) if opening.any() else None
+
+    def _bent(self, found: PointStates) -> bool:
+        """Whether closure, or friction of rough faces, was taken at another pressure than there is."""
+        law = self.contact.law
+        return bool(law.bends.any()) and law.changed(found.normal, found.trial.pressed) > CONSISTENT
 
     def _worn(self, found: PointStates) -> Floats:
         """What points that slip have lost (n,) by then; all others what the trial says."""

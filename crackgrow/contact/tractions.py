@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.coulomb import SLIP, STICK, ContactLaw
+from crackgrow.contact.coulomb import EPSILON, SLIP, STICK, ContactLaw
 from crackgrow.contact.faces import ContactFaces, neighbours, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome
@@ -63,6 +63,7 @@ def elastic_tractions(
     rate = np.where(broken, law.dilation_of(memory.lost), 0.0)
     gap = gap - rate[nearest] * np.abs(slip - along * tangential) - memory.risen[nearest]
     pulled = (normal > 0.0) & (points.normal > 0.0)[nearest]
+    across = across * np.maximum(1.0 + np.minimum(gap, 0.0) / law.most[nearest], EPSILON)
     p_n = np.where((normal < 0.0) | pulled, np.where(pulled, np.maximum(gap, 0.0), np.minimum(gap, 0.0)) / across, 0.0)
     ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal != 0.0)
     _, cohesion = law.bound_of(outcome.memory.lost)

@@ -165,6 +165,10 @@ def _law(contact: CoulombContact) -> str:
         words.append(f"dilation worn to {contact.worn[1]:g} deg")
     if contact.stiffness is not None:
         words.append("stiffness {:g} and {:g} GPa/m".format(*(k / 1e9 for k in contact.stiffness)))
+    if contact.max_closure is not None:
+        words.append(f"closure of at most {Metres(contact.max_closure):g}")
+    if contact.barton is not None:
+        words.append(f"JRC {contact.barton.jrc:g}, JCS {stress_text(contact.barton.jcs)}")
     return ", ".join(words)
 
 

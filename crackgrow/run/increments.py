@@ -327,10 +327,12 @@ def _strain(state: LoadState) -> tuple[float, float]:
     sizes = state.configuration.conjugate_terms(state.level, states) * np.abs(shares)
     loads = state.conjugates * shares
     jumps = np.concatenate([states.gap + states.dilation, states.slip])
-    elastic = contact.law.compliances * states.tractions
+    law = contact.law
+    elastic = np.concatenate([-law.closure(states.normal), law.shear_compliance * states.tangential])
     tractions = np.tile(contact.weights, 2) * states.tractions
     terms = float(np.maximum(np.abs(loads), sizes).sum() + np.abs(tractions * jumps).sum())
-    return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)), ROUND_OFF * terms
+    bent = contact.weights @ contact.law.stored(states.normal)
+    return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)) + float(bent), ROUND_OFF * terms
 
 
 def _dissipated(configuration: Configuration, was: Remembered, state: LoadState, middle: PointStates | None) -> float:
@@ -375,9 +377,9 @@ def _resisted(law: ContactLaw, was: Remembered, now: Remembered, bulge: Floats, 
         """After a share of the slip."""
         falling = np.minimum(law.worn(was.memory.lost, share * slip), left)
         lost = np.where(law.weakens, was.memory.lost + falling, now.memory.lost)
-        friction, cohesion = law.bound_of(lost)
-        cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
         normal = was.normal + share * (now.normal - was.normal) + share * (1.0 - share) * bulge
+        friction, cohesion = law.bound_of(lost, normal)
+        cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
         return np.maximum(cohesion - friction * normal, 0.0)
 
     first, fallen, last = shear(0.0), shear(falls), shear(1.0)

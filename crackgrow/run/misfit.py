@@ -57,7 +57,7 @@ def misfits(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[Misfi
 
 def unexplained(law: SurfaceLaw, face: CrackFaces) -> Floats:
     """Gap (n,) m along a surface beyond what its stiffness explains; negative where faces overlap."""
-    return np.asarray(face.opening - law.compliance(face.cell_size) * face.normal_traction)
+    return np.asarray(face.opening - law.elastic_gap(face.cell_size, face.normal_traction))
 
 
 def _apart(law: SurfaceLaw, face: CrackFaces) -> Floats:
@@ -67,7 +67,7 @@ def _apart(law: SurfaceLaw, face: CrackFaces) -> Floats:
         return apart
     closed = face.state != OPEN
     within = closed[1:-1] & closed[:-2] & closed[2:]
-    elastic = law.compliance(face.cell_size) * face.normal_traction
+    elastic = law.elastic_gap(face.cell_size, face.normal_traction)
     risen = law.dilation * np.abs(face.slip) + elastic
     apart[1:-1][within] = np.maximum(face.opening - risen, 0.0)[1:-1][within]
     return apart

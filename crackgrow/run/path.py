@@ -132,10 +132,12 @@ class _Way:
         return np.asarray(states.slip - law.shear_compliance * states.tangential - self.was.memory.slip)
 
     def wear(self, states: PointStates) -> float:
-        """The largest share of what weakening points can lose, and had not lost yet, that their slip is of."""
+        """The largest share of what weakening points can lose, and had not lost yet, or of what points can close by."""
         law = self.configuration.contact.law
+        was, normal = self.was.normal, states.normal
+        bent = float(np.max(np.abs(law.closure(normal) - law.closure(was)) / law.most, initial=0.0))
         slips = (states.state == SLIP) & law.weakens & (self.was.memory.lost < 1.0) & states.trial.taken
-        return float(np.max(law.worn(self.was.memory.lost, self.moved(states))[slips], initial=0.0))
+        return max(bent, float(np.max(law.worn(self.was.memory.lost, self.moved(states))[slips], initial=0.0)))
 
 
 def next_piece(
@@ -153,10 +155,13 @@ def next_piece(
     """
     way = _Way(configuration, was, *ends, before)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
-    if configuration.contact.law.weakens.any():
+    law = configuration.contact.law
+    if law.weakens.any() or law.bends.any():
         start = way.at(least)
         probe = max(PROBE, least)
-        if way.wear(start) > 0.0 and way.wear(way.at(probe)) > 0.0:  # else that is round-off of points left by the load
+        if law.bends.any() or (
+            way.wear(start) > 0.0 and way.wear(way.at(probe)) > 0.0
+        ):  # else that is round-off of points left by the load
             return _bent_piece(way, start, least) or Piece(start, way.level(least), "jump")
     shares = SHARES if before is None else SHARES[1:]
     for share in (*(share for share in shares if share > least), least):
@@ -247,8 +252,8 @@ def _first_event(way: _Way, begin: PointStates, end: PointStates) -> float:
 def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bools, Floats, Floats]]:
     """What is left until points leave their branches: which it is asked of, and two times (n,), at begin and end."""
     law, trial, n = way.configuration.contact.law, begin.trial, len(begin.gap)
-    friction, cohesion = law.bound_of(trial.lost)
-    cohesion = np.where(trial.opened, 0.0, cohesion)
+    cohesion = np.where(trial.opened, 0.0, law.bound_of(trial.lost)[1])
+    shear = [cohesion - law.bound_of(trial.lost, some.normal)[0] * some.normal for some in (begin, end)]
     closed, sticks, sense, slip = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n), np.zeros(n)
     if begin.active is not None:
         closed[trial.taken], sticks[trial.taken] = begin.active.closed, begin.active.slip == 0
@@ -258,7 +263,7 @@ def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bo
     held = trial.taken & ~closed & (cohesion > 0.0)
     yield held, BEYOND * begin.touching - begin.gap, BEYOND * end.touching - end.gap
     for side in (-1.0, 1.0):
-        left, there = (cohesion - friction * some.normal - side * some.tangential for some in (begin, end))
+        left, there = (b - side * some.tangential for b, some in zip(shear, (begin, end), strict=True))
         yield sticks, left, there
     moved = [way.moved(some) for some in (begin, end)]
     yield (

@@ -66,6 +66,12 @@ class SurfaceLaw:
         """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
         return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
 
+    def elastic_gap(self, size: Floats, normal: Floats) -> Floats:
+        """Gap (n,) m of closed faces under normal tractions (n,) Pa, beside such cells: not positive in compression."""
+        linear = self.compliance(size) * normal
+        most = (self.contact and self.contact.max_closure) or np.inf
+        return np.asarray(linear / (1.0 + np.maximum(-linear, 0.0) / most))
+
     def shear_compliance(self, size: Floats) -> Floats:
         """The same along the faces."""
         return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
@@ -85,22 +91,28 @@ def laws_at_points(
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
     compliance, along, weakening = np.zeros((3, faces.n))
+    most, rough, wall, reduced = np.full(faces.n, np.inf), np.zeros(faces.n), np.ones(faces.n), np.ones(faces.n)
     decays = np.zeros(faces.n, dtype=bool)
     tables = [law.table for law in laws]
-    most = max((table.shape[1] for table in tables), default=2)
-    rows = np.zeros((5, most, faces.n))
+    n_rows = max((table.shape[1] for table in tables), default=2)
+    rows = np.zeros((5, n_rows, faces.n))
     for index, (law, table) in enumerate(zip(laws, tables, strict=True)):
         mine = faces.surface == index
-        rows[:, :, mine] = np.pad(table, ((0, 0), (0, most - table.shape[1])), mode="edge")[:, :, None]
+        rows[:, :, mine] = np.pad(table, ((0, 0), (0, n_rows - table.shape[1])), mode="edge")[:, :, None]
         if law.contact is None:
             continue
         size = cover.surfaces[index].in_cells.size(faces.s[mine]) * cover.lattice.spacing
         compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
         weakening[mine], decays[mine] = law.weakening
+        most[mine], barton = law.contact.max_closure or np.inf, law.contact.barton
+        if barton is not None:
+            rough[mine], wall[mine], reduced[mine] = np.deg2rad(barton.jrc), barton.jcs, barton.reduced
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
             new = mine & ((faces.s < given[0] - SAME_PLACE) | (faces.s > given[-1] + SAME_PLACE))
             rows[1:, :, new] = rows[1:, -1:, new]
             rows[2:4, :, new] = 0.0
-    return ContactLaw(compliance, along, weakening, decays, *rows)
+    shares, friction, cohesion, tension, dilation = rows
+    worn = shares, friction, cohesion, tension, dilation
+    return ContactLaw(compliance, along, weakening, decays, *worn, most, rough, wall, reduced)

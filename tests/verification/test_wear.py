@@ -106,7 +106,9 @@ def test_the_mean_dilation_is_that_of_its_integral() -> None:
     shares = np.array([[0.0, 0.0], [0.4, 1.0], [1.0, 1.0]])
     one, rows = np.ones((3, 2)), np.array([[0.3, 0.3], [0.1, 0.05], [0.05, 0.05]])
     decays = np.array([False, True])
-    law = ContactLaw(np.zeros(2), np.zeros(2), np.full(2, 2.0), decays, shares, one, 0.0 * one, 0.0 * one, rows)
+    law = ContactLaw(
+        np.zeros(2), np.zeros(2), np.full(2, 2.0), decays, shares, one, 0.0 * one, 0.0 * one, rows, *np.ones((4, 2))
+    )
     first, step = np.full(2, 0.1), 1e-6
 
     def after(slip: float) -> np.ndarray:

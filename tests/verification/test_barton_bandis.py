@@ -1,0 +1,118 @@
+"""Joints that close by a hyperbola (Bandis) and slide at a friction that falls with pressure (Barton), in closed form.
+
+A stiff block on a joint moves as one: it closes by v = p / (k + p / v_m), slides at p tan(phi + JRC log10(JCS / p)).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case import load_case
+from crackgrow.contact.coulomb import ContactLaw
+from crackgrow.errors import CaseError
+from crackgrow.run.result import StepResult
+from tests.whole_run import whole_run
+
+JOINT = Path(__file__).parents[2] / "cases" / "barton_bandis.yaml"
+LAW = "supports.0.contact"
+WIDTH, STIFFNESS, CLOSURE = 0.4, 20e9, 2e-4  # m, Pa/m, m
+PRESSED = ("loads.0.held=false", "supports.1.displacement.x=0", "loads.0.traction=[0, -20]")
+
+
+def steps(*overrides: str) -> list[StepResult]:
+    return whole_run(load_case(JOINT, overrides))[0]
+
+
+def seen(results: list[StepResult], name: str) -> np.ndarray:
+    told = [result.history for result in results]
+    return np.concatenate([each.values[:, each.columns.index(name)] for each in told if each is not None])
+
+
+def strength(pressure: float) -> float:
+    return pressure * np.tan(np.deg2rad(30.0 + 10.0 * np.log10(100e6 / pressure)))
+
+
+def stored(pressure: float) -> float:
+    """J/m^2: the integral of p dv."""
+    k = STIFFNESS * CLOSURE
+    closure = pressure / (STIFFNESS + pressure / CLOSURE)
+    return pressure * closure - CLOSURE * (pressure - k * np.log1p(pressure / k))
+
+
+@pytest.mark.parametrize("follow", ["events", 5])
+def test_closure_is_a_hyperbola_there_and_back(follow: str | int) -> None:
+    results = steps(*PRESSED, f"loading={{history: [0.1, 0.5, 1, 0.3], follow: {follow}}}")
+    rise, pressure = seen(results, "joint.u_y"), np.abs(seen(results, "top.bottom.force_y")) / WIDTH
+    closure = pressure / (STIFFNESS + pressure / CLOSURE)
+    assert len(pressure) >= 20
+    assert closure.max() > 0.8 * CLOSURE
+    np.testing.assert_allclose(-rise, closure, rtol=1e-3)
+    last = results[-1].energy
+    assert last.strain == pytest.approx(WIDTH * stored(0.3 * 20e6), rel=1e-3)
+    assert last.dissipated == 0.0
+    assert follow != "events" or last.error < 1e-6
+
+
+@pytest.mark.parametrize("pressure", [0.5, 5, 50])
+def test_shear_strength_is_that_of_the_pressure(pressure: float) -> None:
+    (result,) = steps(f"loads.0.traction=[0, {-pressure}]", "supports.1.displacement.x=20", "loading.follow=events")
+    force = seen([result], "supports.1.force_x")[-1]
+    assert force == pytest.approx(WIDTH * strength(1e6 * pressure), rel=1e-3)
+    assert result.energy.error < 1e-6
+
+
+def test_faces_are_no_steeper_than_70_degrees_and_no_flatter_than_flat() -> None:
+    law, none = law_of(np.array([1.0, 10e6, 1e9])), np.zeros(3)
+    found = law.bound_of(none, -np.array([1.0, 10e6, 1e9]))[0]
+    np.testing.assert_allclose(np.rad2deg(np.arctan(found)), [70.0, 40.0, 30.0], rtol=1e-12)
+
+
+def law_of(pressure: np.ndarray) -> ContactLaw:
+    n = len(pressure)
+    one, none, rows = np.ones(n), np.zeros(n), np.zeros((2, n))
+    shares, friction = np.array([none, one]), np.full((2, n), np.tan(np.deg2rad(30.0)))
+    soft = one / STIFFNESS
+    rough = np.deg2rad(10.0) * one
+    return ContactLaw(
+        soft, soft, none, none > 0.0, shares, friction, rows, rows, rows, CLOSURE * one, rough, 100e6 * one, one
+    )
+
+
+def test_softness_and_energy_are_derivative_and_integral_of_closure() -> None:
+    """By differences, under pressure and tension."""
+    normal = np.array([2e6, -1e4, -3e6, -5e7])
+    law, step = law_of(normal), 1e-5 * np.abs(normal)
+    slope = (law.closure(normal - step) - law.closure(normal + step)) / (2.0 * step)
+    np.testing.assert_allclose(law.softness(normal) * law.compliance, slope, rtol=1e-8)
+    energy = [law.stored(some) - 0.5 * some * law.closure(some) for some in (normal - step, normal + step)]
+    np.testing.assert_allclose((energy[0] - energy[1]) / (2.0 * step), -normal * slope, rtol=1e-4)
+
+
+def test_a_reduced_strength_is_that_of_the_pressure_over_the_factor() -> None:
+    pressure = np.array([1e3, 5e6, 2e8])
+    full = law_of(pressure)
+    reduced = replace(full, friction=full.friction / 1.5, reduced=full.reduced / 1.5)
+    none = np.zeros(3)
+    expected = full.bound_of(none, -pressure)[0] / 1.5
+    np.testing.assert_allclose(reduced.bound_of(none, -pressure)[0], expected, rtol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "words"),
+    [
+        ({"max_closure": "0 mm"}, "max_closure", "wanted: a length > 0"),
+        ({"barton": "{jrc: 25, jcs: 100}"}, "barton.jrc", "out of range"),
+        ({"barton": "{jrc: 10}"}, "barton.jcs", "missing"),
+        ({"tension": 1, "cohesion": 2}, "tension", "cohesion / friction = 0.727"),
+    ],
+)
+def test_faults(changes: dict[str, object], key: str, words: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(JOINT, [f"{LAW}.{name}={value}" for name, value in changes.items()])
+    (fault,) = caught.value.faults
+    assert fault.key == f"{LAW}.{key}"
+    assert words in fault.message
