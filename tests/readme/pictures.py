@@ -1,4 +1,4 @@
-"""The pictures of README.md and cases/MAPS.md, drawn anew from runs of their commands.
+"""The pictures of README.md, cases/README.md and cases/MAPS.md, drawn anew from runs of their commands.
 
 They are part of `make docs ARGS=--pictures`. The one of the tutorial is drawn by VTK as ParaView draws it, with the
 filter, the factor and the colours that the tutorial names. Without a display VTK needs a driver that draws into memory:
@@ -13,6 +13,8 @@ import tempfile
 from pathlib import Path
 from typing import Any, Final
 
+import matplotlib.pyplot as plt
+import numpy as np
 import pyvista
 
 from crackgrow.api import run_case
@@ -40,7 +42,30 @@ def draw_all() -> None:
         run_case(load_case(runs / "my_rock.yaml"), runs / "my_rock")
         run_case(load_case(ROOT / "cases" / "joint_map.yaml"), runs / "joint_map")
         shutil.copy(runs / "joint_map" / "figures" / "path.png", PICTURES / "joint_map.png")
+        draw_laws(PICTURES / "joint_laws.png")
         draw_series(runs / "my_rock" / "my_rock.pvd", PICTURES / "paraview.png")
+
+
+LAWS = (
+    # scene, settings, displacement at factor 1 (mm), column of its force (N/m), width of the specimen (m)
+    ("vein_in_tension", [], 0.04, "supports.1.force_y", 0.05),
+    ("rough_joint_sheared", ["loading.follow=events"], 6.0, "supports.1.force_x", 0.4),
+    ("barton_bandis", ["loading.follow=events"], 2.0, "supports.1.force_x", 0.4),
+)
+
+
+def draw_laws(picture: Path) -> None:
+    """Draw the stress that joints of three laws carry over the displacement that their scenes give them."""
+    figure, axes = plt.subplots(1, len(LAWS), figsize=(10.0, 3.0), layout="constrained")
+    for plot, (scene, settings, most, column, width) in zip(axes, LAWS, strict=True):
+        run = run_case(load_case(ROOT / "cases" / f"{scene}.yaml", settings))
+        told = [result.history for result in run.results if result.history is not None]
+        factor = np.concatenate([[0.0], *(each.load_factor for each in told)])
+        force = np.concatenate([[0.0], *(each.values[:, each.columns.index(column)] for each in told)])
+        plot.plot(most * factor, force / width / 1e6)
+        plot.set(xlabel="given displacement [mm]", ylabel="stress [MPa]", title=f"{scene}.yaml")
+        plot.grid(alpha=0.3)
+    figure.savefig(picture, dpi=100)
 
 
 def tutorial_settings() -> tuple[float, float, float]:
