@@ -127,7 +127,8 @@ def held(drawn: Drawn) -> bool:
     if problem.motions is None:
         return True
     size, length = float(np.abs(problem.motions.pull).sum()), float(drawn.weights.sum())
-    return least_unbalanced(problem.motions, size, length, problem.friction, problem.cohesion)[0] <= UNBALANCED
+    strength = problem.friction, problem.cohesion, np.zeros(problem.n_points)
+    return least_unbalanced(problem.motions, size, length, *strength)[0] <= UNBALANCED
 
 
 def ended(drawn: Drawn) -> tuple[str, int]:
