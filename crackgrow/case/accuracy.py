@@ -47,7 +47,7 @@ CELLS: Final[Mapping[Kind, float]] = {
 }
 """Cells along a length for 1 %."""
 
-FEWEST, MOST = 0.4, 2.0
+FEWEST, MOST = 0.6, 2.0
 """Parts of these that a run begins with for 3 % and for less than 1 %: it refines where that is not enough."""
 
 

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from crackgrow.accuracy.companion import BOUND
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.run import grow
@@ -109,4 +110,4 @@ def test_a_plug_of_fluid_shorter_than_a_cell_has_its_K(tmp_path: Path) -> None:
     exact = force / np.sqrt(np.pi * HALF) * np.sqrt((HALF + np.array([-b, b])) / (HALF - np.array([-b, b])))
     for tip, K_I in zip(step.tips, 1e6 * exact, strict=True):  # the plate adds 0.33 %
         assert abs(tip.K_I - K_I) <= tip.K_I_error + 4e-3 * K_I
-        assert tip.K_I_error < 0.02 * K_I
+        assert tip.K_I_error <= BOUND * 0.01 * exact.max() * 1e6

@@ -69,7 +69,7 @@ def test_lengths_at_which_cells_are_refined_count_by_the_smallest_cells():
     assert automatic_spacing("standard", tiny, REFINED_AT["corners"]) == (0.0001, "tiny / 2")
 
 
-@pytest.mark.parametrize(("target", "part"), [(0.2, 0.4), (0.03, 0.4), (0.0125, 0.8), (0.01, 1.0), (0.004, 2.0)])
+@pytest.mark.parametrize(("target", "part"), [(0.2, 0.6), (0.03, 0.6), (0.0125, 0.8), (0.01, 1.0), (0.004, 2.0)])
 def test_cells_to_begin_with_follow_the_target_within_limits(target: float, part: float):
     assert cells_along("width", target) == pytest.approx(10.0 * part)
 
