@@ -42,7 +42,7 @@ def K(folder: Path, name: str, *settings: str) -> np.ndarray:
 
 
 @pytest.mark.parametrize("name", SCENES)
-def test_K_beside_a_singularity_of_the_rim_is_within_half_a_percent_if_that_is_asked_for(tmp_path: Path, name: str) -> None:
+def test_K_beside_a_singularity_of_the_rim_is_within_half_a_percent_if_asked_for(tmp_path: Path, name: str) -> None:
     """Against cells there of 0.5 micrometres; without cells of their own 1.7 to 3 % of the largest K were missing."""
     fine = ("numerics.accuracy=fine", "numerics.spacing=1", "numerics.refine.tips=8", "numerics.refine.corners=11")
     exact = K(tmp_path, "end of a held part" if name == "end of a held side" else name, *fine)  # the same scene
