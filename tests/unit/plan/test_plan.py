@@ -272,7 +272,7 @@ def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureF
     assert "ends in .png or .svg" in capsys.readouterr().err
 
 
-REFINED = ("compression60", "tunnel_excavated")
+REFINED = ("en_echelon", "tunnel_excavated")
 """Steps of these take three and more rounds of refinement, which are not told of."""
 
 
