@@ -108,6 +108,9 @@ def check_contacts(scene: Scene) -> None:
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
             scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
+        for bent in {"barton", "max_closure"} & law.keys() if isinstance(scene.resolved["loading"], str) else ():
+            message = f"depends on the pressure, which loading: {scene.resolved['loading']} does not follow; wanted: a"
+            scene.report.fault((*key, bent), f"{message} loading.history")
         if "max_closure" in law and "stiffness" not in law:
             scene.report.fault((*key, "max_closure"), "is of a joint; wanted besides: its stiffness {normal, shear}")
         steepest = max(friction, math.tan(math.radians(70.0))) if "barton" in law else friction
@@ -139,7 +142,7 @@ def _check_wear(scene: Scene, key: Path, law: Resolved) -> None:
         slips, frictions = [0.0, *told["slip"]], [friction, *told["friction"]]
         angles = [angle, *told.get("dilation_angle", [angle] * len(told["slip"]))]
         for other in ("residual_friction", "residual_dilation_angle"):
-            if law.get(other, friction) != friction:
+            if other in law and law[other] != {"residual_friction": friction}.get(other):
                 message = f"is the last one of {'.'.join(map(str, key))}.wear; wanted: one of them"
                 scene.report.fault((*key, other), message)
                 return

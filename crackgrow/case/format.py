@@ -131,7 +131,11 @@ _HISTORY: Final = Mapping(
         "history": Field(ListOf(Number()), "load factors applied in turn; left out: [1], or stages", OPTIONAL),
         "stages": Field(ListOf(STAGE), "stages of a construction, in turn", OPTIONAL),
         "follow": Field(
-            WordOr((EVENTS,), Integer(Bounds(at_least=1)), ("from one change of a contact point to the next",)),
+            WordOr(
+                (EVENTS,),
+                Integer(Bounds(at_least=1, at_most=10_000)),
+                ("from one change of a contact point to the next",),
+            ),
             "how the way to each load of the history is taken; a number: in so many increments of one size",
             OPTIONAL,
         ),

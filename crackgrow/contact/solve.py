@@ -432,7 +432,8 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
         found = solve_where_points_move(lying, near) or solve_by_newton(lying, near)
         found = replace(found, motion=unknowns(found.unknowns)[m:])
         if found.status != "solved":  # pieces that friction holds only just, where the way ends in round-off
-            found = solve_by_lemke(problem)
+            pivoted = solve_by_lemke(problem)
+            found = pivoted if pivoted.status == "solved" else found
     if found.status == "solved":
         return found
     raise NotSolvedError(

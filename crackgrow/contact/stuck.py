@@ -96,10 +96,10 @@ class _Small:
         """By tractions A^-1 B (2 n, l) and A^-1 E (2 n, k); None where the small compliance is singular."""
         seen, kept = split(np.delete(motions.jump, at, axis=0))
         moved, force = by_motions @ seen.T, seen @ motions.force
-        balance = np.asarray(np.linalg.inv(force @ moved), dtype=np.float64)
-        turned = balance @ (force @ by_units)
-        per = by_units - moved @ turned
         try:
+            balance = np.asarray(np.linalg.inv(force @ moved), dtype=np.float64)
+            turned = balance @ (force @ by_units)
+            per = by_units - moved @ turned
             compliance = np.asarray(np.linalg.inv(per[at]), dtype=np.float64)
         except np.linalg.LinAlgError:
             return None

@@ -63,8 +63,8 @@ def unexplained(law: SurfaceLaw, face: CrackFaces) -> Floats:
 def _apart(law: SurfaceLaw, face: CrackFaces) -> Floats:
     """Gap (n,) m along the pressed parts of a surface, beyond what its stiffness and its dilation explain."""
     apart = np.zeros(len(face.s))
-    if law.contact is None:
-        return apart
+    if law.contact is None or law.contact.worn[1] != law.contact.dilation_angle:
+        return apart  # of dilation that wears slip alone does not tell what it has opened
     closed = face.state != OPEN
     within = closed[1:-1] & closed[:-2] & closed[2:]
     elastic = law.elastic_gap(face.cell_size, face.normal_traction)

@@ -205,10 +205,11 @@ def _bent_piece(way: _Way, start: PointStates, least: float) -> Piece | None:
 def _until_event(way: _Way, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:
     """The first share of the way at which a point leaves its branch of a bent piece up to an `end`, with the states."""
     low, high = (0.0, begin), end
-    for _ in range(MOST_LOOKS):
+    for look in range(MOST_LOOKS):
         part = _first_event(way, low[1], high[1])
         if part == 1.0:
             return high
+        part = part if look % 2 == 0 else 0.5  # alone the first creeps where friction bends near no pressure
         share = low[0] + part * (high[0] - low[0])
         there = (share, way.on_wearing_branch(high[1], share))
         if min(share - low[0], high[0] - share) <= AT_EVENT * share:
@@ -217,7 +218,7 @@ def _until_event(way: _Way, begin: PointStates, end: tuple[float, PointStates]) 
             high = there
         else:
             low = there
-    return high
+    return low if low[0] > 0.0 else high
 
 
 def _breaks(way: _Way, states: PointStates) -> bool:

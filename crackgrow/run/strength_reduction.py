@@ -178,7 +178,7 @@ def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:
         contact,
         friction=contact.friction / factor,
         cohesion=contact.cohesion / factor,
-        tension=contact.tension / factor,
+        tension=contact.tension / max(factor, 1.0),  # the apex, cohesion over friction, stays where it is
         residual_friction=contact.residual_friction / factor,
         dilation_angle=_flatter(contact.dilation_angle, factor),
         residual_dilation_angle=_flatter(contact.worn[1], factor),

@@ -173,6 +173,8 @@ def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
         return "not known: contact alone holds a piece of rock, which is not examined"
     if contact.law.dilation.any():
         return "not known: faces that dilate are not examined"
+    if contact.law.bends.any():
+        return "not known: faces whose friction or closure depends on the pressure are not examined"
     return "" if points.problem.friction.any() else "there is no friction: there is exactly one solution"
 
 

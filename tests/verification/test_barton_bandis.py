@@ -12,12 +12,14 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.contact.coulomb import ContactLaw
+from crackgrow.contact.coulomb import SLIP, ContactLaw
 from crackgrow.errors import CaseError
+from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from tests.whole_run import whole_run
 
 JOINT = Path(__file__).parents[2] / "cases" / "barton_bandis.yaml"
+FLAW = JOINT.with_name("compression30.yaml")
 LAW = "supports.0.contact"
 WIDTH, STIFFNESS, CLOSURE = 0.4, 20e9, 2e-4  # m, Pa/m, m
 PRESSED = ("loads.0.held=false", "supports.1.displacement.x=0", "loads.0.traction=[0, -20]")
@@ -63,6 +65,21 @@ def test_shear_strength_is_that_of_the_pressure(pressure: float) -> None:
     force = seen([result], "supports.1.force_x")[-1]
     assert force == pytest.approx(WIDTH * strength(1e6 * pressure), rel=1e-3)
     assert result.energy.error < 1e-6
+
+
+@pytest.mark.parametrize(("jrc", "jcs"), [(10, 50), (5, 100)])
+@pytest.mark.parametrize("loading", ["{history: [1]}"])
+def test_under_loads_that_press_and_shear_at_once_faces_slip_at_their_strength(
+    jrc: float, jcs: float, loading: str
+) -> None:
+    """Near no pressure friction bends so much that events were looked for in vain, and faces stuck beyond it."""
+    law = f"cracks.flaw.contact={{friction: 0.2, cohesion: 0, barton: {{jrc: {jrc}, jcs: {jcs}}}}}"
+    case = load_case(FLAW, [law, "numerics.spacing=1", "growth.steps=0", f"loading={loading}", "output.frames=none"])
+    *_, (_, solution) = solved_steps(case)
+    points = solution.state.outcome.points
+    friction, _ = solution.configuration.contact.law.bound_of(points.trial.lost, points.normal)
+    assert (points.state == SLIP).all()
+    np.testing.assert_allclose(np.abs(points.tangential), -friction * points.normal, rtol=1e-6)
 
 
 def test_faces_are_no_steeper_than_70_degrees_and_no_flatter_than_flat() -> None:
@@ -116,3 +133,11 @@ def test_faults(changes: dict[str, object], key: str, words: str) -> None:
     (fault,) = caught.value.faults
     assert fault.key == f"{LAW}.{key}"
     assert words in fault.message
+
+
+@pytest.mark.parametrize("loading", ["critical", "strength_reduction"])
+def test_loads_that_are_looked_for_are_refused(loading: str) -> None:
+    growth = ["growth.steps=0"] if loading == "critical" else ["growth=null"]
+    law = "cracks.flaw.contact={friction: 0.2, cohesion: 0, barton: {jrc: 10, jcs: 50}}"
+    with pytest.raises(CaseError, match="barton: depends on the pressure, which loading"):
+        load_case(FLAW, [law, f"loading={loading}", *growth])

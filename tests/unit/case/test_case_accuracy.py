@@ -82,7 +82,13 @@ def test_every_shipped_case_has_an_automatic_spacing_that_presets_refine(name: s
     assert spacings[0] > spacings[1] > spacings[2]
 
 
-@pytest.mark.parametrize("name", [name for name in NAMES if shipped(name).numerics.auto_rule is None])
+UNIFORM = ("barton_bandis", "rough_joint_sheared")
+"""Blocks of uniform stress, which two cells across them carry exactly."""
+
+
+@pytest.mark.parametrize(
+    "name", [name for name in NAMES if shipped(name).numerics.auto_rule is None and name not in UNIFORM]
+)
 def test_where_no_cells_are_halved_the_spacings_of_shipped_cases_lie_between_draft_and_fine_or_are_coarser(name: str):
     uniform = ["numerics.spacing=auto", "numerics.refine={tips: 0, kinks: 0, corners: 0}"]
     draft, fine = (shipped(name, *uniform, f"numerics.accuracy={word}").numerics for word in ("draft", "fine"))
