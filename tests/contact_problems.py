@@ -42,7 +42,7 @@ def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: 
         (usual["dilation"],) * 2,
     )
     along, weakening = usual["shear_compliance"], usual["weakening"]
-    linear = zeros + np.inf, zeros, zeros + 1.0, zeros + 1.0
+    linear = zeros + np.inf, zeros, zeros + 1.0
     return ContactLaw(compliance, along, weakening, zeros > 0.0, *(np.stack(row) for row in rows), *linear)
 
 

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+import pytest
 import yaml
 
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError, Fault
 from tests.verification.solutions import CASES
 
 MPA = 1e6
@@ -49,6 +53,14 @@ def winged(half: float, angle: float, wing: float, turn: float) -> list[list[flo
     inner = half * np.exp(1j * np.deg2rad(angle))
     outer = inner + wing * np.exp(1j * np.deg2rad(angle + turn))
     return [[float(z.real), float(z.imag)] for z in (-outer, -inner, inner, outer)]
+
+
+def fault_of(file: Path, *settings: str) -> Fault:
+    """The only fault of a case file with settings."""
+    with pytest.raises(CaseError) as caught:
+        load_case(file, settings)
+    (fault,) = caught.value.faults
+    return fault
 
 
 def told(warnings: Iterable[str]) -> list[str]:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from crackgrow.case.layout import SMALLEST, Scene, named
+from crackgrow.case.model import STEEPEST
 from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
 
@@ -113,7 +114,7 @@ def check_contacts(scene: Scene) -> None:
             scene.report.fault((*key, bent), f"{message} loading.history")
         if "max_closure" in law and "stiffness" not in law:
             scene.report.fault((*key, "max_closure"), "is of a joint; wanted besides: its stiffness {normal, shear}")
-        steepest = max(friction, math.tan(math.radians(70.0))) if "barton" in law else friction
+        steepest = max(friction, math.tan(math.radians(STEEPEST))) if "barton" in law else friction
         if law["tension"] * steepest > law["cohesion"]:
             apex = scene.units.show(law["cohesion"] / steepest, "stress")
             message = f"above the apex of the shear strength, cohesion / friction = {apex}; wanted: at most that"

@@ -106,13 +106,16 @@ class Wear:
     ] = None  # degrees
 
 
+STEEPEST: Final = 70.0
+"""Degrees: friction of rough faces under little pressure (Barton, Choubey 1977)."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Barton:
     """Shear strength of rough faces, p tan(phi + JRC log10(JCS / p)), with tan(phi) the `friction` of the law."""
 
     jrc: Annotated[float, Number(Bounds(above=0, at_most=20)), Doc("joint roughness coefficient")]
     jcs: Annotated[float, MODULUS, Doc("compressive strength of the joint's walls")]  # Pa
-    reduced: float = 1.0  # share of its strength, where that is reduced
 
 
 @dataclass(frozen=True, slots=True, eq=False)

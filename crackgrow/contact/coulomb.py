@@ -37,16 +37,21 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.model import STEEPEST
 from crackgrow.contact.problem import ContactProblem, check_shape, read_only
 
 OPEN: Final = 0
 STICK: Final = 1
 SLIP: Final = 2
 
-ROUGH: Final = 1e-9  # shares that are lost are the same if they differ by less
-STEEPEST: Final = float(np.deg2rad(70.0))  # of rough faces under little pressure (Barton, Choubey 1977)
+SAME_SHARE: Final = 1e-9  # shares that are lost are the same if they differ by less
 EPSILON: Final = float(np.finfo(float).eps)
 SOLVED_RESIDUAL: Final = 1e-8  # a solver that ends above this complementarity residual does not say "solved"
+
+
+def closed_by(linear: Floats, most: Floats | float) -> Floats:
+    """What faces close by (n,) m that would close by `linear` (n,) m at their first softness, and by `most` at most."""
+    return np.asarray(linear / (1.0 + np.maximum(linear, 0.0) / most))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,7 +70,6 @@ class ContactLaw:
     most: Floats  # (n,) m: the limit of closure; infinite where it is linear
     rough: Floats  # (n,) radians per decade of pressure: JRC
     wall: Floats  # (n,) Pa: JCS
-    reduced: Floats  # (n,) share of friction that is left where strength is reduced
 
     @property
     def bends(self) -> Bools:
@@ -74,8 +78,7 @@ class ContactLaw:
 
     def closure(self, normal: Floats) -> Floats:
         """What elastic faces close by (n,) m under normal tractions (n,) Pa; negative where these are tension."""
-        linear = -self.compliance * normal
-        return np.asarray(linear / (1.0 + np.maximum(linear, 0.0) / self.most))
+        return closed_by(-self.compliance * normal, self.most)
 
     def softness(self, normal: Floats) -> Floats:
         """Its derivative (n,) by pressure, of that without pressure."""
@@ -114,7 +117,7 @@ class ContactLaw:
 
     def following(self, lost: Floats) -> Floats:
         """The next of the shares (n,) at which the law bends, or ends."""
-        return np.asarray(np.min(self.shares, axis=0, initial=1.0, where=self.shares > lost + ROUGH))
+        return np.asarray(np.min(self.shares, axis=0, initial=1.0, where=self.shares > lost + SAME_SHARE))
 
     @property
     def compliances(self) -> Floats:
@@ -128,10 +131,10 @@ class ContactLaw:
         """
         friction = self._at(self.friction, lost)
         if self.rough.any():
-            flat, pressure = np.arctan(friction / self.reduced), np.zeros(len(lost)) if normal is None else -normal
+            flat, pressure = np.arctan(friction), np.zeros(len(lost)) if normal is None else -normal
             decades = np.log10(self.wall) - np.log10(np.maximum(pressure, np.finfo(float).tiny))
-            steep = np.minimum(flat + self.rough * np.maximum(decades, 0.0), np.maximum(flat, STEEPEST))
-            friction = np.where(self.rough > 0.0, self.reduced * np.tan(steep), friction)
+            steep = np.minimum(flat + self.rough * np.maximum(decades, 0.0), np.maximum(flat, np.deg2rad(STEEPEST)))
+            friction = np.where(self.rough > 0.0, np.tan(steep), friction)
         return friction, self._at(self.cohesion, lost)
 
     def tension_of(self, lost: Floats) -> Floats:

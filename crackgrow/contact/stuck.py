@@ -18,7 +18,7 @@ import numpy as np
 from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.coulomb import active_set
+from crackgrow.contact.coulomb import STICK, active_set
 from crackgrow.contact.equations import SINGULAR
 from crackgrow.contact.loose import split
 from crackgrow.contact.newton import as_far, missed, solve_by_newton
@@ -135,8 +135,7 @@ class _Small:
 def _moving(problem: ContactProblem, x: Floats) -> Bools:
     """Points (n,) that unknowns say do not stick."""
     m = problem.free.size
-    active = active_set(problem, x[:m], problem.jump(x))
-    return np.asarray(~active.closed | (active.slip != 0))
+    return np.asarray(active_set(problem, x[:m], problem.jump(x)).states() != STICK)
 
 
 def _none(problem: ContactProblem) -> Motions:

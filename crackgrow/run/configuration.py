@@ -139,9 +139,8 @@ class Configuration:
     def proportional(self) -> bool:
         """Whether states from rest on are in proportion to the load factor: nothing else has a size."""
         law, (a, _) = self.contact.law, self.scene.given_parts
-        sized = (
-            law.cohesion.any() or law.breakable.any() or law.bends.any()
-        )  # what breaks is gone from the least slip on
+        # what breaks is gone from the least slip on
+        sized = law.cohesion.any() or law.breakable.any() or law.bends.any()
         return not (sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
 
     def with_gone(self, gone: Sequence[Gone]) -> Configuration:

@@ -159,9 +159,8 @@ def next_piece(
     if law.weakens.any() or law.bends.any():
         start = way.at(least)
         probe = max(PROBE, least)
-        if law.bends.any() or (
-            way.wear(start) > 0.0 and way.wear(way.at(probe)) > 0.0
-        ):  # else that is round-off of points left by the load
+        # wear of less than both is round-off of points left by the load
+        if law.bends.any() or (way.wear(start) > 0.0 and way.wear(way.at(probe)) > 0.0):
             return _bent_piece(way, start, least) or Piece(start, way.level(least), "jump")
     shares = SHARES if before is None else SHARES[1:]
     for share in (*(share for share in shares if share > least), least):

@@ -142,10 +142,7 @@ def _reduced(given: Configuration, factor: float) -> Configuration:
 def _beside_limit_equilibrium(given: Configuration, safety: Safety, words: str) -> Safety:
     """The same with what limit equilibrium says, in `words`, where contact could hold more with all of its strength."""
     below, above, way = safety.fails_at, np.inf, ""
-    law = given.contact.law
-    if (
-        given.contact.loose is None or not np.isfinite(below) or law.rough.any()
-    ):  # of these it knows no more than a bound
+    if given.contact.loose is None or not np.isfinite(below):
         return safety
     try:
         if _giving_way(given, below):
@@ -182,7 +179,6 @@ def _weaker(contact: CoulombContact, factor: float) -> CoulombContact:
         residual_friction=contact.residual_friction / factor,
         dilation_angle=_flatter(contact.dilation_angle, factor),
         residual_dilation_angle=_flatter(contact.worn[1], factor),
-        barton=contact.barton and replace(contact.barton, reduced=contact.barton.reduced / factor),
         wear=wear
         and replace(
             wear,

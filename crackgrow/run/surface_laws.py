@@ -9,7 +9,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case, CoulombContact, Wear
-from crackgrow.contact.coulomb import ContactLaw
+from crackgrow.contact.coulomb import ContactLaw, closed_by
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
@@ -68,9 +68,8 @@ class SurfaceLaw:
 
     def elastic_gap(self, size: Floats, normal: Floats) -> Floats:
         """Gap (n,) m of closed faces under normal tractions (n,) Pa, beside such cells: not positive in compression."""
-        linear = self.compliance(size) * normal
         most = (self.contact and self.contact.max_closure) or np.inf
-        return np.asarray(linear / (1.0 + np.maximum(-linear, 0.0) / most))
+        return -closed_by(-self.compliance(size) * normal, most)
 
     def shear_compliance(self, size: Floats) -> Floats:
         """The same along the faces."""
@@ -91,7 +90,7 @@ def laws_at_points(
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
     compliance, along, weakening = np.zeros((3, faces.n))
-    most, rough, wall, reduced = np.full(faces.n, np.inf), np.zeros(faces.n), np.ones(faces.n), np.ones(faces.n)
+    most, rough, wall = np.full(faces.n, np.inf), np.zeros(faces.n), np.ones(faces.n)
     decays = np.zeros(faces.n, dtype=bool)
     tables = [law.table for law in laws]
     n_rows = max((table.shape[1] for table in tables), default=2)
@@ -106,7 +105,7 @@ def laws_at_points(
         weakening[mine], decays[mine] = law.weakening
         most[mine], barton = law.contact.max_closure or np.inf, law.contact.barton
         if barton is not None:
-            rough[mine], wall[mine], reduced[mine] = np.deg2rad(barton.jrc), barton.jcs, barton.reduced
+            rough[mine], wall[mine] = np.deg2rad(barton.jrc), barton.jcs
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
             given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
@@ -114,5 +113,6 @@ def laws_at_points(
             rows[1:, :, new] = rows[1:, -1:, new]
             rows[2:4, :, new] = 0.0
     shares, friction, cohesion, tension, dilation = rows
-    worn = shares, friction, cohesion, tension, dilation
-    return ContactLaw(compliance, along, weakening, decays, *worn, most, rough, wall, reduced)
+    return ContactLaw(
+        compliance, along, weakening, decays, shares, friction, cohesion, tension, dilation, most, rough, wall
+    )

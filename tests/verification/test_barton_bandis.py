@@ -5,7 +5,6 @@ A stiff block on a joint moves as one: it closes by v = p / (k + p / v_m), slide
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +15,7 @@ from crackgrow.contact.coulomb import SLIP, ContactLaw
 from crackgrow.errors import CaseError
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
+from tests.scenes import fault_of
 from tests.whole_run import whole_run
 
 JOINT = Path(__file__).parents[2] / "cases" / "barton_bandis.yaml"
@@ -95,7 +95,7 @@ def law_of(pressure: np.ndarray) -> ContactLaw:
     soft = one / STIFFNESS
     rough = np.deg2rad(10.0) * one
     return ContactLaw(
-        soft, soft, none, none > 0.0, shares, friction, rows, rows, rows, CLOSURE * one, rough, 100e6 * one, one
+        soft, soft, none, none > 0.0, shares, friction, rows, rows, rows, CLOSURE * one, rough, 100e6 * one
     )
 
 
@@ -109,15 +109,6 @@ def test_softness_and_energy_are_derivative_and_integral_of_closure() -> None:
     np.testing.assert_allclose((energy[0] - energy[1]) / (2.0 * step), -normal * slope, rtol=1e-4)
 
 
-def test_a_reduced_strength_is_that_of_the_pressure_over_the_factor() -> None:
-    pressure = np.array([1e3, 5e6, 2e8])
-    full = law_of(pressure)
-    reduced = replace(full, friction=full.friction / 1.5, reduced=full.reduced / 1.5)
-    none = np.zeros(3)
-    expected = full.bound_of(none, -pressure)[0] / 1.5
-    np.testing.assert_allclose(reduced.bound_of(none, -pressure)[0], expected, rtol=1e-12)
-
-
 @pytest.mark.parametrize(
     ("changes", "key", "words"),
     [
@@ -128,9 +119,7 @@ def test_a_reduced_strength_is_that_of_the_pressure_over_the_factor() -> None:
     ],
 )
 def test_faults(changes: dict[str, object], key: str, words: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(JOINT, [f"{LAW}.{name}={value}" for name, value in changes.items()])
-    (fault,) = caught.value.faults
+    fault = fault_of(JOINT, *(f"{LAW}.{name}={value}" for name, value in changes.items()))
     assert fault.key == f"{LAW}.{key}"
     assert words in fault.message
 

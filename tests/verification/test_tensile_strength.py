@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.errors import CaseError
 from crackgrow.run.result import StepResult
+from tests.scenes import fault_of
 from tests.whole_run import whole_run
 
 VEIN = Path(__file__).parents[2] / "cases" / "vein_in_tension.yaml"
@@ -126,8 +126,6 @@ def test_points_open_one_after_the_other(tmp_path: Path) -> None:
     ],
 )
 def test_faults_of_a_tensile_strength(change: str, words: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(VEIN, [f"interfaces.0.contact.{change}"])
-    (fault,) = caught.value.faults
+    fault = fault_of(VEIN, f"interfaces.0.contact.{change}")
     assert fault.key == "interfaces.0.contact.tension"
     assert words in fault.message

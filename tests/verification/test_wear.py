@@ -14,8 +14,8 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import ContactLaw
-from crackgrow.errors import CaseError
 from crackgrow.run.result import StepResult
+from tests.scenes import fault_of
 from tests.whole_run import whole_run
 
 JOINT = Path(__file__).parents[2] / "cases" / "rough_joint_sheared.yaml"
@@ -107,7 +107,7 @@ def test_the_mean_dilation_is_that_of_its_integral() -> None:
     one, rows = np.ones((3, 2)), np.array([[0.3, 0.3], [0.1, 0.05], [0.05, 0.05]])
     decays = np.array([False, True])
     law = ContactLaw(
-        np.zeros(2), np.zeros(2), np.full(2, 2.0), decays, shares, one, 0.0 * one, 0.0 * one, rows, *np.ones((4, 2))
+        np.zeros(2), np.zeros(2), np.full(2, 2.0), decays, shares, one, 0.0 * one, 0.0 * one, rows, *np.ones((3, 2))
     )
     first, step = np.full(2, 0.1), 1e-6
 
@@ -135,9 +135,7 @@ def test_the_mean_dilation_is_that_of_its_integral() -> None:
     ],
 )  # fmt: skip
 def test_faults_of_wear(changes: dict[str, object], key: str, words: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(JOINT, [f"{LAW}.{name}={value}" for name, value in changes.items()])
-    (fault,) = caught.value.faults
+    fault = fault_of(JOINT, *(f"{LAW}.{name}={value}" for name, value in changes.items()))
     assert fault.key == f"{LAW}.{key}"
     assert words in fault.message
 
@@ -154,8 +152,6 @@ def test_faults_of_wear(changes: dict[str, object], key: str, words: str) -> Non
 def test_faults_of_a_table(wear: str, words: str, tmp_path: Path) -> None:
     path = tmp_path / "shear.yaml"
     path.write_text(TABLE, encoding="utf-8")
-    with pytest.raises(CaseError) as caught:
-        load_case(path, [f"{LAW}.wear={wear}"])
-    (fault,) = caught.value.faults
+    fault = fault_of(path, f"{LAW}.wear={wear}")
     assert fault.key == f"{LAW}.wear"
     assert words in fault.message
