@@ -18,12 +18,11 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import fields_at, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.singular_stress import SingularStress
-from crackgrow.quadrature.elements import ElementPoints
-from crackgrow.quadrature.plain_kinds import all_points
+from crackgrow.quadrature.elements import ElementPoints, element_points
 from crackgrow.ragged import Ragged, by_row, numbered
 from crackgrow.solid.elasticity import PlaneElasticity, energy_components
 from crackgrow.solid.recovery import stress_of
@@ -80,7 +79,7 @@ def error_estimate(
         row[:] = part.patches
     patch, part_there = np.nonzero(acting.T)
     acting_on = by_row(patch, part_there, n_patches)
-    everywhere = all_points(cover, N_POINTS)
+    everywhere = element_points(cover, N_POINTS)
     some = [slice(start, start + AT_ONCE) for start in range(0, len(everywhere.points), AT_ONCE)]
     blocks = [_sampled(cover, materials, u, everywhere, block, singular, acting_on) for block in some]
     samples, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
@@ -101,13 +100,17 @@ def _sampled(
     """Samples at a block of points, and the integral of their squares; `acting` are the singular parts on patches."""
     points, weights, element = at.points[block], at.weights[block], at.element[block]
     body = cover.elements.body[element]
-    basis = basis_at(cover, points, element)
-    gradient = basis.field(u.reshape(-1, 2))[1:].transpose(1, 2, 0)
+    gradient = fields_at(cover, u.reshape(-1, 2), points, element)[1:].transpose(1, 2, 0)
     places = cover.lattice.to_metres(points)
     values = energy_components(materials, stress_of(materials, gradient, body, places), body)
-    patches, point = basis.patches, basis.patches.row
+    basis, patches = values_at(cover, points, element), cover.patches.of_element.taken(element)
+    point = patches.row
     # no fits on crumbs, whose stress is uniform
-    phi = np.where(cover.patches.in_crumb[element][point], 0.0, np.maximum(basis.phi[0], 0.0))
+    phi = np.where(
+        cover.patches.in_crumb[element][point],
+        0.0,
+        np.maximum(basis.values[0, basis.functions < len(cover.patches.nodes)], 0.0),
+    )
     less = np.zeros((len(point), 3))  # patch by patch, what is told apart there
     seen, place = acting.places(patches.values)
     parts = acting.values[place].astype(np.min_scalar_type(len(singular)))  # short numbers are sorted by their digits

@@ -4,27 +4,26 @@
 
 over the physical patches i, and over the tips t that act on the element with their four functions F_tk. What carries
 these, X_c = sum_i chi_i phi_i, is the function of a singular patch, as in the paper, or a sum over the patches round
-the tip. So the basis at a point is kept as its factors: the phi_i, the X_c of each tip, and the F_tk.
+the tip.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.mls import mls
-from crackgrow.approximation.tip_functions import tip_functions, tip_values
+from crackgrow.approximation.tip_functions import tip_functions, tip_table
 from crackgrow.arrays import Floats, Ints
+from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.enrichment import Enrichment
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, polar_beside, side_angle
-from crackgrow.ragged import Ragged, numbered, spans, starts_of
+from crackgrow.cover.tips import N_TIP_FUNCTIONS
+from crackgrow.ragged import numbered
 
-AT_ONCE = 16_000
-"""Pairs of a point and a patch taken together: more do not fit into a cache."""
+assert N_TIP_FUNCTIONS == 4  # the kernels count by it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,102 +45,42 @@ class Derivatives:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Basis:
-    """All functions at n points: their values and, if asked for, their derivatives by x and by y, per metre.
+    """All functions at n points: those at point i are the places start[i] to start[i + 1], patches first."""
 
-    The components of an array come first: one (the value) or three.
-    """
-
-    cover: Cover
-    elements: Ints  # (n,) that the points belong to
-    patches: Ragged  # points -> physical patches
-    phi: Floats  # (components, patches of all points)
-    pairs: Ragged  # points -> pairs of an element and a tip, numbers in the cover's enrichment
-    first: Ragged  # pairs of all points -> the first of the four functions of each carrier
-    carriers: Floats  # (components, carriers of all pairs)
-    tip: Floats  # (components, pairs of all points, 4)
-
-    def values(self) -> csr_array:
-        """The values (n, n_functions)."""
-        functions = self.cover.functions_on(self.elements)
-        counts = np.stack([self.patches.counts, np.diff(self._tip_start)], axis=1).ravel()
-        is_tip = np.repeat(np.arange(len(counts)) % 2 == 1, counts)
-        found = np.empty(len(is_tip))
-        found[~is_tip] = self.phi[0]
-        found[is_tip] = self._carried([0], 0, self.pairs.values.size)[0]
-        return csr_array((found, functions.values, functions.start), shape=(len(self.elements), self.cover.n_functions))
-
-    def derivatives(self, at: slice) -> tuple[Derivatives, Derivatives]:
-        """The derivatives of the functions of patches, and of those of tips, at the points `at`."""
-        patches, pairs = self.patches.start[at.start : at.stop + 1], self.pairs.start[at.start : at.stop + 1]
-        carriers, own = self.first.start[pairs], slice(patches[0], patches[-1])
-        of_tips = self.first.values[carriers[0] : carriers[-1], None] + np.arange(N_TIP_FUNCTIONS)
-        return (
-            self._by_function(patches, self.patches.values[own], self.phi[1:, own]),
-            self._by_function(N_TIP_FUNCTIONS * carriers, of_tips.ravel(), self._carried((1, 2), pairs[0], pairs[-1])),
-        )
-
-    def _by_function(self, start: Ints, functions: Ints, values: Floats) -> Derivatives:
-        used, column = numbered(functions, self.cover.n_functions)
-        return Derivatives(used, start - start[0], column, values)
-
-    def of_alike(self, groups: Sequence[tuple[int, int]]) -> Iterator[Floats]:
-        """The functions (components, e, k, n) of groups of e elements with n points each and equally many functions.
-
-        Points follow each other element by element and group by group. Functions are as `Cover.functions_on` has them.
-        """
-        first = starts_of(np.array([e * n for e, n in groups], dtype=np.int64))
-        parts = (self.phi, self._carried(range(len(self.phi)), 0, self.pairs.values.size))
-        starts = (self.patches.start[first].tolist(), self._tip_start[first].tolist())
-        for group, (e, n) in enumerate(groups):
-            pieces = [part[:, start[group] : start[group + 1]] for part, start in zip(parts, starts, strict=True)]
-            tables = [p.reshape(len(p), e, n, p.shape[1] // max(e * n, 1)) for p in pieces if p.size]
-            yield (tables[0] if len(tables) == 1 else np.concatenate(tables, axis=3)).swapaxes(2, 3)
-
-    def field(self, coefficients: Floats) -> Floats:
-        """Fields (components, n, m) with `coefficients` (n_functions, m): the products with all rows at once.
-
-        The factors are multiplied one after the other, which takes a fraction of the time.
-        """
-        n_patches, m = len(self.cover.patches.nodes), coefficients.shape[1]
-        found = [_sums(phi, self.patches, coefficients[:n_patches]) for phi in self.phi]
-        if len(self.first.values):
-            amplitudes = coefficients[n_patches:].reshape(-1, N_TIP_FUNCTIONS * m)
-            number = Ragged(self.first.start, (self.first.values - n_patches) // N_TIP_FUNCTIONS)
-            by_tip = [_sums(carrier, number, amplitudes).reshape(-1, m) for carrier in self.carriers]
-            start = N_TIP_FUNCTIONS * self.pairs.start
-            columns = Ragged(start, np.arange(start[-1]))
-            tip = self.tip.reshape(len(self.tip), -1)
-            for component, total in enumerate(found):
-                total += _sums(tip[component], columns, by_tip[0])
-                if component > 0:
-                    total += _sums(tip[0], columns, by_tip[component])
-        return np.stack(found)
+    n_functions: int
+    start: Ints  # (n + 1,)
+    functions: Ints  # (q,)
+    values: Floats  # (1, q), or (3, q) with the derivatives by x and by y, per metre
 
     @property
-    def _tip_start(self) -> Ints:
-        """Where the tip functions of each point begin (n + 1,), among those of all points."""
-        return N_TIP_FUNCTIONS * self.first.start[self.pairs.start]
+    def rows(self) -> csr_array:
+        """The values (n, n_functions)."""
+        return csr_array((self.values[0], self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
 
-    def _carried(self, components: Sequence[int], begin: int, end: int) -> Floats:
-        """The products X_c F_tk (components, tip functions), or derivatives, of the pairs from `begin` to `end`."""
-        first, last = self.first.start[[begin, end]]
-        w, f = self.carriers[:, first:last, None], self.tip[:, begin:end].repeat(self.first.counts[begin:end], axis=1)
-        found = np.empty((len(components), *f.shape[1:]))
-        for component, product in zip(components, found, strict=True):
-            np.multiply(w[component], f[0], out=product)
-            if component:
-                product += w[0] * f[component]
-        return found.reshape(len(found), -1)
+    @property
+    def derivatives(self) -> Derivatives:
+        """The derivatives, function by function."""
+        functions, column = numbered(self.functions, self.n_functions)
+        return Derivatives(functions, self.start, column, self.values[1:])
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
-    """Values and gradients at points (n, 2), in lattice coordinates, each inside or on the rim of its element (n,)."""
+    """Values and derivatives at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
     return _basis(cover, points, elements, derivatives=True)
 
 
 def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
-    """The values of `basis_at` alone, at a third of the cost."""
+    """The values of `basis_at` alone."""
     return _basis(cover, points, elements, derivatives=False)
+
+
+def fields_at(
+    cover: Cover, coefficients: Floats, points: Floats, elements: Ints, *, derivatives: bool = True
+) -> Floats:
+    """Fields (components, n, m) with `coefficients` (n_functions, m): the values, and the derivatives by x and by y."""
+    found = np.empty((3 if derivatives else 1, len(points), coefficients.shape[1]))
+    _fields(arrays_of(cover), cover.lattice.spacing, points, elements, np.ascontiguousarray(coefficients), found)
+    return found
 
 
 def of_component(rows: csr_array, component: int) -> csr_array:
@@ -150,68 +89,137 @@ def of_component(rows: csr_array, component: int) -> csr_array:
     return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
 
 
+def arrays_of(cover: Cover) -> tuple[Any, ...]:
+    """What kernels need to evaluate the functions of elements, as `gathered` and `functions_at` take it."""
+    patches, enrichment = cover.patches, cover.enrichment
+    return (
+        np.ascontiguousarray(patches.nodes),
+        1.0 / patches.weight_half,
+        patches.of_element.start,
+        patches.of_element.values,
+        enrichment.tips.start,
+        enrichment.tips.values,
+        enrichment.side,
+        enrichment.first.start,
+        enrichment.first.values,
+        enrichment.place.start,
+        enrichment.place.values,
+        enrichment.share,
+        tip_table(cover.tips),
+    )
+
+
 def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
-    patches, phi = _of_patches(cover, points, elements, derivatives)
-    enrichment = cover.enrichment
-    point, pair = enrichment.tips.places(elements)
-    pairs, first = Ragged(starts_of(enrichment.tips.counts[elements]), pair), enrichment.first.taken(pair)
-    tip = np.empty((len(phi), len(pair), N_TIP_FUNCTIONS))
-    for of_tip, rows, r, t in _polar(cover, points, elements, point, pair):
-        if derivatives:
-            value, gradient = tip_functions(of_tip, r, t)
-            tip[0, rows], tip[1:, rows] = value, gradient.transpose(2, 0, 1) / cover.lattice.spacing
-        else:
-            tip[0, rows] = tip_values(of_tip, r, t)
-    return Basis(cover, elements, patches, phi, pairs, first, _carriers(phi, patches, enrichment, elements), tip)
+    on = cover.functions_on(elements)
+    values = np.empty((3 if derivatives else 1, len(on.values)))
+    _values(arrays_of(cover), cover.lattice.spacing, points, elements, on.start, values)
+    return Basis(cover.n_functions, on.start, on.values, values)
 
 
-def _carriers(phi: Floats, patches: Ragged, enrichment: Enrichment, elements: Ints) -> Floats:
-    """The carriers (components, q) at points of `elements` (n,), of the functions `phi` of their `patches`."""
-    of_element = enrichment.first.start[enrichment.tips.start]
-    carriers = spans(of_element[elements], np.diff(of_element)[elements])
-    entries = enrichment.place.start[of_element]
-    counts = np.diff(entries)[elements]
-    entry = spans(entries[elements], counts)
-    terms = phi.take(patches.start[:-1].repeat(counts) + enrichment.place.values[entry], axis=1)
-    terms *= enrichment.share[entry]
-    if len(entry) == len(carriers):  # each is one patch
-        return terms
-    return np.add.reduceat(terms, starts_of(enrichment.place.counts[carriers])[:-1], axis=1)
+@kernel
+def gathered(
+    element: int, at: Floats, per: Floats, nodes: Floats, per_half: Floats, patch_at: Ints, patch: Ints
+) -> int:
+    """Put the k nodes of the patches of an element into `at` (2, k), their inverse half widths into `per`; give k."""
+    k = 0
+    for place in range(patch_at[element], patch_at[element + 1]):
+        p = patch[place]
+        at[0, k], at[1, k], per[k] = nodes[p, 0], nodes[p, 1], per_half[p]
+        k += 1
+    return k
 
 
-def _of_patches(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> tuple[Ragged, Floats]:
-    """The physical patches of points, and the functions phi_i of all of them, (components, patches)."""
-    patches = cover.patches.of_element.taken(elements)
-    nodes, half = np.ascontiguousarray(cover.patches.nodes.T), cover.patches.weight_half
-    found = np.empty((3 if derivatives else 1, len(patches.values)))
-    begin = 0
-    while begin < len(points):
-        last = int(np.searchsorted(patches.start, patches.start[begin] + AT_ONCE, side="right")) - 1
-        end = max(begin + 1, last)
-        start = patches.start[begin : end + 1]
-        own = slice(start[0], start[-1])
-        distance = nodes.take(patches.values[own], axis=1)
-        distance -= points[begin:end].T.repeat(np.diff(start), axis=1)
-        found[:, own] = mls(distance, half.take(patches.values[own]), start - start[0], derivatives)
-        begin = end
-    found[1:] /= cover.lattice.spacing
-    return patches, found
+@kernel
+def functions_at(
+    x: float, y: float, derivatives: bool, k: int, at: Floats, per: Floats, first: int, last: int, tip_of: Ints,
+    side: Floats, carrier_at: Ints, share_at: Ints, place: Ints, share: Floats, tips: Floats, f: Floats, work: Floats,
+    of_tip: Floats,
+) -> None:  # fmt: skip
+    """Put the functions at a point, of k gathered patches and then of the pairs `first` to `last`, into f (3, ...)."""
+    mls(x, y, at, per, k, derivatives, f, work)
+    n = k
+    for pair in range(first, last):
+        tip_functions(x, y, tips[tip_of[pair]], side[pair], of_tip)
+        for carrier in range(carrier_at[pair], carrier_at[pair + 1]):
+            value = by_x = by_y = 0.0
+            for part in range(share_at[carrier], share_at[carrier + 1]):
+                value += share[part] * f[0, place[part]]
+                if derivatives:
+                    by_x += share[part] * f[1, place[part]]
+                    by_y += share[part] * f[2, place[part]]
+            for j in range(4):
+                f[0, n] = value * of_tip[0, j]
+                if derivatives:
+                    f[1, n] = value * of_tip[1, j] + by_x * of_tip[0, j]
+                    f[2, n] = value * of_tip[2, j] + by_y * of_tip[0, j]
+                n += 1
 
 
-def _polar(
-    cover: Cover, points: Floats, elements: Ints, point: Ints, pair: Ints
-) -> Iterator[tuple[Tip, Ints, Floats, Floats]]:
-    """Tip by tip: which pairs of a point and a tip are its own, and the polar coordinates round it of their points."""
-    tips = cover.enrichment.tips.values[pair]
-    order = np.argsort(tips, kind="stable")
-    for rows in np.split(order, np.flatnonzero(np.diff(tips[order])) + 1) if len(pair) else ():
-        tip, at = cover.tips[tips[rows[0]]], point[rows]
-        element = elements[at]
-        first = np.append(True, element[1:] != element[:-1])  # points of an element mostly follow each other
-        side = side_angle(tip, cover.elements.reference[element[first]])
-        yield tip, rows, *polar_beside(tip, points[at], side[np.cumsum(first) - 1])
+@kernel
+def most_functions(patch_at: Ints, pair_at: Ints, carrier_at: Ints) -> int:
+    """The largest number of functions on an element."""
+    most = 0
+    for e in range(len(patch_at) - 1):
+        carriers = carrier_at[pair_at[e + 1]] - carrier_at[pair_at[e]]
+        most = max(most, patch_at[e + 1] - patch_at[e] + 4 * carriers)
+    return most
 
 
-def _sums(weights: Floats, columns: Ragged, values: Floats) -> Floats:
-    """Sums (n, m) of `values` (k, m) over the columns of each row, times their `weights`."""
-    return np.asarray(csr_array((weights, columns.values, columns.start), shape=(columns.n, len(values))) @ values)
+@kernel
+def _values(arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
+    """Put all functions at points into `found` (components, q), those of a point from its start (n + 1,) on."""
+    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
+    most, derivatives, k = most_functions(patch_at, pair_at, carrier_at), len(found) == 3, 0
+    f, work, of_tip, at, per = (
+        np.empty((3, most)),
+        np.empty((5, most)),
+        np.empty((3, 4)),
+        np.empty((2, most)),
+        np.empty(most),
+    )
+    scale = 1.0 / spacing
+    for i in range(len(points)):
+        e = elements[i]
+        if i == 0 or e != elements[i - 1]:
+            k = gathered(e, at, per, nodes, half, patch_at, patch)
+        functions_at(points[i, 0], points[i, 1], derivatives, k, at, per, pair_at[e], pair_at[e + 1], tip_of, side,
+                     carrier_at, share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+        for n in range(start[i + 1] - start[i]):
+            found[0, start[i] + n] = f[0, n]
+            if derivatives:
+                found[1, start[i] + n] = scale * f[1, n]
+                found[2, start[i] + n] = scale * f[2, n]
+
+
+@kernel
+def _fields(arrays: Any, spacing: float, points: Floats, elements: Ints, coefficients: Floats, found: Floats) -> None:
+    """Put the fields with `coefficients` (n_functions, m) at points into `found` (components, n, m)."""
+    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, first, share_at, place, share, tips = arrays
+    most, derivatives, k = most_functions(patch_at, pair_at, carrier_at), len(found) == 3, 0
+    f, work, of_tip, at, per = (
+        np.empty((3, most)),
+        np.empty((5, most)),
+        np.empty((3, 4)),
+        np.empty((2, most)),
+        np.empty(most),
+    )
+    number, n = np.empty(most, np.int64), 0
+    for i in range(len(points)):
+        e = elements[i]
+        if i == 0 or e != elements[i - 1]:
+            k = gathered(e, at, per, nodes, half, patch_at, patch)
+            number[:k] = patch[patch_at[e] : patch_at[e + 1]]
+            n = k
+            for carrier in range(carrier_at[pair_at[e]], carrier_at[pair_at[e + 1]]):
+                for j in range(4):
+                    number[n] = first[carrier] + j
+                    n += 1
+        functions_at(points[i, 0], points[i, 1], derivatives, k, at, per, pair_at[e], pair_at[e + 1], tip_of, side,
+                     carrier_at, share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+        for component in range(len(found)):
+            scale = 1.0 if component == 0 else 1.0 / spacing
+            for column in range(coefficients.shape[1]):
+                total = 0.0
+                for j in range(n):
+                    total += f[component, j] * coefficients[number[j], column]
+                found[component, i, column] = scale * total

@@ -1,99 +1,69 @@
 """Moving least squares with a linear basis, round any nodes.
 
 phi_i(x) = b(x) . p_i w_i with p_i = (1, xi_i, eta_i), (xi_i, eta_i) = x_i - x, A = sum w_i p_i p_i', A b = (1, 0, 0)
-(Belytschko, Lu, Gu 1994, eqs. 5 to 14, with the basis moved to x). The weight is a tensor product.
-
-Pairs of a point and a node over it follow each other, point by point: points may have differently many nodes, and
-every operation is one long loop.
+(Belytschko, Lu, Gu 1994, eqs. 5 to 14, with the basis moved to x). The weight is a tensor product of cubic splines,
+w(q) = 4/3 ((1 - q)^3 - 4 (1/2 - q)^3) of the positive parts, zero from q = 1 on (their eq. 25).
 """
 
 from __future__ import annotations
 
-import numpy as np
+import math
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats
+from crackgrow.compiled import kernel
 
 
-def mls(distance: Floats, half: Floats, start: Ints, derivatives: bool = True) -> Floats:
-    """Functions (1, q), or with their derivatives (3, q), of q pairs of a point and a node over it.
+@kernel
+def mls(
+    x: float, y: float, nodes: Floats, per_half: Floats, k: int, derivatives: bool, f: Floats, work: Floats
+) -> None:
+    """Put the functions of k nodes at a point into f[0, :k], and their derivatives into f[1:, :k].
 
-    distance: (2, q) from the point to the node; half: (q,) half width of the node's patch, in the same unit of length;
-    start: (n + 1,) where the pairs of each point begin; no point is without a node
+    nodes: (2, k or more); per_half: (k or more,) inverse half widths of the nodes' patches; work: (5, k or more)
     """
-    first, point = start[:-1], np.repeat(np.arange(len(start) - 1), np.diff(start))
-    by_half = 1.0 / half
-    from_node = distance * by_half
-    (wx, wy), slopes = cubic_spline(np.abs(from_node))
-    weight = wx * wy
-    moments = np.add.reduceat(_times_squares(weight, *distance), first, axis=1)
-    inverse = _inverse(*moments)
-    b = inverse[:3]
-    value = _along(b.take(point, axis=1), *distance)
-    found = np.empty((3 if derivatives else 1, len(point)))
-    np.multiply(weight, value, out=found[0])
+    xi, eta, weight, slope_x, slope_y = work[0], work[1], work[2], work[3], work[4]
+    a = b = c = d = e = g = 0.0  # A = [[a, b, c], [b, d, e], [c, e, g]]
+    for i in range(k):
+        u, v, per = nodes[0, i] - x, nodes[1, i] - y, per_half[i]
+        p, q = abs(u) * per, abs(v) * per
+        p1, p2, q1, q2 = max(1.0 - p, 0.0), max(0.5 - p, 0.0), max(1.0 - q, 0.0), max(0.5 - q, 0.0)
+        wx = 4.0 / 3.0 * (p1 * p1 * p1 - 4.0 * p2 * p2 * p2)
+        wy = 4.0 / 3.0 * (q1 * q1 * q1 - 4.0 * q2 * q2 * q2)
+        w = wx * wy
+        xi[i], eta[i], weight[i] = u, v, w
+        if derivatives:  # by x: the weight falls away from the node
+            slope_x[i] = math.copysign(4.0 * (p1 * p1 - 4.0 * p2 * p2) * per, u) * wy
+            slope_y[i] = math.copysign(4.0 * (q1 * q1 - 4.0 * q2 * q2) * per, v) * wx
+        a += w
+        b += w * u
+        c += w * v
+        d += w * u * u
+        e += w * u * v
+        g += w * v * v
+    i00, i01, i02 = d * g - e * e, c * e - b * g, b * e - c * d
+    i11, i12, i22 = a * g - c * c, b * c - a * e, a * d - b * b
+    per = 1.0 / (a * i00 + b * i01 + c * i02)
+    b0, b1, b2, i11, i12, i22 = i00 * per, i01 * per, i02 * per, i11 * per, i12 * per, i22 * per
+    x0 = x1 = x2 = y0 = y1 = y2 = 0.0
+    for i in range(k):
+        value = b0 + b1 * xi[i] + b2 * eta[i]
+        f[0, i] = weight[i] * value
+        if derivatives:
+            s, t = slope_x[i] * value, slope_y[i] * value
+            f[1, i], f[2, i] = s, t
+            x0 += s
+            x1 += s * xi[i]
+            x2 += s * eta[i]
+            y0 += t
+            y1 += t * xi[i]
+            y2 += t * eta[i]
     if not derivatives:
-        return found
-    a00, a10, a01, *_ = moments
-    slopes = np.copysign(slopes * by_half, from_node)  # by x: the weight falls away from the node
-    for axis, other in enumerate((wy, wx)):
-        change = np.multiply(slopes[axis], other, out=found[1 + axis])
-        change *= value
-        # -A,x b: the weights change, and so do the p_i, which move with x
-        moved = -np.add.reduceat(np.stack([change, change * distance[0], change * distance[1]]), first, axis=1)
-        moved[0] += a00 * b[1 + axis]
-        moved[1 + axis] += a00 * b[0] + a10 * b[1] + a01 * b[2] + (a10, a01)[axis] * b[1 + axis]
-        moved[2 - axis] += (a01, a10)[axis] * b[1 + axis]
-        db = _times(inverse, moved)
-        db[0] -= b[1 + axis]  # the basis moves with x as well
-        of_basis = _along(db.take(point, axis=1), *distance)
-        of_basis *= weight
-        change += of_basis
-    return found
-
-
-def _times_squares(weight: Floats, xi: Floats, eta: Floats) -> Floats:
-    """Weights (q,) times 1, xi, eta, xi^2, xi eta, eta^2 (6, q)."""
-    found = np.empty((6, len(weight)))
-    found[0] = weight
-    for place, (factor, along) in enumerate(((0, xi), (0, eta), (1, xi), (1, eta), (2, eta)), start=1):
-        np.multiply(found[factor], along, out=found[place])
-    return found
-
-
-def _along(c: Floats, xi: Floats, eta: Floats) -> Floats:
-    """c_0 + c_1 xi + c_2 eta (q,) for c (3, q), which is overwritten."""
-    value, by_xi, by_eta = c
-    by_xi *= xi
-    by_eta *= eta
-    value += by_xi
-    value += by_eta
-    return np.asarray(value)
-
-
-def _times(matrix: Floats, vector: Floats) -> Floats:
-    """Products (3, n) of symmetric 3 x 3 matrices, six entries of (n,) each, and vectors (3, n)."""
-    a00, a01, a02, a11, a12, a22 = matrix
-    x, y, z = vector
-    return np.stack([a00 * x + a01 * y + a02 * z, a01 * x + a11 * y + a12 * z, a02 * x + a12 * y + a22 * z])
-
-
-def _inverse(a00: Floats, a01: Floats, a02: Floats, a11: Floats, a12: Floats, a22: Floats) -> Floats:
-    """Inverses, as six entries (6, n), of symmetric 3 x 3 matrices, by cofactors."""
-    c00, c01, c02 = a11 * a22 - a12 * a12, a02 * a12 - a01 * a22, a01 * a12 - a02 * a11
-    c11, c12, c22 = a00 * a22 - a02 * a02, a01 * a02 - a00 * a12, a00 * a11 - a01 * a01
-    return np.stack([c00, c01, c02, c11, c12, c22]) / (a00 * c00 + a01 * c01 + a02 * c02)
-
-
-def cubic_spline(q: Floats) -> tuple[Floats, Floats]:
-    """Cubic spline w(q) and its derivative dw/dq at q >= 0, zero from q = 1 on (Belytschko, Lu, Gu 1994, eq. 25)."""
-    whole, inner = np.maximum(1.0 - q, 0.0), np.maximum(0.5 - q, 0.0)
-    whole_squared, inner_squared = whole * whole, inner * inner
-    whole *= whole_squared
-    inner *= inner_squared
-    inner *= 4.0
-    whole -= inner
-    whole *= 4.0 / 3.0
-    inner_squared *= 4.0
-    inner_squared -= whole_squared
-    inner_squared *= 4.0
-    return whole, inner_squared
+        return
+    # b,x = -A^-1 A,x b: the weights change, and so do the p_i, which move with x
+    x0, x1, x2 = a * b1 - x0, a * b0 + 2.0 * b * b1 + c * b2 - x1, c * b1 - x2
+    y0, y1, y2 = a * b2 - y0, b * b2 - y1, a * b0 + b * b1 + 2.0 * c * b2 - y2
+    u0, u1, u2 = b0 * x0 + b1 * x1 + b2 * x2 - b1, b1 * x0 + i11 * x1 + i12 * x2, b2 * x0 + i12 * x1 + i22 * x2
+    v0, v1, v2 = b0 * y0 + b1 * y1 + b2 * y2 - b2, b1 * y0 + i11 * y1 + i12 * y2, b2 * y0 + i12 * y1 + i22 * y2
+    for i in range(k):
+        f[1, i] += weight[i] * (u0 + u1 * xi[i] + u2 * eta[i])
+        f[2, i] += weight[i] * (v0 + v1 * xi[i] + v2 * eta[i])

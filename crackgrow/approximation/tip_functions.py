@@ -5,50 +5,48 @@ Where the crack is no longer one line as seen from the tip they fade out with ch
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
+
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.compiled import kernel
 from crackgrow.cover.tips import TipView
 
 
-def tip_functions(tip: TipView, r: Floats, t: Floats) -> tuple[Floats, Floats]:
-    """Values (n, 4) and gradients (n, 4, 2), per lattice spacing and in lattice axes, at polar coordinates r, t (n,).
+def tip_table(tips: Sequence[TipView]) -> Floats:
+    """What the kernels need of tips (t, 7): the point, the rotation row by row, the length L."""
+    return np.array([[*tip.point, *tip.rotation.ravel(), tip.fade] for tip in tips]).reshape(-1, 7)
 
-    At r = 0 the gradients are infinite; zero is returned there. Inside, and in memory, the points run last.
+
+@kernel
+def tip_functions(x: float, y: float, tip: Floats, side: float, f: Floats) -> None:
+    """Put the four functions of a tip, a row of `tip_table`, at a point into f[0], and their derivatives into f[1:].
+
+    f: (3, 4), per lattice spacing and by x and y; the point is on the side of the crack that has the angle `side`. At
+    the tip itself the derivatives are infinite, and put at zero.
     """
-    root = np.sqrt(r)
-    cosines, sines, angular = _angular(t)
-    slope = np.stack([-0.5 * sines[0], 0.5 * cosines[0], -1.5 * sines[1], 1.5 * cosines[1]])
-    value = root * angular
-    over_root = np.divide(1.0, root, out=np.zeros_like(root), where=root > 0.0)
-    by_r = 0.5 * over_root * angular
-    by_t = over_root * slope  # (1/r) d/dt
-    if np.isfinite(tip.fade):
-        rest = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0)
-        chi, dchi = rest**2, -4.0 * rest * r / tip.fade**2
-        by_r = by_r * chi + value * dchi
-        by_t = by_t * chi
-        value = value * chi
-    (away_x, away_y), (along_x, along_y) = _axes(tip, t)
-    gradient = np.stack([away_x * by_r + along_x * by_t, away_y * by_r + along_y * by_t])
-    return value.T, gradient.transpose(2, 1, 0)
-
-
-def tip_values(tip: TipView, r: Floats, t: Floats) -> Floats:
-    """The values (n, 4) of `tip_functions` alone."""
-    fade = np.maximum(1.0 - (r / tip.fade) ** 2, 0.0) ** 2
-    return np.asarray((np.sqrt(r) * fade * _angular(t)[2]).T)
-
-
-def _angular(t: Floats) -> tuple[Floats, Floats, Floats]:
-    """Cosines and sines (2, n) of t/2 and 3t/2, and both (4, n) in the order of the functions."""
-    arguments = np.stack([0.5 * t, 1.5 * t])
-    cosines, sines = np.cos(arguments), np.sin(arguments)
-    return cosines, sines, np.stack([cosines[0], sines[0], cosines[1], sines[1]])
-
-
-def _axes(tip: TipView, t: Floats) -> tuple[tuple[Floats, Floats], tuple[Floats, Floats]]:
-    """Unit vectors, by their components (n,) in lattice axes, of growing r and of growing t."""
-    (x, y), c, s = tip.rotation[0], np.cos(t), np.sin(t)
-    away_x, away_y = c * x - s * y, c * y + s * x
-    return (away_x, away_y), (-away_y, away_x)
+    u, v = x - tip[0], y - tip[1]
+    p, q = tip[2] * u + tip[3] * v, tip[4] * u + tip[5] * v
+    r, t = math.hypot(p, q), math.atan2(q, p)
+    t += 2.0 * math.pi * np.round((side - t) / (2.0 * math.pi))
+    root = math.sqrt(r)
+    per_root = 1.0 / root if r > 0.0 else 0.0
+    chi, slope_of_chi = 1.0, 0.0
+    if tip[6] < np.inf:
+        rest = max(1.0 - (r / tip[6]) ** 2, 0.0)
+        chi, slope_of_chi = rest * rest, -4.0 * rest * r / tip[6] ** 2
+    cosine, sine = math.cos(t), math.sin(t)
+    away_x, away_y = (
+        cosine * tip[2] - sine * tip[3],
+        cosine * tip[3] + sine * tip[2],
+    )  # from the tip; along: turned left
+    for pair in range(2):
+        m = 0.5 + pair
+        c, s = math.cos(m * t), math.sin(m * t)
+        for k, angular, slope in ((2 * pair, c, -m * s), (2 * pair + 1, s, m * c)):
+            by_r = angular * (0.5 * per_root * chi + root * slope_of_chi)
+            by_t = per_root * slope * chi  # (1/r) d/dt
+            f[0, k] = root * angular * chi
+            f[1, k], f[2, k] = away_x * by_r - away_y * by_t, away_y * by_r + away_x * by_t

@@ -71,7 +71,6 @@ class Cover:
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
-    plain: Bools  # (elements,) rectangles in regular windows, no edge on a surface, no crumbs, no tip functions
     crack_tree: shapely.STRtree  # over the cracks
     outline_tree: shapely.STRtree  # over the edges of `elements.outlines`
 
@@ -132,7 +131,7 @@ def build_cover(
     patches = without_specks(lattice, elements, physical_patches(lattice, elements))
     patches = with_crumbs(elements, patches, cracks)
     tips = make_tips(lattice, elements, cracks, patches)
-    enrichment = enrichment_of(patches.of_element, tips)
+    enrichment = enrichment_of(patches.of_element, tips, elements.reference)
     touching = np.zeros(len(elements.edges.a), dtype=bool)
     for surface in surfaces:
         touching[surface.edges.edge] = True
@@ -147,7 +146,6 @@ def build_cover(
         tips=tips,
         enrichment=enrichment,
         touching=touching,
-        plain=_plain(lattice, elements, touching, patches, enrichment),
         crack_tree=shapely.STRtree([shapely.LineString(crack.points) for crack in cracks]),
         outline_tree=shapely.STRtree(shapely.linestrings(elements.outlines.points)),
     )
@@ -169,18 +167,6 @@ def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
     """Whether a cover has the same bodies."""
     known, wanted = ([[ring.tobytes() for ring in body.rings] for body in some] for some in (before.bodies, bodies))
     return known == wanted
-
-
-def _plain(lattice: Lattice, elements: Elements, touching: Bools, patches: Patches, enrichment: Enrichment) -> Bools:
-    """Which elements (n,) are plain."""
-    step = elements.vertices[elements.rings.end] - elements.vertices[elements.rings.start]
-    slanted = np.all(step != 0.0, axis=1)
-    plain = np.bincount(elements.rings.face, minlength=elements.n) == 4
-    plain &= lattice.windows.regular[elements.tile]
-    plain[elements.rings.face[slanted]] = False
-    beside = np.concatenate([elements.edges.left[touching], elements.edges.right[touching]])
-    plain[beside[beside >= 0]] = False
-    return np.asarray(plain & ~enrichment.acted_on & ~patches.in_crumb)
 
 
 def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:

@@ -43,14 +43,13 @@ def with_crumbs(elements: Elements, patches: Patches, cracks: Sequence[CrackGeom
     rest = with_those(patches, kept)
     counts = np.where(inside, 3, rest.of_element.counts)
     start = starts_of(counts)
-    values, slot = np.empty((2, start[-1]), dtype=np.int64)
+    values = np.empty(start[-1], dtype=np.int64)
     linear = np.repeat(inside, counts)
-    values[~linear], slot[~linear] = rest.of_element.values, rest.slot
+    values[~linear] = rest.of_element.values
     values[linear] = (rest.n_of_lattice + 3 * crumb[inside, None] + np.arange(3)).ravel()
-    slot[linear] = np.tile(np.arange(3), int(inside.sum()))
     nodes = np.concatenate([rest.nodes, corners.reshape(-1, 2)])
     half = np.concatenate([rest.half, np.repeat(np.ptp(corners[:, :, 0], axis=1) / 2.0, 3)])
-    return Patches(Ragged(start, values), slot, nodes, half, rest.n_of_lattice, inside)
+    return Patches(Ragged(start, values), nodes, half, rest.n_of_lattice, inside)
 
 
 def _crumbs(elements: Elements, at_tips: Ints) -> tuple[Ints, Floats]:

@@ -28,6 +28,7 @@ from crackgrow.cover.tips import (
     largest_cells_at,
     reach_of_tips,
     seen_from_tip,
+    side_angle,
 )
 from crackgrow.ragged import Ragged, by_row, from_lists
 
@@ -41,6 +42,7 @@ class Enrichment:
     """
 
     tips: Ragged  # elements -> tips that act on them
+    side: Floats  # (pairs,) angle of each element as its tip sees it: which side of the crack it is on
     first: Ragged  # pairs -> the first of the four functions of each carrier
     place: Ragged  # carriers of all pairs -> places of their patches among the patches of the element
     share: Floats  # (s,) of each of these
@@ -83,8 +85,8 @@ def make_tips(
     return tuple(tips)
 
 
-def enrichment_of(patches: Ragged, tips: Sequence[Tip]) -> Enrichment:
-    """The enrichment of elements with these physical patches."""
+def enrichment_of(patches: Ragged, tips: Sequence[Tip], reference: Floats) -> Enrichment:
+    """The enrichment of elements with these physical patches and reference points (elements, 2)."""
     pairs_of_patch, order = _by_patch(from_lists([tip.patches for tip in tips]))
     first = np.concatenate([np.empty(0, dtype=np.int64), *(tip.functions for tip in tips)])[order]
     share = np.concatenate([np.empty(0), *(tip.carriers.shares for tip in tips)])[order]
@@ -99,8 +101,13 @@ def enrichment_of(patches: Ragged, tips: Sequence[Tip]) -> Enrichment:
     new_pair = _changes(element) | _changes(tip)
     new_carrier = new_pair | _changes(first[entry])
     pair, carrier = np.flatnonzero(new_pair), np.flatnonzero(new_carrier)
+    side = np.empty(len(pair))
+    for number, seen in enumerate(tips):
+        mine = np.flatnonzero(tip[pair] == number)
+        side[mine] = side_angle(seen, reference[element[pair[mine]]])
     return Enrichment(
         by_row(element[pair], tip[pair], patches.n),
+        side,
         Ragged(np.searchsorted(carrier, np.append(pair, len(at))), first[entry[carrier]]),
         Ragged(np.append(carrier, len(at)), at - patches.start[element]),
         share[entry],

@@ -12,7 +12,6 @@ from crackgrow.case.units import Metres
 from crackgrow.cover.cells import Nodes, Tiles, nodes_of, tiles_of
 from crackgrow.cover.squares import QUANTA, Squares, squares_of
 from crackgrow.cover.tiling import Tiling, tiling_of
-from crackgrow.cover.windows import Windows, windows_of
 from crackgrow.errors import GeometryError
 
 MOST_ACROSS = 2**13
@@ -35,7 +34,6 @@ class Lattice:
     nodes: Nodes
     tiles: Tiles
     tiling: Tiling
-    windows: Windows  # of the tiles
     map_origin: tuple[float, float] = (0.0, 0.0)  # m, on the map that the scene comes from
 
     @property
@@ -101,8 +99,7 @@ def lattice_of(spacing: float, support: float, origin: Floats, cells: Squares) -
     nodes = nodes_of(cells, support)
     tiles = tiles_of(cells, nodes, support)
     width, height = ((cells.low + cells.size[:, None]).max(axis=0) // QUANTA).tolist()
-    windows = windows_of(cells, nodes, tiles, support)
-    return Lattice(spacing, support, origin, (width, height), cells, nodes, tiles, tiling_of(tiles.squares), windows)
+    return Lattice(spacing, support, origin, (width, height), cells, nodes, tiles, tiling_of(tiles.squares))
 
 
 def _largest_cells(width: int, height: int) -> Squares:

@@ -33,7 +33,6 @@ class Patches:
     """All physical patches, and which of them are over each element."""
 
     of_element: Ragged  # elements -> their patches, ascending
-    slot: Ints  # (q,) which place of the tile's window each of these has; which corner of a crumb
     nodes: Floats  # (p, 2) node of every patch; crumbs follow with their corners
     half: Floats  # (p,) half width of every patch, spacings; of a crumb that of its triangle
     n_of_lattice: int  # patches of the lattice's nodes: all but those of crumbs
@@ -55,7 +54,7 @@ def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
     over = lattice.tiles.over
     plain = _uncut_nodes(lattice, elements)
     _, place = over.places(elements.tile)
-    node, slot = over.values[place], lattice.windows.slot[place]
+    node = over.values[place]
     cut = ~plain[node]
     start = starts_of(over.counts[elements.tile])
     piece = _pieces_in_patches(elements, Ragged(start, node).kept(cut))
@@ -73,7 +72,7 @@ def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
     patch[cut] = (first[node_of_piece] + rank)[piece]
     of_node = np.repeat(np.arange(plain.size), n_patches)
     nodes, half = lattice.node_points[of_node], lattice.nodes.half[of_node] / QUANTA
-    return Patches(Ragged(start, patch), slot, nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
+    return Patches(Ragged(start, patch), nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
 
 
 def without_specks(lattice: Lattice, elements: Elements, patches: Patches) -> Patches:
@@ -110,7 +109,6 @@ def with_those(patches: Patches, kept: Bools) -> Patches:
     return replace(
         patches,
         of_element=Ragged(left.start, number[left.values]),
-        slot=patches.slot[on],
         nodes=patches.nodes[kept],
         half=patches.half[kept],
         n_of_lattice=int(kept.sum()),

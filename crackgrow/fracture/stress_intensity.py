@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.interaction import of_body_force, weights_of
-from crackgrow.fracture.readings import Made, Place, Reading, Readings
+from crackgrow.fracture.readings import Reading
 from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -25,9 +25,6 @@ FaceTraction = Callable[[Floats], tuple[Floats, Floats]]
 
 BodyForce = Callable[[Floats], Floats]
 """Force (n, 2) N/m^3 on the rock at places (n, 2) m, besides a uniform in-situ stress."""
-
-TIPS_AT_ONCE = 4
-"""Tips whose points are evaluated together: a call costs as much as some hundred points."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -48,15 +45,14 @@ class IntegralReading:
     """The integrals of a tip, as what they take of the displacement and of what acts on the faces."""
 
     disc: Disc
-    functions: Ints  # (k,)
     reading: Reading | None  # None: no disc fits
 
 
 class Integrals:
     """The integrals of K of the tips of a cover: what each disc reads off is found once."""
 
-    def __init__(self, readings: Readings) -> None:
-        self._readings = readings
+    def __init__(self, cover: Cover) -> None:
+        self._cover = cover
         self._known: dict[tuple[int, bool], IntegralReading] = {}
 
     def intensities(
@@ -73,7 +69,7 @@ class Integrals:
         stress that varies counts by what it is at the tip; the rest of it by its divergence and what it does on the
         faces.
         """
-        cover = self._readings.cover
+        cover = self._cover
         forces = [None] * len(tips) if body_forces is None else body_forces
         pressed = [_pressed(cover.tips[tip], traction) for tip, traction in zip(tips, tractions, strict=True)]
         known = self.of(materials, list(zip(tips, pressed, strict=True)))
@@ -81,14 +77,11 @@ class Integrals:
 
     def of(self, materials: Sequence[PlaneElasticity], wanted: Sequence[tuple[int, bool]]) -> list[IntegralReading]:
         """What the integrals of some tips read off, whose faces are pressed or not."""
-        cover, new = self._readings.cover, [each for each in dict.fromkeys(wanted) if each not in self._known]
+        cover, new = self._cover, [each for each in dict.fromkeys(wanted) if each not in self._known]
         discs = [disc_round(cover, cover.tips[tip], pressed=pressed) for tip, pressed in new]
-        some = [disc for disc in discs if not np.isnan(disc.radius)]
-        places = [_place(disc, materials[disc.tip.body]) for disc in some]
-        found = iter(self._readings.at(places, lambda at: _read(cover, materials, [some[number] for number in at])))
-        nothing = np.empty(0, dtype=np.int64)
+        found = iter(_read(cover, materials, [disc for disc in discs if not np.isnan(disc.radius)]))
         for each, disc in zip(new, discs, strict=True):
-            self._known[each] = IntegralReading(disc, *((nothing, None) if np.isnan(disc.radius) else next(found)))
+            self._known[each] = IntegralReading(disc, None if np.isnan(disc.radius) else next(found))
         return [self._known[each] for each in wanted]
 
 
@@ -124,7 +117,7 @@ def _in_disc(
     normal, tangential = _less_varying(material, cover, tip, arc, traction)
     along_x, along_y = toward_tip.T
     vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
-    by_component = known.reading.of(u.reshape(-1, 2)[known.functions]).reshape(2, -1, 2)  # [c of its weights, M, c]
+    by_component = known.reading.of(u).reshape(2, -1, 2)  # [c of its weights, M, c]
     M = by_component[0, :, 0] + by_component[1, :, 1] + of_vectors @ vectors.ravel()
     M += of_uniform @ _initial_gradient(material, cover.lattice.to_metres(tip.point)).ravel()
     M = M.reshape(-1, 2)
@@ -138,41 +131,28 @@ def _in_disc(
     return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.small, note)
 
 
-def _place(disc: Disc, material: PlaneElasticity) -> Place:
-    """Where the integrals of a tip are read off, and all that they depend on besides the elements there."""
-    tip, reach = disc.tip, disc.radii[-1]
-    moduli = (material.c11, material.c12, material.c33, material.young_prime)
-    seen = int(np.searchsorted(tip.radii, reach)) + 1  # what lies farther away may grow
-    geometry = (disc.radii, tip.point, tip.rotation.ravel(), tip.radii[:seen], tip.path[:seen].ravel())
-    own = np.concatenate([[tip.size, tip.fade, *moduli], *geometry])
-    return Place(tip.point - reach, tip.point + reach, own.tobytes())
+def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Reading]:
+    """What the integrals of some discs read off."""
+    if not discs:
+        return []
+    rules = [tip_rule(disc.tip, disc.tip.size, disc.radii) for disc in discs]
+    around = [rule.circles.points(disc.tip) for disc, rule in zip(discs, rules, strict=True)]
+    elements = locate(cover.lattice, cover.elements, np.concatenate(around))
+    found = []
+    for disc, rule, own, there in zip(
+        discs, rules, around, np.split(elements, np.cumsum([len(p) for p in around])[:-1]), strict=True
+    ):
+        beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
+        faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
+        on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
+        at = np.concatenate([own, on_faces, on_faces])
+        basis = basis_at(cover, at, np.concatenate([there, faces.plus, faces.minus]))
+        found.append(_reading(materials[disc.tip.body], disc, rule, beyond, basis))
+    return found
 
 
-def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> Iterator[Made]:
-    """What integrals read off, disc by disc."""
-    for first in range(0, len(discs), TIPS_AT_ONCE):
-        some = discs[first : first + TIPS_AT_ONCE]
-        rules = [tip_rule(disc.tip, disc.tip.size, disc.radii) for disc in some]
-        around = [rule.circles.points(disc.tip) for disc, rule in zip(some, rules, strict=True)]
-        inside = np.split(
-            locate(cover.lattice, cover.elements, np.concatenate(around)), np.cumsum([len(p) for p in around])[:-1]
-        )
-        points, elements, kinked = [], [], []
-        for disc, rule, own, there in zip(some, rules, around, inside, strict=True):
-            beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
-            faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
-            kinked.append(beyond)
-            on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
-            points += [own, on_faces, on_faces]
-            elements += [there, faces.plus, faces.minus]
-        basis = basis_at(cover, np.concatenate(points), np.concatenate(elements))
-        ends = np.cumsum([0, *(len(part) for part in points)])[::3].tolist()
-        for at, disc, rule, beyond in zip(map(slice, ends, ends[1:]), some, rules, kinked, strict=True):
-            yield _reading(materials[disc.tip.body], disc, rule, beyond, basis, at)
-
-
-def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis, at: slice) -> Made:
-    """What the integrals of a disc read off, of the `basis` at the points `at`.
+def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis) -> Reading:
+    """What the integrals of a disc read off, of the `basis` at its points.
 
     These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
     derivative along the faces does not matter.
@@ -181,13 +161,12 @@ def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints,
     beside = weights.beside[..., beyond]
     at_points = np.concatenate([weights.around, beside, beside], axis=-1)
     turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
-    parts = basis.derivatives(at)
-    sums = [part.summed(turned.reshape(2, -1, 2 * 2 * len(rule.radii))) for part in parts]
+    derivatives = basis.derivatives
+    sums = derivatives.summed(turned.reshape(2, -1, 2 * 2 * len(rule.radii)))
     of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
     of_vectors = weights.vectors.reshape(2 * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
-    functions = np.concatenate([part.functions for part in parts])
-    return functions, Reading(np.ascontiguousarray(np.concatenate(sums).T), more)
+    return Reading(derivatives.functions, np.ascontiguousarray(sums.T), more)
 
 
 def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:

@@ -17,7 +17,7 @@ strength was 1.00, 0.91, 0.85, 0.77 with 6, 12, 24, 48 points (tests/verificatio
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,11 +27,10 @@ from crackgrow.approximation.basis import Derivatives, basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.fracture.readings import Made, Place, Reading, Readings
+from crackgrow.fracture.readings import Reading
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
-from crackgrow.ragged import starts_of
 from crackgrow.solid.elasticity import PlaneElasticity
 
 N_RAYS = 72
@@ -39,9 +38,6 @@ N_RAYS = 72
 
 N_RADIAL = 6
 """Points on a ray, or on each of its parts."""
-
-SITES_AT_ONCE = 8
-"""Sites whose points are evaluated together: a call costs as much as some hundred points."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -100,7 +96,6 @@ class FieldReading:
 
     site: Site
     rule: Rule
-    functions: Ints  # (k,)
     reading: Reading
     shear: FieldReading | None = None  # the same over the length of the toughness in shear
 
@@ -110,18 +105,22 @@ class FieldReading:
         return _Points(*self.reading.more)
 
 
-def field_readings(readings: Readings, sites: Sequence[Site], radius: float | Sequence[float]) -> list[FieldReading]:
+def field_readings(cover: Cover, sites: Sequence[Site], radius: float | Sequence[float]) -> list[FieldReading]:
     """What the fields round `sites` of a cover within `radius` (m), one or one a site, read off."""
-    cover = readings.cover
+    if not sites:
+        return []
     radii = np.broadcast_to(radius, len(sites)).tolist()
     rules = [_rule(cover, *each) for each in zip(sites, radii, strict=True)]
-    places = [_place(cover, *each) for each in zip(sites, rules, strict=True)]
-
-    def make(new: list[int]) -> Iterator[Made]:
-        return _read(cover, [sites[number] for number in new], [rules[number] for number in new])
-
-    found = readings.at(places, make)
-    return [FieldReading(site, rule, *each) for site, rule, each in zip(sites, rules, found, strict=True)]
+    on_rays = [_on_rays(cover, *each) for each in zip(sites, rules, strict=True)]
+    places, counts = np.concatenate([points.places for points in on_rays]), [len(p.ray) for p in on_rays]
+    elements = locate(cover.lattice, cover.elements, places, np.repeat([site.body for site in sites], counts))
+    found = []
+    for site, rule, points, own in zip(sites, rules, on_rays, np.split(elements, np.cumsum(counts)[:-1]), strict=True):
+        inside = points.taken(own >= 0)
+        derivatives = basis_at(cover, inside.places, own[own >= 0]).derivatives
+        more = (inside.places, inside.ray, inside.weight, inside.averaged)
+        found.append(FieldReading(site, rule, Reading(derivatives.functions, _sums(inside, derivatives), more)))
+    return found
 
 
 def fields_of(
@@ -141,13 +140,6 @@ def _rule(cover: Cover, site: Site, radius: float) -> Rule:
     return Rule(radius, radius / cover.lattice.spacing, site.direction, angles, toward)
 
 
-def _place(cover: Cover, site: Site, rule: Rule) -> Place:
-    """Where the field of a site is read off, and all that it depends on besides the elements there."""
-    cracks = _cracks_near(cover, site, rule)
-    own = np.concatenate([[site.direction, site.body, rule.reach], site.point, cracks.ravel()])
-    return Place(site.point - rule.reach, site.point + rule.reach, own.tobytes())
-
-
 def _box(site: Site, rule: Rule) -> shapely.Polygon:
     """The box round the disc of a site."""
     return shapely.box(*(site.point - rule.reach), *(site.point + rule.reach))
@@ -159,24 +151,6 @@ def _cracks_near(cover: Cover, site: Site, rule: Rule) -> Floats:
     segments = np.concatenate([np.empty((0, 2, 2)), *(np.stack([path[:-1], path[1:]], axis=1) for path in paths)])
     off = np.maximum(segments.min(axis=1) - site.point, site.point - segments.max(axis=1))
     return np.asarray(segments[(off <= rule.reach).all(axis=1)])
-
-
-def _read(cover: Cover, sites: Sequence[Site], rules: Sequence[Rule]) -> Iterator[Made]:
-    """What fields read off, site by site: sums along the rays of the derivatives by x, and over the disc; then by y."""
-    for first in range(0, len(sites), SITES_AT_ONCE):
-        some = sites[first : first + SITES_AT_ONCE]
-        on_rays = [_on_rays(cover, *each) for each in zip(some, rules[first : first + SITES_AT_ONCE], strict=True)]
-        places, counts = np.concatenate([points.places for points in on_rays]), [len(p.ray) for p in on_rays]
-        elements = locate(cover.lattice, cover.elements, places, np.repeat([site.body for site in some], counts))
-        inside = elements >= 0
-        within = np.split(inside, np.cumsum(counts)[:-1])
-        own = [points.taken(mine) for points, mine in zip(on_rays, within, strict=True)]
-        basis, ends = basis_at(cover, places[inside], elements[inside]), starts_of(np.array([len(p.ray) for p in own]))
-        for at, points in zip(map(slice, ends, ends[1:]), own, strict=True):
-            parts = basis.derivatives(at)
-            rows = np.concatenate([_sums(points, part) for part in parts], axis=1)
-            more = (points.places, points.ray, points.weight, points.averaged)
-            yield np.concatenate([part.functions for part in parts]), Reading(rows, more)
 
 
 def _on_rays(cover: Cover, site: Site, rule: Rule) -> _Points:
@@ -240,8 +214,7 @@ def _averaged(
     """The fields of sites over one length each, of what is read off the displacement `u` (n_dofs,) m."""
     if not readings:
         return []
-    amplitudes = u.reshape(-1, 2)
-    by = np.stack([known.reading.of(amplitudes[known.functions]) for known in readings])
+    by = np.stack([known.reading.of(u) for known in readings])
     by_x, by_y = by.reshape(len(readings), 2, N_RAYS + 1, 2).swapaxes(0, 1)
     strain = np.stack([by_x[..., 0], by_y[..., 1], by_y[..., 0] + by_x[..., 1]], axis=2)
     on_rays = [known.points for known in readings]

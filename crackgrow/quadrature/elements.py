@@ -1,7 +1,7 @@
 """Quadrature points of the manifold elements, in lattice coordinates.
 
-Plain elements share one rule and are not listed here (`plain_kinds`). Polygons are cut into triangles; round a tip the
-triangles have their apex at it, and those near it are halved until they are small by their distance from it.
+Whole tiles take a product rule, cut ones triangles: round a tip these have their apex at it, and those near
+it are halved until they are small by their distance from it.
 """
 
 from __future__ import annotations
@@ -36,8 +36,8 @@ MORE_POINTS_WHERE_FADING = 1
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
 
-FEWER_IN_IRREGULAR_TILES = 1
-"""Points per direction less in whole tiles beside cells of another size, of which most are halves: 1e-5 of K."""
+FEWER_IN_TILES = 1
+"""Points per direction less in whole tiles without tip functions: 1e-5 of K."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -50,16 +50,14 @@ class ElementPoints:
 
 
 def element_points(cover: Cover, n: int) -> ElementPoints:
-    """Points of all elements that are not plain; `n` Gauss points per direction, more where tip functions act."""
+    """Points of all elements; `n` Gauss points per direction, more where tip functions act."""
     enriched = cover.enrichment.acted_on
     n_whole = cover.elements.n_whole
-    cut = np.flatnonzero(~cover.plain[n_whole:])
-    corners, owner = _triangles(cover.elements.polygons[cut])
-    owner = cut[owner] + n_whole
+    corners, owner = _triangles(cover.elements.polygons)
+    owner += n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
-    irregular = np.flatnonzero(~(cover.plain | enriched)[:n_whole])
     parts = [_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), n + more)]
-    parts.append(_on_tiles(cover, irregular, max(n - FEWER_IN_IRREGULAR_TILES, 1)))
+    parts.append(_on_tiles(cover, np.flatnonzero(~enriched[:n_whole]), max(n - FEWER_IN_TILES, 1)))
     smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     corners, owner = corners[~smooth], owner[~smooth]

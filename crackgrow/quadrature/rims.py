@@ -22,7 +22,7 @@ POINTS_PER_EDGE = 4
 """Gauss points on an edge of the arrangement, exact to degree 7: that of the functions at support 2 is lower."""
 
 POINTS_BETWEEN_TILES = 2
-"""The same on edges between whole tiles beside cells of another size, where edges are short: 1e-5 of K."""
+"""The same on edges between whole tiles without tip functions: 1e-5 of K."""
 
 POINTS_PER_PIECE = 5
 """The same on the pieces of edges on which tip functions act."""
@@ -44,17 +44,19 @@ class RimPoints:
 
 
 def rim_points(cover: Cover) -> RimPoints:
-    """Points on the rims of all elements that are not plain."""
+    """Points on the rims of all elements."""
     elements, edges = cover.elements, cover.elements.edges
-    cut = np.append(~cover.plain, [False])  # the last entry serves the index -1
     parts = []
-    between = _between_irregular_tiles(cover)
+    smooth = np.append(
+        (np.arange(elements.n) < elements.n_whole) & ~cover.enrichment.acted_on, [False]
+    )  # [-1]: outside
+    between = smooth[edges.left] & smooth[edges.right] & ~cover.touching
     for few, touching, n in (
         (True, False, (POINTS_BETWEEN_TILES, POINTS_PER_PIECE)),
         (False, False, (POINTS_PER_EDGE, POINTS_PER_PIECE)),
         (False, True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES)),
     ):
-        chosen = np.flatnonzero((cut[edges.left] | cut[edges.right]) & (between == few) & (cover.touching == touching))
+        chosen = np.flatnonzero((between == few) & (cover.touching == touching))
         left, right = edges.left[chosen], edges.right[chosen]
         ends = np.stack([elements.vertices[edges.a[chosen]], elements.vertices[edges.b[chosen]]], axis=1)
         acting = _tips_on_edges(cover, left, right, elements.passable[chosen])
@@ -65,26 +67,8 @@ def rim_points(cover: Cover) -> RimPoints:
         parts += [(points, normals, left[edge]), (points, -normals, right[edge])]
     points, normals, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
-    order = order[cut[element[order]]]
+    order = order[element[order] >= 0]
     return RimPoints(points[order], normals[order], element[order])
-
-
-def _between_irregular_tiles(cover: Cover) -> Bools:
-    """Which edges (e,) lie between whole tiles that are not plain and have no tip functions."""
-    elements = cover.elements
-    tile = np.arange(elements.n + 1) < elements.n_whole
-    tile[:-1] &= ~(cover.plain | cover.enrichment.acted_on)
-    return np.asarray(tile[elements.edges.left] & tile[elements.edges.right] & ~cover.touching)
-
-
-def rectangle_rim(size: Floats) -> tuple[Floats, Floats]:
-    """Points (n, 2) on the rim of a rectangle of `size` (2,), as shares of it from a corner, and normals (n, 2)."""
-    corners = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0)])
-    position, weights = on_edges(4, POINTS_PER_EDGE)
-    step = np.diff(corners, axis=0)
-    points = corners[:-1, None] + position[:, :, None] * step[:, None]
-    normals = weights[:, :, None] * (np.stack([step[:, 1], -step[:, 0]], axis=1) * size[::-1])[:, None]
-    return points.reshape(-1, 2), normals.reshape(-1, 2)
 
 
 def points_on_outlines(cover: Cover, ends: Floats, element: Ints, edge: Ints) -> tuple[Ints, Floats, Floats]:

@@ -20,10 +20,9 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import NOTHING
+from crackgrow.direct import NOTHING, SymmetricMatrix
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import FieldReading, field_readings
@@ -38,7 +37,7 @@ from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.rigid_modes import check_held, free_motions
-from crackgrow.solid.stiffness import Stiffness, stiffness_after
+from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import Constraints
 
 SIGNS = np.array([1.0, 1.0, -1.0])
@@ -79,12 +78,11 @@ class Configuration:
     scene: Scene
     cracks: tuple[GrowingCrack, ...]
     cover: Cover
-    stiffness: Stiffness
+    stiffness: SymmetricMatrix
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
-    readings: Readings
     seconds: dict[str, float]
 
     @property
@@ -243,7 +241,7 @@ class Configuration:
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
+        residual = residual_of(self.stiffness, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.told(self.cover))
         return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
@@ -256,7 +254,7 @@ class Configuration:
     @cached_property
     def integrals(self) -> Integrals:
         """The integrals of K of all tips."""
-        return Integrals(self.readings)
+        return Integrals(self.cover)
 
     @cached_property
     def fields(self) -> dict[int, FieldReading]:
@@ -264,10 +262,10 @@ class Configuration:
         scene = self.scene
         some = [number for number, site in enumerate(self.sites) if scene.case.bodies[site.body].strength is not None]
         strong = [self.sites[number] for number in some]
-        found = field_readings(self.readings, strong, [scene.radius_at(site) for site in strong])
+        found = field_readings(self.cover, strong, [scene.radius_at(site) for site in strong])
         radii = [scene.shear_radius_at(site) for site in strong]
         sheared = [n for n, radius in enumerate(radii) if radius is not None]
-        over = field_readings(self.readings, [strong[n] for n in sheared], [radius for radius in radii if radius])
+        over = field_readings(self.cover, [strong[n] for n in sheared], [radius for radius in radii if radius])
         for n, reading in zip(sheared, over, strict=True):
             found[n] = replace(found[n], shear=reading)
         return dict(zip(some, found, strict=True))
@@ -301,9 +299,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         cover = cover_of(scene, growing, None if before is None else before.cover)
         sites = sites_of(scene, cover, growing)
     with timed(seconds, "assembly"):
-        stiff_before = None if before is None else before.stiffness
-        stiffness = stiffness_after(cover, scene.materials, case.numerics.quadrature, stiff_before)
-        matrix = with_dependent_held(stiffness.matrix)
+        stiff = stiffness(cover, scene.materials, case.numerics.quadrature)
+        matrix = with_dependent_held(stiff)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = contact_faces(scene, cover)
         operators = contact_operators(cover, faces)
@@ -315,16 +312,15 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         check_held(free, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
-        stiff = matrix if loose is None else loose.held_in(matrix)
+        held_once = matrix if loose is None else loose.held_in(matrix)
         known = NOTHING if before is None else before.contact.system.kept
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), known)
+        system = ConstrainedSystem(held_once, held.matrix, places_of_unknowns(cover), known)
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver
     loads, given = _each_load(scaled, constant), np.outer(held.given, (0.0, 0.0, 1.0))
     contact = ContactSystem(system, *operators, weights, law, solver, loose, loads, given)
-    readings = Readings(cover, stiffness.named, None if before is None else before.readings)
-    return Configuration(scene, growing, cover, stiffness, held, contact, faces, sites, readings, seconds)
+    return Configuration(scene, growing, cover, stiff, held, contact, faces, sites, seconds)
 
 
 def _each_load(scaled: Floats, constant: Floats) -> Floats:

@@ -21,7 +21,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.quadrature.plain_kinds import all_points
+from crackgrow.quadrature.elements import element_points
 from crackgrow.run.configuration import Configuration, Gone, assemble
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, taken_over
 from crackgrow.run.reactions import face_forces
@@ -81,7 +81,7 @@ def _same_functions(before: Cover, after: Cover) -> Ints:
 
     Raises NotSolvedError where the functions are others.
     """
-    points = all_points(after, 1)
+    points = element_points(after, 1)
     elements, first = np.unique(points.element, return_index=True)
     numbers = np.array([body_index(before.bodies, body.name) for body in after.bodies])
     there = locate(before.lattice, before.elements, points.points[first], numbers[after.elements.body[elements]])

@@ -16,7 +16,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import FaceEdges
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError
-from crackgrow.quadrature.plain_kinds import all_points
+from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.quadrature.subdivision import subdivided
 from crackgrow.solid.in_situ import InSitu
@@ -56,7 +56,7 @@ def _at_point(cover: Cover, body: int, load: model.PointForce) -> Floats:
         raise GeometryError(
             f"the force at {place_text(load.point + cover.lattice.map_origin)} lies outside of body '{load.body}'"
         )
-    return np.asarray(values_at(cover, at, element).values().T @ np.asarray(load.force)[None])
+    return np.asarray(values_at(cover, at, element).rows.T @ np.asarray(load.force)[None])
 
 
 def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> Floats:
@@ -69,7 +69,7 @@ def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> Floats:
     for edge, load in zip(edges, loads, strict=True):
         places = cover.lattice.to_metres(edge.points)
         forces.append(edge.lengths[:, None] * load.traction_at(places, edge.outward))
-    return np.asarray(values_at(cover, points, elements).values().T @ np.concatenate(forces))
+    return np.asarray(values_at(cover, points, elements).rows.T @ np.concatenate(forces))
 
 
 def _fine_enough(cover: Cover, load: model.EdgeLoad, edges: FaceEdges) -> FaceEdges:
@@ -101,13 +101,13 @@ def _rim_tractions(cover: Cover, body: int, stress: InSitu, region: model.EdgeRe
     outward = outward_normals(ends[:, 1] - ends[:, 0])
     traction = across(stress.at(cover.lattice.to_metres(points)), outward[edge])
     forces = length[:, None] * cover.lattice.spacing * traction
-    return np.asarray(values_at(cover, points, element[edge]).values().T @ forces)
+    return np.asarray(values_at(cover, points, element[edge]).rows.T @ forces)
 
 
 def _body_forces(cover: Cover, body: int, n: int, force: Floats | Callable[[Floats], Floats]) -> Floats:
     """Integral of phi b (n_functions, 2) N/m over a body, of a force b (2,) N/m^3, or (k, 2) at places (k, 2) m."""
-    lattice, at = cover.lattice, all_points(cover, n)
+    lattice, at = cover.lattice, element_points(cover, n)
     mine = np.flatnonzero(cover.elements.body[at.element] == body)
     density = force(lattice.to_metres(at.points[mine])) if callable(force) else force
     forces = at.weights[mine, None] * density * lattice.spacing**2
-    return np.asarray(values_at(cover, at.points[mine], at.element[mine]).values().T @ forces)
+    return np.asarray(values_at(cover, at.points[mine], at.element[mine]).rows.T @ forces)

@@ -1,149 +1,147 @@
-"""Assembly of the stiffness matrix.
+"""The stiffness matrix: integrals of B' D B over all elements, summed.
 
-All plain elements of one shape, at the same place of their cell, share the gradients at their quadrature points, hence
-one element matrix per material. The others are integrated one by one and summed cluster by cluster; a cluster that the
-configuration before had too is not integrated again.
+The gradients are corrected so that those of every element satisfy the divergence theorem at its quadrature points: the
+linear patch test then passes at round-off whatever the rules, and the matrix stays symmetric (after Chen et al. 2001,
+who smooth the gradients over nodal cells; here their deviation from the mean over an element is kept).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.approximation.basis import arrays_of, functions_at, gathered
+from crackgrow.arrays import Floats, Ints
+from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, blocks_of, half
-from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
-from crackgrow.quadrature.rims import rectangle_rim
-from crackgrow.quadrature.rules import square
-from crackgrow.ragged import starts_of
-from crackgrow.solid.clusters import Clusters, Named, clusters_of, keys, named
+from crackgrow.direct import SymmetricMatrix
+from crackgrow.quadrature.elements import element_points
+from crackgrow.quadrature.rims import rim_points
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.element_products import consistent, products, products_over
-
-BATCH = 500000
-"""Values of functions at points that are held at once."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stiffness:
-    """A stiffness matrix, and its parts that the next configuration may have in common with this one."""
-
-    matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
-    clusters: Mapping[bytes, HalfMatrix]
-    plain: Mapping[bytes, Floats]  # (2 k, 2 k) of the kinds of plain elements
-    named: Named  # the elements by what their functions depend on
-    n_integrated: int  # clusters that were not known before
-
-
-def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> csc_array:
+def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> SymmetricMatrix:
     """Stiffness K (n_dofs, n_dofs) in Pa, per metre of thickness, with `n` Gauss points per direction.
 
     `materials` are one per body.
     """
-    return stiffness_after(cover, materials, n).matrix.tocsc()
-
-
-def stiffness_after(
-    cover: Cover, materials: Sequence[PlaneElasticity], n: int, before: Stiffness | None = None
-) -> Stiffness:
-    """As `stiffness`, with what is known from the configuration before."""
-    known: Mapping[bytes, HalfMatrix] = {} if before is None else before.clusters
-    clusters = clusters_of(cover, n)
-    names = keys(cover, clusters, materials)
-    new = [number for number, name in enumerate(names) if name not in known]
-    integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
-    matrices = {name: known[name] if name in known else integrated[name] for name in names}
-    halves = [matrices[name] for name in names]
-    blocks = blocks_of(clusters.functions, halves, clusters.group, None if before is None else before.matrix.blocks)
-    none = csc_array((cover.n_dofs, cover.n_dofs))
-    plain: dict[bytes, Floats] = {}
-    elements = []
-    for kind in plain_kinds(cover):
-        name = plain_key(cover, kind, materials[kind.body], n)
-        ready = None if before is None else before.plain.get(name)
-        plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
-        elements.append(EqualElements(kind.patches(cover), plain[name], name))
-    return Stiffness(
-        SymmetricMatrix(tuple(elements), none, blocks), matrices, plain, named(cover, clusters, names), len(new)
+    spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
+    inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
+    moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
+    start, column = _pattern(on.start, on.values, cover.n_functions)
+    block = np.zeros((len(column), 2, 2))
+    _integrate(
+        arrays_of(cover),
+        (on.start, on.values),
+        (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2),
+        (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing),
+        moduli,
+        1.0 / spacing,
+        (start, column, block),
     )
+    from crackgrow.direct.lower_bridge import from_lower
+
+    return from_lower(start, column, block)
 
 
-def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:
-    """Integral of B' D B (k, 2, k, 2) from gradients (2, k, n) and weights (n,): function, component, twice."""
-    xx, xy, yy = products(gradients, weights)
-    return _elastic(material, xx, xy, xy.T, yy).transpose(2, 0, 3, 1)
+@kernel
+def _pattern(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
+    """The lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
 
-
-def _elastic(material: PlaneElasticity, xx: Floats, xy: Floats, yx: Floats, yy: Floats) -> Floats:
-    """The matrix (2, 2, ...) [component, component, pair of functions] from their `products` (...)."""
-    c11, c12, c33 = material.c11, material.c12, material.c33
-    return np.array([[c11 * xx + c33 * yy, c12 * xy + c33 * yx], [c12 * yx + c33 * xy, c11 * yy + c33 * xx]])
-
-
-def plain_key(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> bytes:
-    """All that the matrix of a kind of plain elements depends on."""
-    moduli = (material.c11, material.c12, material.c33)
-    return np.array([cover.lattice.support, *moduli, n, *kind.low, *kind.size, *kind.slots]).tobytes()
-
-
-def _plain(cover: Cover, kind: PlainKind, material: PlaneElasticity, n: int) -> Floats:
-    """The element matrix (2 k, 2 k) of a kind of plain elements, function by function."""
-    share, weights = square(n)
-    area = weights * kind.size.prod()
-    _, gradients = kind.functions(cover.lattice, share)
-    rim, normals = rectangle_rim(kind.size)
-    rim_values, _ = kind.functions(cover.lattice, rim)
-    matrix = element_matrix(material, consistent(gradients, area, rim_values @ normals), area)
-    return matrix.reshape(2 * len(matrix), -1)
-
-
-def _integrated(
-    cover: Cover, materials: Sequence[PlaneElasticity], clusters: Clusters, chosen: Sequence[int]
-) -> Iterator[tuple[int, HalfMatrix]]:
-    """The matrices of the clusters `chosen`; they share the evaluation of the basis."""
-    for batch in _batches(clusters, chosen):
-        owner, at = clusters.elements.places(np.array(batch))
-        n = np.array([len(clusters.functions[number]) for number in batch])
-        coupled, sums = _summed(cover, clusters, at, owner, n)
-        start = starts_of(n * n)
-        for place, (number, k) in enumerate(zip(batch, n.tolist(), strict=True)):
-            own = slice(start[place], start[place + 1])
-            pairs = np.flatnonzero(np.triu(coupled[own].reshape(k, k)))
-            xx, xy, yy = sums[:, own]
-            material = materials[cover.elements.body[clusters.elements.values[clusters.span(number).start]]]
-            mirrored = xy[pairs % k * k + pairs // k]
-            yield number, half(k, pairs, _elastic(material, xx[pairs], xy[pairs], mirrored, yy[pairs]))
-
-
-def _summed(cover: Cover, clusters: Clusters, at: Ints, owner: Ints, n: Ints) -> tuple[Bools, Floats]:
-    """The `products` (3, q) of clusters with n (c,) functions, and which (q,) there are: tables (n, n) one by one.
-
-    The elements are those at the places `at` (m,) of all clusters, of the clusters `owner` (m,).
+    Functions are coupled that act on one element: those of element e are the places at[e] to at[e + 1], ascending.
     """
-    start, own = starts_of(n * n), clusters.local.taken(at)
-    inside, rim = clusters.inside.of_elements(at), clusters.rim.of_elements(at)
-    places, terms = [], []
-    for group, found in products_over(cover, clusters.elements.values[at], own.counts, inside, rim):
-        local, mine = own.values[own.start[group, None] + np.arange(found.xx.shape[1])], owner[group, None]
-        row = start[mine] + n[mine] * local
-        places.append((row[:, :, None] + local[:, None]).ravel())
-        terms.append([term.ravel() for term in found])
-    place = np.concatenate(places)
-    coupled = np.zeros(start[-1], dtype=bool)
-    coupled[place] = True
-    sums = [np.bincount(place, np.concatenate(parts), start[-1]) for parts in zip(*terms, strict=True)]
-    return coupled, np.stack(sums).astype(np.float64, copy=False)
+    of = np.zeros(n + 1, np.int64)
+    for i in function:
+        of[i + 1] += 1
+    of = np.cumsum(of)
+    element, free = np.empty(len(function), np.int64), of[:-1].copy()
+    for e in range(len(at) - 1):
+        for p in range(at[e], at[e + 1]):
+            element[free[function[p]]] = e
+            free[function[p]] += 1
+    start, seen, column, total = np.zeros(n + 1, np.int64), np.full(n, -1), np.empty(32 * n + 1, np.int64), 0
+    for i in range(n):
+        for place in range(of[i], of[i + 1]):
+            e = element[place]
+            for p in range(at[e], at[e + 1]):
+                j = function[p]
+                if j > i:
+                    break
+                if seen[j] != i:
+                    seen[j] = i
+                    if total == len(column):
+                        column = np.append(column, np.empty(total, np.int64))
+                    column[total] = j
+                    total += 1
+        column[start[i] : total].sort()
+        start[i + 1] = total
+    return start, column[:total].copy()
 
 
-def _batches(clusters: Clusters, chosen: Sequence[int]) -> list[list[int]]:
-    """The clusters `chosen`, in batches."""
-    numbers = np.array(chosen, dtype=np.int64)
-    if len(numbers) == 0:
-        return []
-    n_values = starts_of(np.diff(clusters.inside.start) * clusters.local.counts)[clusters.elements.start]
-    batch = np.cumsum(np.diff(n_values)[numbers]) // BATCH
-    return [part.tolist() for part in np.split(numbers, np.flatnonzero(np.diff(batch)) + 1)]
+@kernel
+def _integrate(
+    arrays: Any,
+    on: tuple[Ints, Ints],
+    inside: tuple[Ints, Floats, Floats],
+    rim: tuple[Ints, Floats, Floats],
+    moduli: Floats,
+    scale: float,
+    matrix: tuple[Ints, Ints, Floats],
+) -> None:
+    """Add the integrals over all elements to the blocks of a `matrix` (starts, columns, blocks).
+
+    on: starts and functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
+    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre
+    """
+    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
+    (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
+    start, column, block = matrix
+    most, most_points = 1, 1
+    for e in range(len(at) - 1):
+        most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
+    f, work, of_tip, by = np.empty((3, most)), np.empty((5, most)), np.empty((3, 4)), np.empty((2, most))
+    per, shift, g, s = np.empty(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    for e in range(len(at) - 1):
+        k, m, first, last = (
+            gathered(e, by, per, nodes, half, patch_at, patch),
+            at[e + 1] - at[e],
+            pair_at[e],
+            pair_at[e + 1],
+        )
+        n, area, shift[: 2 * m] = inside_at[e + 1] - inside_at[e], 0.0, 0.0
+        for q in range(rim_at[e], rim_at[e + 1]):
+            functions_at(places[q, 0], places[q, 1], False, k, by, per, first, last, tip_of, side, carrier_at,
+                         share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+            for i in range(m):
+                shift[i] += normals[q, 0] * f[0, i]
+                shift[m + i] += normals[q, 1] * f[0, i]
+        gradients = g[: n * 2 * m].reshape(n, 2 * m)
+        for q in range(n):
+            p = inside_at[e] + q
+            functions_at(points[p, 0], points[p, 1], True, k, by, per, first, last, tip_of, side, carrier_at,
+                         share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+            area += weights[p]
+            for i in range(m):
+                gradients[q, i], gradients[q, m + i] = scale * f[1, i], scale * f[2, i]
+                shift[i] -= weights[p] * scale * f[1, i]
+                shift[m + i] -= weights[p] * scale * f[2, i]
+        for q in range(n):  # shifted by a constant per function: the integral is that of the rim
+            root = math.sqrt(weights[inside_at[e] + q])
+            for i in range(2 * m):
+                gradients[q, i] = root * (gradients[q, i] + shift[i] / area)
+        products = s[: 4 * m * m].reshape(2 * m, 2 * m)  # the lower triangle: of derivatives by x, then by y
+        syrk(gradients, products)
+        c11, c12, c33 = moduli[e]
+        for i in range(m):
+            row = start[function[at[e] + i]]
+            for j in range(i + 1):
+                while column[row] < function[at[e] + j]:
+                    row += 1
+                xx, xy, yx, yy = products[i, j], products[m + j, i], products[m + i, j], products[m + i, m + j]
+                block[row, 0, 0] += c11 * xx + c33 * yy
+                block[row, 0, 1] += c12 * xy + c33 * yx
+                block[row, 1, 0] += c12 * yx + c33 * xy
+                block[row, 1, 1] += c11 * yy + c33 * xx

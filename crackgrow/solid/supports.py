@@ -181,7 +181,7 @@ def _averages(cover: Cover, supports: Sequence[PointSupport | EdgeSupport]) -> l
 def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     """The averages (rows, n_functions) of the values of all functions."""
     points, elements = (np.concatenate([getattr(a, name) for a in averages]) for name in ("points", "elements"))
-    return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).values())
+    return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).rows)
 
 
 def _at_point(cover: Cover, support: PointSupport) -> _Averages:

@@ -13,7 +13,7 @@ from crackgrow.case import Case
 from crackgrow.case.units import place_text
 from crackgrow.cover.elements import locate
 from crackgrow.errors import GeometryError
-from crackgrow.quadrature.plain_kinds import all_points
+from crackgrow.quadrature.elements import element_points
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import load
@@ -41,7 +41,7 @@ def energy_distance(coarse: StepSolution, fine: StepSolution) -> EnergyDistance:
     is. Raises GeometryError where a point of the finer body is not in the coarse one.
     """
     scene, cover = fine.configuration.scene, fine.cover
-    found = all_points(cover, scene.case.numerics.quadrature)
+    found = element_points(cover, scene.case.numerics.quadrature)
     difference = total = 0.0
     for first in range(0, len(found.points), AT_ONCE):
         some = slice(first, first + AT_ONCE)
