@@ -7,7 +7,6 @@ from typing import Any
 
 from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
-from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals, StressIntensity
 from crackgrow.fracture.tip_stress import TipField, field_readings, fields_of
@@ -22,9 +21,9 @@ def site_fields(
     radius: float | Sequence[float],
 ) -> list[TipField]:
     """Stress round sites of the cover within `radius` (m), one or one a site; `u` (n_dofs,) m."""
-    return fields_of(cover, materials, u, field_readings(Readings(cover), sites, radius))
+    return fields_of(cover, materials, u, field_readings(cover, sites, radius))
 
 
 def interaction_integrals(cover: Cover, *given: Any) -> list[StressIntensity]:
     """K_I and K_II of tips of a cover: see `Integrals.intensities`."""
-    return Integrals(Readings(cover)).intensities(*given)
+    return Integrals(cover).intensities(*given)

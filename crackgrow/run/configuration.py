@@ -20,7 +20,7 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import NOTHING, SymmetricMatrix
+from crackgrow.direct import NOTHING
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
@@ -37,7 +37,7 @@ from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import places_of_unknowns
 from crackgrow.solid.rigid_modes import check_held, free_motions
-from crackgrow.solid.stiffness import stiffness
+from crackgrow.solid.stiffness import Stiffness, stiffness
 from crackgrow.solid.supports import Constraints
 
 SIGNS = np.array([1.0, 1.0, -1.0])
@@ -78,7 +78,7 @@ class Configuration:
     scene: Scene
     cracks: tuple[GrowingCrack, ...]
     cover: Cover
-    stiffness: SymmetricMatrix
+    stiffness: Stiffness
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
@@ -241,7 +241,7 @@ class Configuration:
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.stiffness, self.contact, loads, outcome)
+        residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.told(self.cover))
         return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
@@ -299,8 +299,9 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         cover = cover_of(scene, growing, None if before is None else before.cover)
         sites = sites_of(scene, cover, growing)
     with timed(seconds, "assembly"):
-        stiff = stiffness(cover, scene.materials, case.numerics.quadrature)
-        matrix = with_dependent_held(stiff)
+        stiff_before = None if before is None else before.stiffness
+        stiff = stiffness(cover, scene.materials, case.numerics.quadrature, stiff_before)
+        matrix = with_dependent_held(stiff.matrix)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = contact_faces(scene, cover)
         operators = contact_operators(cover, faces)

@@ -9,59 +9,65 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from crackgrow.approximation.basis import arrays_of, functions_at, gathered
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
 from crackgrow.direct import SymmetricMatrix
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
+from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.unchanged import element_keys, elements_of, take_over
 
 
-def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> SymmetricMatrix:
-    """Stiffness K (n_dofs, n_dofs) in Pa, per metre of thickness, with `n` Gauss points per direction.
+@dataclass(frozen=True, slots=True, eq=False)
+class Stiffness:
+    """A stiffness matrix, and what tells which of its entries the next configuration has in common with it."""
 
-    `materials` are one per body.
+    matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
+    lower: tuple[Ints, Ints, Floats]
+    on: Ragged  # elements -> functions
+    keys: Floats  # (elements, 2) hashes of all that each element is integrated from
+    n_integrated: int  # elements
+
+
+def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int, before: Stiffness | None = None) -> Stiffness:
+    """The stiffness of bodies of these `materials`, with `n` Gauss points per direction.
+
+    What has not changed since the one `before` is taken over; the result is the same without it.
     """
     spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
     inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
-    moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
-    start, column = _pattern(on.start, on.values, cover.n_functions)
-    block = np.zeros((len(column), 2, 2))
-    _integrate(
-        arrays_of(cover),
-        (on.start, on.values),
-        (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2),
-        (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing),
-        moduli,
-        1.0 / spacing,
-        (start, column, block),
-    )
+    arrays, moduli = arrays_of(cover), np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
+    within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
+    around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
+    of = elements_of(on.start, on.values, cover.n_functions)
+    start, column = _pattern(on.start, on.values, *of)
+    block, changed = np.zeros((len(column), 2, 2)), np.ones(cover.n_functions, dtype=bool)
+    keys = element_keys(arrays, within, around, np.column_stack([moduli, np.full(len(moduli), spacing)]))
+    if before is not None:
+        changed = take_over(((on.start, on.values), of, keys, start, column, block), before)
+    lower = (start, column, block)
+    n_integrated = _integrate(arrays, (on.start, on.values), within, around, moduli, 1.0 / spacing, changed, *lower)
     from crackgrow.direct.lower_bridge import from_lower
 
-    return from_lower(start, column, block)
+    return Stiffness(from_lower(*lower), lower, on, keys, n_integrated)
 
 
 @kernel
-def _pattern(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
+def _pattern(at: Ints, function: Ints, of: Ints, element: Ints) -> tuple[Ints, Ints]:
     """The lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
 
-    Functions are coupled that act on one element: those of element e are the places at[e] to at[e + 1], ascending.
+    Functions are coupled that act on one element: those of element e are the places at[e] to at[e + 1], ascending, and
+    the elements of function i are of[i] to of[i + 1].
     """
-    of = np.zeros(n + 1, np.int64)
-    for i in function:
-        of[i + 1] += 1
-    of = np.cumsum(of)
-    element, free = np.empty(len(function), np.int64), of[:-1].copy()
-    for e in range(len(at) - 1):
-        for p in range(at[e], at[e + 1]):
-            element[free[function[p]]] = e
-            free[function[p]] += 1
+    n = len(of) - 1
     start, seen, column, total = np.zeros(n + 1, np.int64), np.full(n, -1), np.empty(32 * n + 1, np.int64), 0
     for i in range(n):
         for place in range(of[i], of[i + 1]):
@@ -89,22 +95,29 @@ def _integrate(
     rim: tuple[Ints, Floats, Floats],
     moduli: Floats,
     scale: float,
-    matrix: tuple[Ints, Ints, Floats],
-) -> None:
-    """Add the integrals over all elements to the blocks of a `matrix` (starts, columns, blocks).
+    changed: Bools,
+    start: Ints,
+    column: Ints,
+    block: Floats,
+) -> int:
+    """Add the integrals over elements to the blocks of pairs of `changed` functions; return of how many elements.
 
     on: starts and functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
-    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre
+    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; start, column, block
+    (q, 2, 2): rows of the lower triangle of the matrix
     """
     nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
     (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
-    start, column, block = matrix
     most, most_points = 1, 1
     for e in range(len(at) - 1):
         most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
     f, work, of_tip, by = np.empty((3, most)), np.empty((5, most)), np.empty((3, 4)), np.empty((2, most))
     per, shift, g, s = np.empty(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    n_integrated = 0
     for e in range(len(at) - 1):
+        if not np.any(changed[function[at[e] : at[e + 1]]]):
+            continue
+        n_integrated += 1
         k, m, first, last = (
             gathered(e, by, per, nodes, half, patch_at, patch),
             at[e + 1] - at[e],
@@ -137,7 +150,11 @@ def _integrate(
         c11, c12, c33 = moduli[e]
         for i in range(m):
             row = start[function[at[e] + i]]
+            if not changed[function[at[e] + i]]:
+                continue
             for j in range(i + 1):
+                if not changed[function[at[e] + j]]:
+                    continue
                 while column[row] < function[at[e] + j]:
                     row += 1
                 xx, xy, yx, yy = products[i, j], products[m + j, i], products[m + i, j], products[m + i, m + j]
@@ -145,3 +162,4 @@ def _integrate(
                 block[row, 0, 1] += c12 * xy + c33 * yx
                 block[row, 1, 0] += c12 * yx + c33 * xy
                 block[row, 1, 1] += c11 * yy + c33 * xx
+    return n_integrated

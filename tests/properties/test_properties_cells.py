@@ -53,7 +53,7 @@ def test_the_direct_solver_agrees_with_sparse_lu(build, support: float, levels: 
     system, _ = sample.system([PointSupport("rock", low, (0.0, 0.0)), PointSupport("rock", right, (None, 0.0))])
     n, m = sample.cover.n_dofs, system.constraints.shape[0]
     points = sample.lattice.to_lattice(np.random.default_rng(levels).uniform(low, low + SIZE, (300, 2)))
-    rows = values_at(sample.cover, points, locate(sample.lattice, sample.cover.elements, points)).values()
+    rows = values_at(sample.cover, points, locate(sample.lattice, sample.cover.elements, points)).rows
     loads = (rows.T @ np.random.default_rng(7).normal(size=(len(points), 2))).ravel()
     scale = system.stiffness.diagonal().max()
     bordered = block_array(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array, hstack
+from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import Basis
 from crackgrow.cover.cover import Cover
@@ -13,10 +13,11 @@ from crackgrow.cover.lattice import Lattice
 
 
 def patch_table(cover: Cover) -> np.ndarray:
-    """Physical patch (elements, nodes) of every node round an element's cell, -1 for none; of no crumb."""
-    of_element = cover.patches.of_element
-    table = np.full((of_element.n, int(cover.patches.slot.max()) + 1), -1)
-    table[of_element.row, cover.patches.slot] = of_element.values
+    """Physical patch (elements, nodes) of every node round an element's cell, -1 for none; of cells of one size."""
+    of_element, reach = cover.patches.of_element, cover.lattice.reach
+    step = (cover.patches.nodes[of_element.values] - cover.elements.cell[of_element.row]).astype(int) + reach - 1
+    table = np.full((of_element.n, (2 * reach) ** 2), -1)
+    table[of_element.row, 2 * reach * step[:, 0] + step[:, 1]] = of_element.values
     return table
 
 
@@ -41,16 +42,7 @@ def areas(lattice: Lattice, elements: Elements) -> np.ndarray:
 
 
 def gradient_rows(basis: Basis) -> tuple[csr_array, csr_array]:
-    """The derivatives (n, n_functions) by x and by y of all functions at the points of a basis."""
-    n, sizes = len(basis.elements), (len(basis.cover.patches.nodes), basis.cover.n_functions)
-    parts = list(zip(basis.derivatives(slice(0, n)), ((0, sizes[0]), sizes), strict=True))
-
-    def rows(axis: int) -> csr_array:
-        """Zeros among them stay entries."""
-        tables = [
-            csr_array((part.values[axis], part.functions[part.column] - first, part.start), shape=(n, end - first))
-            for part, (first, end) in parts
-        ]
-        return csr_array(hstack(tables, format="csr"))
-
-    return rows(0), rows(1)
+    """The derivatives (n, n_functions) by x and by y of all functions at the points of a basis; zeros stay entries."""
+    shape = basis.rows.shape
+    by_x, by_y = (csr_array((values, basis.functions, basis.start), shape=shape) for values in basis.values[1:])
+    return by_x, by_y

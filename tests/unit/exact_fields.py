@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.case.model import PointSupport
-from crackgrow.quadrature.plain_kinds import all_points
+from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.solid.elasticity import energy_density
 from crackgrow.solid.recovery import stress_at
@@ -28,7 +28,7 @@ def solved_under(sample: Sample, field: Field) -> Floats:
     outward = (np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(*step.T)[:, None])[edge]
     xx, yy, xy = field(sample.lattice.to_metres(points)).T
     traction = np.stack([xx * outward[:, 0] + xy * outward[:, 1], xy * outward[:, 0] + yy * outward[:, 1]], axis=1)
-    values = values_at(cover, points, outlines.element[edge]).values()
+    values = values_at(cover, points, outlines.element[edge]).rows
     loads = values.T @ (length[:, None] * sample.lattice.spacing * traction)
     corners = sample.body.outline
     held = (PointSupport("rock", corners[0], (0.0, 0.0)), PointSupport("rock", corners[1], (None, 0.0)))
@@ -38,7 +38,7 @@ def solved_under(sample: Sample, field: Field) -> Floats:
 
 def true_error(sample: Sample, u: Floats, field: Field) -> float:
     """Energy norm of the difference to the field, percent of the field's."""
-    found = all_points(sample.cover, 4)
+    found = element_points(sample.cover, 4)
     exact = field(sample.lattice.to_metres(found.points))
     stress = stress_at(sample.cover, [sample.material], u, found.points, found.element)
     body = np.zeros(len(exact), dtype=np.int64)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, values_at
-from crackgrow.approximation.tip_functions import tip_values
+from crackgrow.approximation.basis import basis_at, fields_at, values_at
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
 from tests.unit.approximation.test_approximation_basis import inner_points
+from tests.unit.approximation.tip_values import at_polar
 from tests.unit.cover_tables import gradient_rows
 
 BENT = [(6.3, 9.2), (9.2, 9.9), (12.4, 12.1), (15.9, 13.4)]
@@ -29,12 +29,12 @@ def test_functions_are_the_carriers_times_the_tip_functions(build, levels: int) 
     sample = sample_with(build, levels)
     cover = sample.cover
     points, elements = inner_points(sample, 30)
-    found, n_patches = values_at(cover, points, elements).values().toarray(), len(cover.patches.nodes)
+    found, n_patches = values_at(cover, points, elements).rows.toarray(), len(cover.patches.nodes)
     phi = found[:, :n_patches]
     np.testing.assert_allclose(phi.sum(axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(phi @ cover.patches.nodes, points, atol=1e-12)
     for tip in cover.tips:
-        four = tip_values(tip, *tip_angle(tip, points, cover.elements.reference[elements]))
+        four = at_polar(tip, *tip_angle(tip, points, cover.elements.reference[elements]))[0]
         for carrier in range(3):
             mine = tip.carriers.number == carrier
             sums = phi[:, tip.patches[mine]] @ tip.carriers.shares[mine]
@@ -51,10 +51,12 @@ def test_gradients_agree_with_differences_and_fields_with_rows(build, levels: in
     step = 1e-6
     for axis in range(2):
         move = step * np.eye(2)[axis]
-        ahead, behind = (values_at(sample.cover, points + s * move, elements).values() for s in (1, -1))
+        ahead, behind = (values_at(sample.cover, points + s * move, elements).rows for s in (1, -1))
         assert np.abs(gradient_rows(basis)[axis] - (ahead - behind) / (2 * step)).max() < 1e-7
     coefficients = np.random.default_rng(6).normal(size=(sample.cover.n_functions, 2))
-    for field, rows in zip(basis.field(coefficients), (basis.values(), *gradient_rows(basis)), strict=True):
+    for field, rows in zip(
+        fields_at(sample.cover, coefficients, points, elements), (basis.rows, *gradient_rows(basis)), strict=True
+    ):
         np.testing.assert_allclose(field, rows @ coefficients, atol=1e-11)
 
 
@@ -70,7 +72,7 @@ def test_functions_jump_on_the_crack_and_nowhere_else(build, levels: int) -> Non
         some = np.flatnonzero(chosen)
         middle = 0.5 * (vertices[edges.a[some]] + vertices[edges.b[some]])
         left, right = (
-            values_at(cover, middle, side[some]).values().tocsc()[:, n_patches:] for side in (edges.left, edges.right)
+            values_at(cover, middle, side[some]).rows.tocsc()[:, n_patches:] for side in (edges.left, edges.right)
         )
         largest = abs(left - right).max(axis=0).toarray().ravel()
         assert len(some) > 10
@@ -84,7 +86,7 @@ def test_no_function_is_seen_beyond_its_reach(build) -> None:
     sample = sample_with(build, 2)
     cover = sample.cover
     points = sample.lattice.to_lattice(np.random.default_rng(9).uniform(0.6, 22.4, (3000, 2)))
-    values = values_at(cover, points, locate(sample.lattice, cover.elements, points)).values().tocsc()
+    values = values_at(cover, points, locate(sample.lattice, cover.elements, points)).rows.tocsc()
     for tip in cover.tips:
         mine = values[:, tip.first_function : tip.first_function + 12]
         distance = np.hypot(*(points - tip.point).T)

@@ -45,14 +45,14 @@ def test_unity_and_linear_fields_through_changes_of_size(build, support: float, 
     cover, nodes = sample.cover, sample.cover.patches.nodes
     assert cover.sizes[elements].min() == 0.5 ** (levels if support > 1.25 else min(levels, 3))
     basis = basis_at(cover, points, elements)
-    values, along_x, along_y = plain(cover, [basis.values(), *gradient_rows(basis)])
+    values, along_x, along_y = plain(cover, [basis.rows, *gradient_rows(basis)])
     np.testing.assert_allclose(values.sum(axis=1), 1.0, rtol=1e-12)
     np.testing.assert_allclose(values @ nodes, points, rtol=1e-12)
     size = cover.sizes[elements]
     for slope, exact in ((along_x, (1.0, 0.0)), (along_y, (0.0, 1.0))):
         assert np.abs(slope.sum(axis=1) * size).max() < 1e-10
         assert np.abs((slope @ nodes - exact) * np.minimum(size, 1.0)[:, None]).max() < 1e-10
-    alone = plain(cover, [values_at(cover, points, elements).values()])[0]
+    alone = plain(cover, [values_at(cover, points, elements).rows])[0]
     assert np.abs(values - alone).max() < 1e-13
 
 
@@ -72,7 +72,7 @@ def test_slopes_agree_with_differences(build, support: float, levels: int) -> No
     gradients = gradient_rows(basis_at(cover, points, elements))
     for axis in range(2):
         move = step[:, None] * np.eye(2)[axis]
-        ahead, behind = (values_at(cover, points + s * move, elements).values() for s in (1.0, -1.0))
+        ahead, behind = (values_at(cover, points + s * move, elements).rows for s in (1.0, -1.0))
         difference = (ahead - behind).toarray() / (2.0 * step[:, None])
         # per side of a cell: third derivatives of 300, at tips of 0.1^-2.5, times step^2; rounding 1e-16 / 1e-5
         assert (np.abs(gradients[axis].toarray() - difference).max(axis=1) * cover.sizes[elements]).max() < 3e-7
@@ -92,7 +92,7 @@ def test_functions_are_continuous_where_sizes_change(build, support: float, leve
     a, b = (cover.elements.vertices[ends[change]] for ends in (edges.a, edges.b))
     points = a + share * (b - a)
     one, other = (basis_at(cover, points, side[change]) for side in (edges.left, edges.right))
-    assert np.abs(one.values() - other.values()).max() < 1e-12
+    assert np.abs(one.rows - other.rows).max() < 1e-12
     for slope, beyond in zip(gradient_rows(one), gradient_rows(other), strict=True):
         assert np.abs((slope - beyond).toarray() * cover.sizes[edges.left[change], None]).max() < 1e-10
 
@@ -104,6 +104,6 @@ def test_moments_are_as_well_conditioned_as_on_one_size(build, support: float) -
     for levels in (0, 2, 6):
         sample = graded(build, support, levels)
         points, elements = some_points(sample, 5)
-        values = plain(sample.cover, [values_at(sample.cover, points, elements).values()])[0]
+        values = plain(sample.cover, [values_at(sample.cover, points, elements).rows])[0]
         worst.append(np.abs(values).sum(axis=1).max())
     assert max(worst) < 1.5 * worst[0]

@@ -9,9 +9,9 @@ from crackgrow.case.surface import crack_name
 from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.windows import regular_window
 from crackgrow.errors import GeometryError
 from tests.unit.cover_tables import tile_boxes
+from tests.unit.regular_functions import regular_window
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 rng = np.random.default_rng(5)

@@ -10,9 +10,8 @@ import shapely
 
 from crackgrow.case.model import PointSupport
 from crackgrow.fracture.face_displacements import from_face_displacements
-from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.tip_stress import N_RAYS, SITES_AT_ONCE, TipField, field_readings
+from crackgrow.fracture.tip_stress import N_RAYS, TipField, field_readings
 from crackgrow.solid.elasticity import plane_elasticity
 from tests.near_tips import site_fields
 
@@ -188,7 +187,7 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
     tips = at_tips(cover)
     sites = [*tips, *(replace(tip, kind="crack") for tip in tips)]
     fields = site_fields(cover, [sample.material], u.ravel(), sites, radius)
-    readings = field_readings(Readings(cover), sites, radius)
+    readings = field_readings(cover, sites, radius)
     for site, field, points in zip(sites, fields, (reading.points for reading in readings), strict=True):
         toward = field.direction + field.angles
         whole, sight = ([part(site.point, angle, line) for angle in toward] for line in (rim, rim.union(paths)))
@@ -204,11 +203,11 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
 
 
 def test_a_site_reads_the_same_alone_and_among_others(build) -> None:
-    """To the last bit: more sites than are evaluated together, some near an outline or a crack that hides rays."""
+    """To the last bit: some near an outline or a crack that hides rays."""
     path = np.array([[0.0, 6.03], [3.3, 6.6]])
     sample = build.sample((0.0, 0.0), (12.0, 12.0), [build.crack(path, (False, True))], support=2.0)
     (tip,) = at_tips(sample.cover)
-    places = np.random.default_rng(5).uniform(0.6, 11.4, (2 * SITES_AT_ONCE, 2))
+    places = np.random.default_rng(5).uniform(0.6, 11.4, (16, 2))
     places = sample.lattice.to_lattice(places)
     kinds = ["rock" if number % 2 else "tip" for number in range(len(places))]
     sites = [replace(tip, kind=kind, point=at, direction=at[0]) for kind, at in zip(kinds, places, strict=True)]

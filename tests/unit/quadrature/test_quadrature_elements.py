@@ -1,4 +1,4 @@
-"""The points of all elements that are not plain: area, place, and singular functions round the tips."""
+"""The points of all elements: area, place, and singular functions round the tips."""
 
 from __future__ import annotations
 
@@ -8,16 +8,10 @@ import shapely
 from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import element_points, triangulate
-from crackgrow.quadrature.plain_kinds import rectangles
-from tests.unit.cover_tables import tile_boxes
+from tests.unit.cover_tables import areas, tile_boxes
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
-
-
-def plain_area(sample) -> float:
-    _, size = rectangles(sample.cover, np.flatnonzero(sample.cover.plain))
-    return float(np.prod(size, axis=1).sum())
 
 
 @pytest.mark.parametrize("n", [2, 4])
@@ -26,7 +20,7 @@ def test_weights_sum_to_the_area(build, support: float, n: int) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], support)
     points = element_points(sample.cover, n)
     assert points.weights.min() > 0.0
-    assert points.weights.sum() + plain_area(sample) == pytest.approx(30.0, rel=1e-9)  # the arrangement's grid
+    assert points.weights.sum() == pytest.approx(30.0, rel=1e-9)  # the arrangement's grid
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -34,11 +28,9 @@ def test_weights_sum_to_the_area_element_by_element(build, support: float) -> No
     sample = build.block((6, 5), [build.crack(KINKED)], support)
     elements = sample.cover.elements
     points = element_points(sample.cover, 3)
-    sums = np.bincount(points.element, points.weights, elements.n)[elements.n_whole :]
-    cut = ~sample.cover.plain[elements.n_whole :]
-    assert cut.sum() > 20
-    np.testing.assert_allclose(sums[cut], shapely.area(elements.polygons)[cut], rtol=1e-9)
-    np.testing.assert_array_equal(sums[~cut], 0.0)
+    sums = np.bincount(points.element, points.weights, elements.n)
+    assert elements.n - elements.n_whole > 20
+    np.testing.assert_allclose(sums, areas(sample.lattice, elements), rtol=1e-9)
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -50,25 +42,7 @@ def test_points_lie_in_their_elements_sorted(build, support: float) -> None:
     cut = points.element >= elements.n_whole
     polygons = elements.polygons[points.element[cut] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points.points[cut])).max() < 1e-12
-    np.testing.assert_array_equal(np.unique(points.element), np.flatnonzero(~sample.cover.plain))
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_uncut_body_is_plain_also_along_its_rim(build, support: float) -> None:
-    sample = build.block((6, 5), support=support)
-    assert sample.cover.plain.all()
-    assert len(element_points(sample.cover, 2).points) == 0
-    assert plain_area(sample) == pytest.approx(30.0, rel=1e-12)
-    assert not sample.cover.enrichment.acted_on.any()
-
-
-def test_elements_on_a_crack_along_the_lattice_are_not_plain(build) -> None:
-    """Contact uses other points there; the elements are rectangles all the same."""
-    sample = build.block((8, 5), [build.crack([(1.0, 3.0), (7.0, 3.0)])], 1.5)
-    edges = sample.cover.elements.lines[0]
-    plain = sample.cover.plain
-    assert not plain[edges.plus].any()
-    assert not plain[edges.minus].any()
+    np.testing.assert_array_equal(np.unique(points.element), np.arange(elements.n))
 
 
 def disc_free_integral(box: shapely.Polygon, tip: np.ndarray, power: float) -> float:
@@ -119,7 +93,7 @@ def test_cells_round_a_tip_integrate_its_singularity(
     box = shapely.box(*region.bounds)
     inside = shapely.contains_xy(box, points.points)
     area = points.weights[inside].sum()
-    assert area == pytest.approx(box.area, rel=1e-4)  # the box round the tip has no plain tile
+    assert area == pytest.approx(box.area, rel=1e-4)
     value = points.weights[inside] @ np.hypot(*(points.points[inside] - tip).T) ** power
     assert value == pytest.approx(disc_free_integral(box, tip, power), rel=tolerance)
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.quadrature.plain_kinds import rectangles
-from crackgrow.quadrature.rims import points_on_edges, rectangle_rim, rim_points
+from crackgrow.quadrature.rims import points_on_edges, rim_points
 from crackgrow.ragged import Ragged
+from tests.unit.cover_tables import areas
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 
@@ -18,30 +18,23 @@ def test_rims_close_and_give_the_area_of_their_elements(build, support: float) -
     cover = build.block((6, 5), [build.crack(KINKED)], support).cover
     rim = rim_points(cover)
     assert np.all(np.diff(rim.element) >= 0)
-    cut = np.flatnonzero(~cover.plain)
-    np.testing.assert_array_equal(np.unique(rim.element), cut)
+    np.testing.assert_array_equal(np.unique(rim.element), np.arange(cover.elements.n))
     for axis in range(2):
         closed = np.bincount(rim.element, rim.normals[:, axis], cover.elements.n)
         area = np.bincount(rim.element, rim.points[:, axis] * rim.normals[:, axis], cover.elements.n)
         np.testing.assert_allclose(closed, 0.0, atol=1e-13)
-        polygons = cut[cut >= cover.elements.n_whole]
-        exact = shapely.area(cover.elements.polygons[polygons - cover.elements.n_whole])
-        np.testing.assert_allclose(area[polygons], exact, atol=1e-13)
+        np.testing.assert_allclose(area, areas(cover.lattice, cover.elements), atol=1e-13)
 
 
 def test_neighbours_use_the_same_points_and_opposite_normals(build) -> None:
-    """Points that only one element has lie on the outline or on plain elements."""
+    """Points that only one element has lie on the outline."""
     sample = build.block((9, 8), [build.crack(KINKED)], 1.5)
     rim = rim_points(sample.cover)
     places, which, n = np.unique(rim.points, axis=0, return_inverse=True, return_counts=True)
     total = np.stack([np.bincount(which, normal) for normal in rim.normals.T], axis=1)
     assert (n == 2).sum() > 200
     np.testing.assert_array_equal(total[n == 2], 0.0)
-    low, size = rectangles(sample.cover, np.flatnonzero(sample.cover.plain))
-    plain = shapely.union_all(shapely.box(*low.T, *(low + size).T))
-    alone = shapely.points(places[n == 1])
-    to_plain, to_outline = shapely.distance(plain, alone), shapely.distance(sample.region.boundary, alone)
-    assert np.minimum(to_plain, to_outline).max() < 1e-9
+    assert shapely.distance(sample.region.boundary, shapely.points(places[n == 1])).max() < 1e-9
     assert n.max() == 2
 
 
@@ -60,10 +53,3 @@ def test_square_root_of_the_distance_from_a_tip_is_integrated_along_edges(build,
         at = start + fine[:, None] * (end - start)
         exact = np.sqrt(np.hypot(*(at - tip).T)).mean() * np.hypot(*(end - start))
         assert lengths[edge == number] @ root[edge == number] == pytest.approx(exact, rel=1e-6)
-
-
-def test_rim_of_a_rectangle() -> None:
-    size = np.array([0.5, 0.25])
-    share, normals = rectangle_rim(size)
-    np.testing.assert_allclose(normals.sum(axis=0), 0.0, atol=1e-16)
-    np.testing.assert_allclose((share * size).T @ normals, 0.125 * np.eye(2), atol=1e-15)

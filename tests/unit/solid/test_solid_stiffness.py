@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.direct.assembly import half, sum_of
 from crackgrow.solid.elasticity import plane_elasticity
-from crackgrow.solid.stiffness import element_matrix, stiffness
+from crackgrow.solid.stiffness import stiffness
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 THROUGH = [(0.5, 2.3), (3.2, 2.9), (6.5, 3.6)]
@@ -100,25 +99,12 @@ def test_two_materials_each_stiffen_their_own_body(build) -> None:
     bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
     cover = build_cover(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
     materials = [plane_elasticity(young, 0.25, "strain") for young in (1.0, 10.0)]
-    matrix = stiffness(cover, materials, 4)
+    matrix = stiffness(cover, materials, 4).matrix
     nodes = lattice.to_metres(cover.patches.nodes)
     strain = np.array([1e-3, 0, 0])
     energy = sum(15.0 * strain @ material.matrix @ strain for material in materials)
     u = np.stack([1e-3 * nodes[:, 0], 0 * nodes[:, 0]], axis=1).ravel()
     assert u @ (matrix @ u) == pytest.approx(energy, rel=1e-12)
-
-
-def test_element_matrix_is_the_integral_of_b_d_b() -> None:
-    rng = np.random.default_rng(32)
-    gradients, weights = rng.normal(size=(2, 4, 5)), rng.uniform(size=5)
-    material = plane_elasticity(3.0, 0.2, "strain")
-    expected = np.zeros((8, 8))
-    for (by_x, by_y), weight in zip(gradients.transpose(2, 0, 1), weights, strict=True):
-        B = np.zeros((3, 8))
-        B[0, ::2], B[1, 1::2] = by_x, by_y
-        B[2, ::2], B[2, 1::2] = by_y, by_x
-        expected += weight * B.T @ material.matrix @ B
-    np.testing.assert_allclose(element_matrix(material, gradients, weights).reshape(8, 8), expected, atol=1e-13)
 
 
 def test_more_than_64_tips_assemble(build) -> None:
@@ -135,29 +121,3 @@ def test_more_than_64_tips_assemble(build) -> None:
     u = field(sample, lambda x, y: np.stack([1e-3 * x + 3e-4 * y, -2e-4 * x + 5e-4 * y], axis=1))
     strain = np.array([1e-3, 5e-4, 1e-4])
     assert u @ (matrix @ u) == pytest.approx(25.0**2 * strain @ sample.material.matrix @ strain, rel=1e-9)
-
-
-def test_sum_of_halves_is_that_of_dense_matrices() -> None:
-    """Each stands at one or more places, in any order of its functions, and not all of these are coupled."""
-    rng = np.random.default_rng(33)
-    expected = np.zeros((9, 2, 9, 2))
-    parts = []
-    for k, n_places in ((3, 1), (1, 2), (5, 1), (4, 3)):
-        coupled = rng.uniform(size=(k, k)) < 0.5
-        coupled |= coupled.T | np.eye(k, dtype=bool)
-        matrix = rng.normal(size=(2, 2, k, k)) * coupled
-        matrix += matrix.transpose(1, 0, 3, 2)
-        places = np.array([rng.permutation(9)[:k] for _ in range(n_places)])
-        pairs = np.flatnonzero(np.triu(coupled))
-        parts.append((places, half(k, pairs, matrix.reshape(2, 2, -1)[:, :, pairs])))
-        for ids in places:
-            expected[ids[:, None], :, ids[None], :] += matrix.transpose(2, 3, 0, 1)
-    total = sum_of(parts, 9).tocsc()
-    np.testing.assert_allclose(total.toarray(), expected.reshape(18, 18), atol=1e-15)
-    assert abs(total - total.T).max() == 0.0
-
-
-def test_sum_of_nothing_is_zero() -> None:
-    nothing = sum_of([], 3).tocsc()
-    assert nothing.shape == (6, 6)
-    assert nothing.nnz == 0

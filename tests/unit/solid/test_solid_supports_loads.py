@@ -189,7 +189,7 @@ def test_point_support_holds_the_point_exactly(build) -> None:
     at = sample.lattice.to_lattice(place[None])
     element = locate(sample.lattice, sample.cover.elements, at)
     np.testing.assert_allclose(displacement_at(sample.cover, u, at, element), [[0.02, -0.01]], atol=1e-12)
-    matrix = values_at(sample.cover, at, element).values()
+    matrix = values_at(sample.cover, at, element).rows
     np.testing.assert_allclose(matrix @ u.reshape(-1, 2), [[0.02, -0.01]], atol=1e-12)
 
 
