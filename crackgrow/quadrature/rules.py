@@ -70,7 +70,7 @@ def on_tip_triangles(corners: Floats, n: int) -> tuple[Floats, Floats]:
     points = tip[:, None, None] + (x**2)[None, :, None, None] * far[:, None]
     weights = double_area[:, None, None] * (2.0 * x**3 * weight)[None, :, None] * dv[:, None, :]
     t = len(corners)
-    return points.reshape(t, -1, 2), weights.reshape(t, -1)
+    return points.reshape(t, n * n, 2), weights.reshape(t, n * n)
 
 
 def _frozen(array: Floats) -> Floats:
