@@ -38,8 +38,8 @@ MORE_POINTS_WHERE_FADING = 1
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
 
-FEWER_IN_TILES = 1
-"""Points per direction less in whole tiles without tip functions: 1e-5 of K."""
+FEWER_IN_TILES, FEWEST = 1, 2
+"""Points per direction less in whole tiles, which tips are never in: 2e-5 of K; but not fewer than these."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -52,14 +52,13 @@ class ElementPoints:
 
 
 def element_points(cover: Cover, n: int) -> ElementPoints:
-    """Points of all elements; `n` Gauss points per direction, more where tip functions act."""
+    """Points of all elements; `n` Gauss points per direction, more in what is cut where tip functions act."""
     enriched = cover.enrichment.acted_on
     n_whole = cover.elements.n_whole
     corners, owner = _triangles(cover.elements.polygons)
     owner += n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
-    parts = [_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), n + more)]
-    parts.append(_on_tiles(cover, np.flatnonzero(~enriched[:n_whole]), max(n - FEWER_IN_TILES, 1)))
+    parts = [_on_tiles(cover, np.arange(n_whole), max(n - FEWER_IN_TILES, min(n, FEWEST)))]
     smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     tips, acting = np.array([tip.point for tip in cover.tips]).reshape(-1, 2), cover.enrichment.tips

@@ -26,9 +26,6 @@ POINTS_PER_EDGE = 4
 POINTS_BETWEEN_TILES = 2
 """The same on edges between whole tiles without tip functions: 1e-5 of K."""
 
-POINTS_PER_PIECE = 5
-"""The same on the pieces of edges on which tip functions act."""
-
 POINTS_ON_SURFACES = 8
 """The same along surfaces, where contact pressures use other points: a stuck crack passes the patch test at 1e-10."""
 
@@ -54,15 +51,15 @@ def rim_points(cover: Cover) -> RimPoints:
     )  # [-1]: outside
     between = smooth[edges.left] & smooth[edges.right] & ~cover.touching
     for few, touching, n in (
-        (True, False, (POINTS_BETWEEN_TILES, POINTS_PER_PIECE)),
-        (False, False, (POINTS_PER_EDGE, POINTS_PER_PIECE)),
-        (False, True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES)),
+        (True, False, POINTS_BETWEEN_TILES),
+        (False, False, POINTS_PER_EDGE),
+        (False, True, POINTS_ON_SURFACES),
     ):
         chosen = np.flatnonzero((between == few) & (cover.touching == touching))
         left, right = edges.left[chosen], edges.right[chosen]
         ends = np.stack([elements.vertices[edges.a[chosen]], elements.vertices[edges.b[chosen]]], axis=1)
         acting = _tips_on_edges(cover, left, right, elements.passable[chosen])
-        edge, points, lengths = points_on_edges(cover, ends, acting, *n)
+        edge, points, lengths = points_on_edges(cover, ends, acting, n)
         step = ends[:, 1] - ends[:, 0]
         unit = step / _norm(step)[:, None]
         normals = lengths[:, None] * np.stack([unit[:, 1], -unit[:, 0]], axis=1)[edge]
@@ -79,18 +76,18 @@ def points_on_outlines(cover: Cover, ends: Floats, element: Ints, edge: Ints) ->
     Returns which of the edges (n,), position (n, 2) and length (n,), in spacings, of every point.
     """
     parts = []
-    for touching, n in ((False, (POINTS_PER_EDGE, POINTS_PER_PIECE)), (True, (POINTS_ON_SURFACES, POINTS_ON_SURFACES))):
+    for touching, n in ((False, POINTS_PER_EDGE), (True, POINTS_ON_SURFACES)):
         chosen = np.flatnonzero(cover.touching[edge] == touching)
         nothing = np.full(len(chosen), -1)
         acting = _tips_on_edges(cover, element[chosen], nothing, np.zeros(len(chosen), dtype=bool))
-        which, points, lengths = points_on_edges(cover, ends[chosen], acting, *n)
+        which, points, lengths = points_on_edges(cover, ends[chosen], acting, n)
         parts.append((chosen[which], points, lengths))
     which, points, lengths = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     return which, points, lengths
 
 
 def points_on_edges(
-    cover: Cover, ends: Floats, acting: Ragged, n: int = POINTS_PER_EDGE, n_enriched: int = POINTS_PER_PIECE
+    cover: Cover, ends: Floats, acting: Ragged, n: int = POINTS_PER_EDGE
 ) -> tuple[Ints, Floats, Floats]:
     """Points on edges `ends` (m, 2, 2) on which the functions of the tips `acting` on them act.
 
@@ -101,7 +98,7 @@ def points_on_edges(
     if len(smooth) < len(ends):
         tips = np.array([tip.point for tip in cover.tips])
         owner, start, size, tip_at_start, tip_at_end = _split(ends, acting.start, acting.values, tips)
-        parts.append(_flat(owner, start, size, *on_edges_with_tips(tip_at_start, tip_at_end, n_enriched)))
+        parts.append(_flat(owner, start, size, *on_edges_with_tips(tip_at_start, tip_at_end, n)))
     edge, position, share = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(edge, kind="stable")
     edge, position, share = edge[order], position[order], share[order]
