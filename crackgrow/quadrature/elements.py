@@ -35,6 +35,9 @@ halved matters by the area, which is nothing."""
 MORE_POINTS_WHERE_FADING = 1
 """Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II."""
 
+FAR = 0.5
+"""Triangles no larger than this part of their distance from a tip take as few points as whole tiles: 1e-5 of K."""
+
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
 
@@ -63,12 +66,15 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     parts.append(_on_corners(corners[smooth], owner[smooth], n))
     tips, acting = np.array([tip.point for tip in cover.tips]).reshape(-1, 2), cover.enrichment.tips
     nearest = NEAREST * cover.elements.size
-    corners, owner, at_tip = _split(corners[~smooth], owner[~smooth], tips, acting.start, acting.values, nearest)
+    corners, owner, sizes = _split(corners[~smooth], owner[~smooth], tips, acting.start, acting.values, nearest)
+    at_tip, near = np.isinf(sizes), np.isfinite(sizes) & (sizes > FAR)
     points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
     sides = corners[at_tip, 1:] - corners[at_tip, :1]
     exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
     parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
-    parts.append(_on_corners(corners[~at_tip], owner[~at_tip], n + more))
+    parts.append(_on_corners(corners[near], owner[near], n + more))
+    far = ~(at_tip | near)
+    parts.append(_on_corners(corners[far], owner[far], max(n - FEWER_IN_TILES, min(n, FEWEST))))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
     return ElementPoints(points[order], weights[order], element[order])
@@ -165,17 +171,18 @@ def _flat(points: Floats, weights: Floats, owner: Ints) -> tuple[Floats, Floats,
 @kernel
 def _split(
     corners: Floats, owner: Ints, tips: Floats, start: Ints, acting: Ints, nearest: Floats
-) -> tuple[Floats, Ints, Bools]:
+) -> tuple[Floats, Ints, Floats]:
     """Split triangles (t, 3, 2) of elements (t,) until all are small by their distance from the tips that act on them.
 
     A triangle with a tip as a corner is turned so that it comes first, one with several is halved between two. Others
     are halved across their longest side, which keeps needles, that a crack close to a lattice line leaves, from being
     cut lengthwise. Where two sides are the longest all three are halved, but not of `THIN` triangles: each part would
     be as thin, and two of its sides the longest. Those smaller than `nearest` (elements,) are left. The tips of element
-    e are acting[start[e] : start[e + 1]]. Returns triangles, their elements, and which begin with a tip.
+    e are acting[start[e] : start[e + 1]]. Returns triangles, their elements, and how large each is by its distance from
+    a tip, infinitely where it begins with one.
     """
     room = 2 * len(owner) + 8
-    found, of, begins, n = np.empty((room, 3, 2)), np.empty(room, np.int64), np.empty(room, np.bool_), 0
+    found, of, begins, n = np.empty((room, 3, 2)), np.empty(room, np.int64), np.empty(room), 0
     waiting, part, middle, sides, is_tip = (
         np.empty((64, 3, 2)),
         np.empty((3, 2)),
@@ -206,7 +213,7 @@ def _split(
                     found, of, begins = np.concatenate((found, found)), np.append(of, of), np.append(begins, begins)
                 for i in range(3):
                     found[n, i] = part[(turn + i) % 3]
-                of[n], begins[n] = e, n_tips == 1
+                of[n], begins[n] = e, np.inf if n_tips == 1 else largest / distance
                 n += 1
                 continue
             if left + 4 > len(waiting):
