@@ -105,16 +105,16 @@ class Sample:
         """The body in lattice coordinates."""
         return shapely.Polygon(self.lattice.to_lattice(self.body.outline))
 
-    def stiffness(self, quadrature: int = 4) -> NDArray[np.float64]:
+    def stiffness(self, quadrature: int = 3) -> NDArray[np.float64]:
         return stiffness(self.cover, [self.material], quadrature).matrix.tocsc()
 
-    def system(self, supports: Sequence[Support], quadrature: int = 4) -> tuple[ConstrainedSystem, Floats]:
+    def system(self, supports: Sequence[Support], quadrature: int = 3) -> tuple[ConstrainedSystem, Floats]:
         held = constraints(self.cover, tuple(supports))
         check_held(free_motions(self.cover, held.matrix), np.empty(0, dtype=np.int64))
         return ConstrainedSystem(self.stiffness(quadrature), held.matrix, places_of_unknowns(self.cover)), held.given
 
     def solve(
-        self, supports: Sequence[Support], tractions: dict[str, tuple[float, float]], quadrature: int = 4
+        self, supports: Sequence[Support], tractions: dict[str, tuple[float, float]], quadrature: int = 3
     ) -> Floats:
         """Displacement unknowns under tractions by edge name."""
         system, given = self.system(supports, quadrature)

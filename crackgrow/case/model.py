@@ -644,7 +644,7 @@ class Numerics:
     ] = 2.0
     quadrature: Annotated[
         int, Integer(Bounds(at_least=2, at_most=10)), Doc("Gauss points per direction on an uncut cell")
-    ] = 4
+    ] = 3
     refine: Annotated[Refinement, Doc("refinement levels, and where")] = Refinement()
     tip_functions: Annotated[
         Literal["auto", "patch", "gathered"],

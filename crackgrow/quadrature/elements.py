@@ -41,8 +41,8 @@ FAR = 0.5
 MORE_POINTS_AT_TIPS = 1
 """The same for triangles with their apex at a tip."""
 
-FEWER_IN_TILES, FEWEST = 1, 2
-"""Points per direction less in whole tiles, which tips are never in: 2e-5 of K; but not fewer than these."""
+MORE_POINTS_IN_CUT_TILES = 1
+"""Points per direction on top in triangles, whose rule is not a product of two: without, 1e-4 of K."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -55,26 +55,26 @@ class ElementPoints:
 
 
 def element_points(cover: Cover, n: int) -> ElementPoints:
-    """Points of all elements; `n` Gauss points per direction, more in what is cut where tip functions act."""
+    """Points of all elements; `n` Gauss points per direction on whole tiles, more in cut ones, and near tips."""
     enriched = cover.enrichment.acted_on
     n_whole = cover.elements.n_whole
     corners, owner = _triangles(cover.elements.polygons)
     owner += n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
-    parts = [_on_tiles(cover, np.arange(n_whole), max(n - FEWER_IN_TILES, min(n, FEWEST)))]
-    smooth = ~enriched[owner]
-    parts.append(_on_corners(corners[smooth], owner[smooth], n))
+    parts = [_on_tiles(cover, np.arange(n_whole), n)]
+    smooth, cut = ~enriched[owner], n + MORE_POINTS_IN_CUT_TILES
+    parts.append(_on_corners(corners[smooth], owner[smooth], cut))
     tips, acting = np.array([tip.point for tip in cover.tips]).reshape(-1, 2), cover.enrichment.tips
     nearest = NEAREST * cover.elements.size
     corners, owner, sizes = _split(corners[~smooth], owner[~smooth], tips, acting.start, acting.values, nearest)
     at_tip, near = np.isinf(sizes), np.isfinite(sizes) & (sizes > FAR)
-    points, weights = on_tip_triangles(corners[at_tip], n + MORE_POINTS_AT_TIPS + more)
+    points, weights = on_tip_triangles(corners[at_tip], cut + MORE_POINTS_AT_TIPS + more)
     sides = corners[at_tip, 1:] - corners[at_tip, :1]
     exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
     parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
-    parts.append(_on_corners(corners[near], owner[near], n + more))
+    parts.append(_on_corners(corners[near], owner[near], cut + more))
     far = ~(at_tip | near)
-    parts.append(_on_corners(corners[far], owner[far], max(n - FEWER_IN_TILES, min(n, FEWEST))))
+    parts.append(_on_corners(corners[far], owner[far], n))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
     return ElementPoints(points[order], weights[order], element[order])

@@ -41,7 +41,7 @@ def energy_distance(coarse: StepSolution, fine: StepSolution) -> EnergyDistance:
     is. Raises GeometryError where a point of the finer body is not in the coarse one.
     """
     scene, cover = fine.configuration.scene, fine.cover
-    found = element_points(cover, scene.case.numerics.quadrature)
+    found = element_points(cover, scene.case.numerics.quadrature + 1)
     difference = total = 0.0
     for first in range(0, len(found.points), AT_ONCE):
         some = slice(first, first + AT_ONCE)

@@ -103,7 +103,7 @@ def solved(
     spacing: float = 1.5,
     hole: bool = False,
     turned: bool = False,
-    quadrature: int = 4,
+    quadrature: int = 3,
     levels: int = 0,
 ) -> tuple[Scene, StepSolution]:
     """With `levels` cells are halved so often round all vertices of the cracks, and where these meet."""

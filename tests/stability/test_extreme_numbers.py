@@ -74,7 +74,7 @@ EVERYTHING: dict[str, Any] = {
         "criterion": "strength",
         "tip_stress": {"radius": 2},
     },
-    "numerics": {"spacing": 3, "support": 2.0, "quadrature": 4, "contact": {"stiffness": 100, "spacing": 1.25}},
+    "numerics": {"spacing": 3, "support": 2.0, "quadrature": 3, "contact": {"stiffness": 100, "spacing": 1.25}},
     "output": {"frames": "none", "figures": False},
 }
 

@@ -102,7 +102,7 @@ def test_where_no_cells_are_halved_the_spacings_of_shipped_cases_lie_between_dra
 def test_preset_is_listed_in_the_resolved_case(word: str, tmp_path: Path):
     case = load_case(without_numerics(tmp_path, f"accuracy: {word}"))
     listed = numerics(case)
-    assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, 2.0, 4)
+    assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, 2.0, 3)
     assert listed["contact"]["spacing"] == 1.25
     assert listed["spacing"] == pytest.approx(0.031 / cells_along("width", word), rel=1e-12)
     assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")

@@ -90,7 +90,7 @@ def test_compression30_in_si():
 def test_defaults_are_filled_in():
     case = load_case(FILE)
     numerics = case.numerics
-    assert (numerics.spacing, numerics.support, numerics.quadrature) == (0.0015, 2.0, 4)
+    assert (numerics.spacing, numerics.support, numerics.quadrature) == (0.0015, 2.0, 3)
     contact = numerics.contact
     assert (contact.stiffness, contact.discretization, contact.solver) == (None, "mortar", "newton")
     assert contact.spacing == 1.25

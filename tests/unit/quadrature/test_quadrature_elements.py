@@ -80,12 +80,12 @@ TIPS = {
 def test_cells_round_a_tip_integrate_its_singularity(
     build, place: str, power: float, tolerance: float, levels: int
 ) -> None:
-    """r^(-1/2) and r^(-1) over the whole body by the rules for n = 4, whatever the place of the tip in its cell."""
+    """r^(-1/2) and r^(-1) over the whole body by the rules for n = 3, whatever the place of the tip in its cell."""
     side, node = 0.5**levels, np.array(TIPS["on a node"])
     end = node + side * (np.array(TIPS[place]) - node)
     sample = build.block((6, 5), [build.crack([(0.5, 1.3), end], (False, True))], 1.5, levels, [end])
     tip = sample.cover.tips[0].point
-    points = element_points(sample.cover, 4)
+    points = element_points(sample.cover, 3)
     tiles = np.unique(sample.cover.elements.tile[points.element[_close(points.points, tip, side)]])
     region = shapely.unary_union(
         [shapely.box(*low, *high) for low, high in zip(*tile_boxes(sample.lattice, tiles), strict=True)]
@@ -131,7 +131,7 @@ def test_points_of_the_mirrored_body_are_the_mirrored_points(build, path: str, m
     for way in (np.ones(2), np.array(mirror)):
         points = middle + (np.array(MIRRORED[path]) - middle) * way
         sample = build.block((6, 5), [build.crack(points)], 2.0)
-        of = element_points(sample.cover, 4)
+        of = element_points(sample.cover, 3)
         places = middle + (sample.lattice.to_metres(of.points) - middle) * way
         found.append(np.column_stack([places, of.weights]))
     here, there = (shapely.points(points[:, :2]) for points in found)
@@ -147,5 +147,5 @@ def test_a_crack_just_beside_a_lattice_line_takes_not_many_more_points_than_one_
     counts = []
     for y in (2.0, 2.0 + beside):
         sample = build.block((6, 5), [build.crack([[1.3, y], [3.0 + beside, y]])], 2.0)
-        counts.append(len(element_points(sample.cover, 4).points))
+        counts.append(len(element_points(sample.cover, 3).points))
     assert counts[1] < 12 * counts[0]

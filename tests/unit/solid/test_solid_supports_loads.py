@@ -133,7 +133,7 @@ def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
     assert found.stretched.max() < n_cells  # no jumps where cells of two sizes meet
 
 
-@pytest.mark.parametrize("quadrature", [4, 8])
+@pytest.mark.parametrize("quadrature", [3, 8])
 def test_stretch_between_edge_supports_is_uniform(build, quadrature: int) -> None:
     """u_x = 0 left, 0.01 right, u_y = 0 bottom: free sides contract by Poisson's ratio; the field is linear."""
     sample = build.block((6, 5), support=2.0)
@@ -150,7 +150,7 @@ def test_stretch_between_edge_supports_is_uniform(build, quadrature: int) -> Non
     ratio = -sample.material.c12 / sample.material.c11
     exact = (metres - 0.5) * (strain, ratio * strain)
     error = np.abs(displacement_at(sample.cover, u, points, elements) - exact).max() / 0.01
-    assert error < {4: 1e-4, 8: 3e-6}[quadrature]  # quadrature noise of 4 x 4 and of 8 x 8 points
+    assert error < {3: 1e-4, 8: 3e-6}[quadrature]  # quadrature noise of 3 x 3 and of 8 x 8 points
     stress = stress_at(sample.cover, [sample.material], u, points, elements)
     sxx = sample.material.c11 * strain + sample.material.c12 * ratio * strain
     np.testing.assert_allclose(stress, np.broadcast_to([sxx, 0, 0], stress.shape), atol=1e-3 * sxx)

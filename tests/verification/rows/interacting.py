@@ -102,7 +102,7 @@ def box(plate: CrackArray, width: float, height: float, spacing: float) -> Case:
         loads=(),
         loading=LoadHistory((1.0,)),
         growth=None,
-        numerics=Numerics(spacing=spacing, support=2.0, quadrature=4, contact=ContactNumerics(spacing=1.0)),
+        numerics=Numerics(spacing=spacing, support=2.0, quadrature=3, contact=ContactNumerics(spacing=1.0)),
         output=Output("none", (), False),
         resolved={},
     )

@@ -35,7 +35,7 @@ def test_preset_of_the_grid_has_all_that_it_sets_although_the_case_has_keys_of_i
     (setting,) = settings_of({"support": ("2",)}, [name])[:1]
     given = CaseFile(CASES / "block_rigid.yaml")  # its spacing and support are given
     numerics = given.load(*setting.overrides).numerics
-    assert (numerics.accuracy, numerics.support, numerics.quadrature) == (name, 2.0, 4)
+    assert (numerics.accuracy, numerics.support, numerics.quadrature) == (name, 2.0, 3)
     assert numerics.contact.spacing == 1.25
     assert numerics.auto_rule is not None
 
