@@ -15,7 +15,7 @@ from scipy.sparse import coo_array, csc_array, csr_array, hstack
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import SymmetricMatrix
+from crackgrow.linear import SymmetricMatrix
 from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
 

@@ -30,8 +30,8 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
-from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.solid.places import places_of_unknowns
+from crackgrow.linear import ConstrainedSystem
+from crackgrow.solid.places import boxes_of_functions
 
 Floats = NDArray[np.float64]
 
@@ -141,7 +141,7 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
         rows.append(("SuperLU", first, NOTHING))
     for how, configuration, known in rows:
         matrix, held = configuration.stiffness.matrix, configuration.held.matrix
-        places, n_fronts, n_new = places_of_unknowns(configuration.cover), "", ""
+        places, n_fronts, n_new = boxes_of_functions(configuration.cover), "", ""
         make = partial(ConstrainedSystem, matrix, held, places, known)
         if how == "SuperLU":
             make = partial(BySuperLU, matrix, held)

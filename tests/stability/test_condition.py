@@ -9,7 +9,7 @@ from scipy.sparse import csc_array, csr_array, diags_array
 
 from crackgrow.case.model import EdgeSupport
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.supports import constraints
 from tests.conftest import Build, Sample
 from tests.stability.condition import condition_estimate

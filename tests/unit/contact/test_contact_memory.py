@@ -20,7 +20,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from tests.contact_problems import contact_law
 from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, uniform

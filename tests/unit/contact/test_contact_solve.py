@@ -20,7 +20,7 @@ from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from tests.contact_problems import contact_law
 from tests.solving import solve_contact

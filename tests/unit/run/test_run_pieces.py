@@ -14,7 +14,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import FreePieceError
 from crackgrow.run import grow
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from tests.stability.contact_conditions import recorded, violations
 
 HELD_BY_FRICTION = [

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.direct.assembly import half, sum_of
+from crackgrow.solid.halves import half, sum_of
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.stiffness import element_matrix, stiffness
 

@@ -19,7 +19,7 @@ from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.study.uniqueness import (
     SecondSolution,
     friction_limit,

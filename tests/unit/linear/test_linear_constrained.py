@@ -10,7 +10,7 @@ from crackgrow.case.model import PointSupport
 from crackgrow.direct import Factorization, factorize, symmetric
 from crackgrow.direct.matrix import bordered
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 
 N = 30
 
