@@ -2,7 +2,7 @@
 
 A front is [[A, B], [B', C]] of its own p unknowns and its border of b. It becomes the rows [U, V] of L' with
 A = U' D U, and leaves C - V' D V to its parent. D is 1 for functions and -1 for multipliers, which come last.
-Arrays hold upper triangles; what is left is packed row by row.
+Arrays hold upper triangles.
 """
 
 from __future__ import annotations
@@ -78,27 +78,25 @@ def hold(
 
 @kernel
 def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
-    """Add what a child has left, packed, to its parent, where its border has the ascending numbers `into` (b,)."""
+    """Add what a child has left to its parent, where its border has the ascending numbers `into` (b,).
+
+    `left` has rows of the upper triangle, one after the other: whole rows (b b,), or packed ones (b (b + 1) / 2,).
+    """
     p, b = len(U), len(into)
-    end = np.empty(b, np.int64)  # of the run of numbers without gaps, on one side of p
-    for i in range(b - 1, -1, -1):
-        goes_on = i + 1 < b and into[i + 1] == into[i] + 1 and into[i + 1] != p
-        end[i] = end[i + 1] if goes_on else i + 1
-    place = 0
+    whole = len(left) > b * (b + 1) // 2
+    n_own = np.searchsorted(into, p)
+    place = 0  # of left[i, i]
     for i in range(b):
-        a, j = into[i], i
-        while j < b:
-            c, n = into[j], end[j] - j
-            if c < p:
-                target = U[a, c : c + n]
-            elif a < p:
-                target = V[a, c - p : c - p + n]
-            else:
-                target = C[a - p, c - p : c - p + n]
-            for k in range(n):
-                target[k] += left[place + k]
-            place += n
-            j += n
+        a, row = into[i], place - i
+        if a < p:
+            for j in range(i, n_own):
+                U[a, into[j]] += left[row + j]
+            for j in range(n_own, b):
+                V[a, into[j] - p] += left[row + j]
+        else:
+            for j in range(i, b):
+                C[a - p, into[j] - p] += left[row + j]
+        place += b + 1 if whole else b - i
 
 
 @kernel
@@ -160,12 +158,14 @@ def _one_by_one(U: Floats, V: Floats, size: Floats, begin: int, end: int, sign: 
 
 
 @kernel
-def packed(C: Floats) -> Floats:
-    """The upper triangle of C (b, b), row by row."""
-    b = len(C)
-    rows, place = np.empty(b * (b + 1) // 2), 0
+def packed(left: Floats, b: int) -> Floats:
+    """The upper triangle of `left`, whole rows (b b,), or packed already."""
+    n = b * (b + 1) // 2
+    if len(left) <= n:
+        return left
+    rows, place = np.empty(n), 0
     for i in range(b):
-        rows[place : place + b - i] = C[i, i:]
+        rows[place : place + b - i] = left[i * b + i : i * b + b]
         place += b - i
     return rows
 

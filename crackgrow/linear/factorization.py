@@ -33,7 +33,7 @@ class Factor:
 
     U: Floats  # (p, p)
     V: Floats  # (p, b)
-    left: Floats | None = None  # (b (b + 1) / 2,) where it is kept
+    left: Floats | None = None  # where it is kept, as `elimination.extend` takes it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -196,9 +196,10 @@ class Factorization:
             n_below[front] += sum(n_below[child] for child in self._children[front])
             factor = found.get(key) or known.get(key)
             found[key] = self._eliminated(front, found) if factor is None else factor
-            for child in self._children[front]:
-                if n_below[child] <= FEW_FRONTS and not known:
-                    found[self._keys[child]].left = None
+            for child in self._children[front]:  # it will be asked for again as the same tip grows on
+                below = found[self._keys[child]]
+                few = n_below[child] <= FEW_FRONTS and not known
+                below.left = None if few or below.left is None else kernels.packed(below.left, below.V.shape[1])
         return found
 
     def _assembled(self, front: int, found: dict[bytes, Factor]) -> tuple[Floats, Floats, Floats]:
@@ -221,15 +222,15 @@ class Factorization:
             U, V, C = self._assembled(front, found)
             kernels.eliminate(U, V, C, size, n_placed, True)
         self.n_eliminated += 1
-        return Factor(U, V, kernels.packed(C))
+        return Factor(U, V, C.ravel())
 
     def _left(self, front: int, found: dict[bytes, Factor]) -> Floats:
-        """What a front leaves to its parent; it is kept, for it will be asked for again as the same tip grows on."""
+        """What a front leaves to its parent, made again where it is not kept."""
         factor = found[self._keys[front]]
         if factor.left is None:
             _, _, C = self._assembled(front, found)
             kernels.take_off(factor.V, C, int(self._fronts.n_placed[front]))
-            factor.left = kernels.packed(C)
+            factor.left = C.ravel()
         return factor.left
 
 
