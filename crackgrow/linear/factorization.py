@@ -63,8 +63,10 @@ class Factorization:
         self._rho = _stiffness(matrix, constraints) / np.maximum(squares.sum(axis=1), np.finfo(float).tiny)
         alike = np.zeros((matrix.n_functions, 2), dtype=np.int64)
         self._fronts = fronts_of(matrix, constraints, *(boxes or (alike, alike + 1)))
-        sizes = np.append(matrix.diagonal() + squares.T @ self._rho, np.zeros(len(self._rho)))
-        self._sizes = sizes[self._fronts.order]  # of the entries on the diagonal
+        diagonal = matrix.diagonal() + squares.T @ self._rho
+        if not np.all(diagonal != 0.0):
+            raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
+        self._sizes = np.append(diagonal, np.zeros(len(self._rho)))[self._fronts.order]
         self._blocks = kernels.ordered(matrix.block, self._fronts.block, self._fronts.turned)
         self._starts, self._borders = (each.tolist() for each in (self._fronts.starts, self._fronts.border_start))
         self._children: list[list[int]] = [[] for _ in range(self._fronts.n)]
@@ -235,10 +237,8 @@ class Factorization:
 
 
 def _stiffness(matrix: SymmetricMatrix, constraints: csr_array) -> Floats:
-    """The mean stiffness (m,) that each constraint meets. Raises SolveError for a matrix that can't be factorized."""
-    diagonal, share = matrix.diagonal(), abs(constraints)
+    """The mean stiffness (m,) that each constraint meets. Raises SolveError where entries are not finite."""
     if not (np.isfinite(matrix.largest()) and np.isfinite(constraints.data).all()):
         raise SolveError("the stiffness matrix has entries that are not finite")
-    if not np.all(diagonal != 0.0):
-        raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
-    return np.asarray(share @ diagonal / np.maximum(share.sum(axis=1), np.finfo(float).tiny))
+    share = abs(constraints)
+    return np.asarray(share @ matrix.diagonal() / np.maximum(share.sum(axis=1), np.finfo(float).tiny))
