@@ -26,8 +26,8 @@ from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.refinement import Focus, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.linear import ConstrainedSystem
+from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.rigid_modes import check_held, free_motions

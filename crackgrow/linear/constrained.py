@@ -44,8 +44,8 @@ class ConstrainedSystem:
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
-        known = None if before is None else before._factorization
-        self._factorization = Factorization(self.stiffness, constraints, boxes, known)
+        known: Factorization | None = None if before is None else before._factorization
+        self._factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known)
 
     def hand_over(self) -> None:
         """Solve no more: the system that comes next is the last to take anything over."""

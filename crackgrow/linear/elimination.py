@@ -215,20 +215,20 @@ def forward(U: Floats, V: Floats, n_placed: int, begin: int, border: Ints, x: Fl
 def backward(U: Floats, V: Floats, begin: int, border: Ints, x: Floats) -> None:
     """Replace what x (n, k) has at a front by U^-1 (x - V times the border's)."""
     p, b, n_columns = len(U), V.shape[1], x.shape[1]
-    later = np.empty((b, n_columns))
-    for j in range(b):
-        for k in range(n_columns):
-            later[j, k] = x[border[j], k]
     if n_columns > 1:
-        mine = x[begin : begin + p]
+        later, mine = np.empty((b, n_columns)), x[begin : begin + p]
+        for j in range(b):
+            later[j] = x[border[j]]
         add_product(V, later, mine, -1.0, False)
         solve_upper(U, mine, False)
         return
-    y = x[begin : begin + p, 0].copy()
+    y, known = x[begin : begin + p, 0].copy(), np.empty(b)
+    for j in range(b):
+        known[j] = x[border[j], 0]
     for k in range(p - 1, -1, -1):
         value = y[k]
         for j in range(b):
-            value -= V[k, j] * later[j, 0]
+            value -= V[k, j] * known[j]
         for j in range(k + 1, p):
             value -= U[k, j] * y[j]
         y[k] = value / U[k, k]
@@ -236,9 +236,7 @@ def backward(U: Floats, V: Floats, begin: int, border: Ints, x: Floats) -> None:
 
 
 @kernel
-def gather(
-    left: Floats, product: Floats, into: Ints, at: Ints, y: Floats, rest: Floats, total: Floats
-) -> None:
+def gather(left: Floats, product: Floats, into: Ints, at: Ints, y: Floats, rest: Floats, total: Floats) -> None:
     """Add what a child's subtree makes of its columns to its parent's, which are `at` (c,) there."""
     p = len(y)
     for j in range(len(into)):

@@ -90,7 +90,7 @@ class Factorization:
 
     def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
-        push = loads + self._constraints.T @ (self._rho[:, None] * wanted)
+        push = loads + self._constraints.T @ (self._rho[:, None] * wanted) if wanted.any() else loads
         x = np.ascontiguousarray(np.concatenate([push, wanted])[self._fronts.order])
         for factor, n_placed, start, border in self._in_order:
             kernels.forward(factor.U, factor.V, n_placed, start, border, x)

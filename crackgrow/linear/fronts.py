@@ -70,7 +70,9 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
     position = np.empty(n + m, dtype=np.int64)
     position[order] = np.arange(n + m)
     blocks = _blocks_by_row(matrix.start, matrix.column, order, position)
-    border_start, border = _borders(blocks[0], blocks[3], first, parent, held_start, held, indptr, indices // 2, position)
+    border_start, border = _borders(
+        blocks[0], blocks[3], first, parent, held_start, held, indptr, indices // 2, position
+    )
     if len(border) == 1 and border[0] < 0:
         raise ValueError("functions are coupled that are further apart than couplings reach")
     rest_start, rest, into, block_column, held_column, multiplier_column = _numbers(

@@ -26,6 +26,7 @@ from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import FieldReading, field_readings
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
@@ -33,7 +34,6 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.run.surface_laws import SurfaceLaw, laws_at_points
 from crackgrow.solid.dependent import with_dependent_held
-from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.rigid_modes import check_held, free_motions

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, get_index_dtype
 
 from crackgrow.arrays import Floats, Ints, key_of
-from crackgrow.solid.halves import HalfMatrix, half, sum_of
 from crackgrow.ragged import starts_of
+from crackgrow.solid.halves import HalfMatrix, half, sum_of
 
 Int32s = NDArray[np.int32]
 

@@ -17,20 +17,20 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from crackgrow.direct import NOTHING, Kept
+from crackgrow.direct.fronts import fronts_of
+from crackgrow.direct.matrix import SymmetricMatrix, bordered
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.direct import NOTHING, Kept
-from crackgrow.direct.fronts import fronts_of
-from crackgrow.direct.matrix import SymmetricMatrix, bordered
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
-from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.places import boxes_of_functions
 
 Floats = NDArray[np.float64]

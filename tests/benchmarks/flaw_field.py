@@ -24,9 +24,9 @@ import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.loop import solved_steps
-from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.places import boxes_of_functions
 from tests.benchmarks.beside import PHASES
 from tests.benchmarks.paths import HERE, ROOT
