@@ -3,7 +3,8 @@
 Every function has a box, its support, and is coupled only to functions whose boxes overlap its own. A line sends the
 boxes on its two sides into two parts that are not coupled; those that it crosses are eliminated after both. Of all
 lines along ends of boxes it is that with the least (n_cut + FREE)^2 n / (n_left n_right): many on both of its sides,
-few between them, for the work of a front grows faster than it does. Where boxes are of several sizes the middle of the plane would cross what is small and many.
+few between them, for the work of a front grows faster than it does. Where boxes are of several sizes the middle of the
+plane would cross what is small and many.
 """
 
 from __future__ import annotations

@@ -103,9 +103,9 @@ def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
 def eliminate(U: Floats, V: Floats, C: Floats, size: Floats, n_placed: int, careful: bool) -> bool:
     """Replace U and V by the rows of L', C by what is left; `size` (n_placed,) are of the diagonal of functions.
 
-    False, with nothing of use, where a pivot is round-off and it is not `careful`: then such pivots are replaced (static
-    pivoting: Li, Demmel 1998), column by column; what round-off has left beside them is dropped, for it would grow from
-    one replaced pivot to the next. Whoever solves takes the effect away by refinement.
+    False, with nothing of use, where a pivot is round-off and it is not `careful`: then such pivots are replaced
+    (static pivoting: Li, Demmel 1998), column by column; what round-off has left beside them is dropped, for it would
+    grow from one replaced pivot to the next. Whoever solves takes the effect away by refinement.
     """
     p = len(U)
     own, beside = U[:n_placed, :n_placed], U[:n_placed, n_placed:]
@@ -250,7 +250,7 @@ def gather(left: Floats, product: Floats, into: Ints, at: Ints, y: Floats, rest:
 
 @kernel
 def reduce(U: Floats, V: Floats, n_placed: int, y: Floats, rest: Floats, total: Floats) -> None:
-    """Replace y (p, c) of a front by U'^-1 y, take it off `rest` (b, c), and add y' D y to the upper part of `total`."""
+    """Replace y (p, c) of a front by U'^-1 y, take it off `rest` (b, c), add y' D y to the upper part of `total`."""
     solve_upper(U, y, True)
     add_product(V, y, rest, -1.0, True)
     add_square(y[:n_placed], total, 1.0)

@@ -1,8 +1,8 @@
 """The factorization of K, held by constraints C u = g, once for many loads; subtrees that are known are taken over.
 
-[[K + C' rho C, C'], [C, 0]] has a factorization L D L' in the order of the fronts, without exchange of rows: K + C' rho C
-is definite where constraints hold what K does not, and a multiplier comes after all that it acts on. Both sides have the
-same of rho: the answer does not depend on it.
+[[K + C' rho C, C'], [C, 0]] has a factorization L D L' in the order of the fronts, without exchange of rows:
+K + C' rho C is definite where constraints hold what K does not, and a multiplier comes after all that it acts on. Both
+sides have the same of rho: the answer does not depend on it.
 
 A factor is known by its key: a hash of the entries of its front and of the keys below it. So is what a subtree makes of
 the right-hand sides that have entries in it.

@@ -148,7 +148,7 @@ def _borders(
     at: Ints, later: Ints, first: Ints, parent: Ints, held_start: Ints, held: Ints, indptr: Ints, function: Ints,
     position: Ints,
 ) -> tuple[Ints, Ints]:  # fmt: skip
-    """Starts (fronts + 1,), and the ascending positions behind a front that its subtree meets; one -1 where it can't."""
+    """Starts (fronts + 1,), and the ascending positions behind a front that its subtree meets; or one -1."""
     n_fronts, n = len(parent), len(position) - len(held)
     mark, start = np.full(len(position) + 1, -1), np.zeros(n_fronts + 1, np.int64)
     child, sibling = np.full(n_fronts, -1), np.full(n_fronts, -1)

@@ -84,7 +84,7 @@ def test_constraints_hold_also_where_they_repeat_each_other(n: int, k: int) -> N
 
 @pytest.mark.parametrize("n", [5, 20])
 def test_compliance_is_that_of_solutions(n: int) -> None:
-    """With constraints that reach far and repeat each other; rows that act nowhere, twice, and on one unknown in parts."""
+    """With constraints that reach far and repeat each other; rows that act nowhere, twice, or in parts."""
     system, matrix, _ = constrained(n, 18)
     rng = np.random.default_rng(41)
     rows = np.zeros((22, matrix.shape[0]))
@@ -272,9 +272,7 @@ def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_a
         "place": loaded(n, np.sort(np.append(at[1:], at[0] + 3))),
         "order": csr_array(first[::-1]),
         "fewer": csr_array(first[3:]),
-        "more": csr_array(
-            vstack([first, loaded(n, np.array([n // 3]))], format="csr")[np.insert(np.arange(60), 20, 60)]
-        ),
+        "more": csr_array(csr_array(vstack([first, loaded(n, np.array([n // 3]))]))[np.insert(np.arange(60), 20, 60)]),
     }
     before = factorized(matrix, nodes)
     before.compliance(first)
