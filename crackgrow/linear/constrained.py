@@ -47,6 +47,11 @@ class ConstrainedSystem:
         known: Factorization | None = None if before is None else before._factorization
         self._factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known)
 
+    @property
+    def n_fronts(self) -> tuple[int, int]:
+        """The fronts of the factorization, and how many of them it has made; the others are taken over."""
+        return self._factorization.n_fronts, self._factorization.n_eliminated
+
     def hand_over(self) -> None:
         """Solve no more: the system that comes next is the last to take anything over."""
         self._factorization.hand_over()

@@ -74,7 +74,7 @@ class Factorization:
             self._children[parent].append(front)
         self._keys = self._found_keys()
         self._reduced: dict[bytes, Reduced] = {} if before is None else before._reduced
-        self.n_eliminated = 0
+        self.n_fronts, self.n_eliminated = self._fronts.n, 0
         self.factors = self._found_factors(before)
         self._placed: list[tuple[Factor, int, int, Ints]] | None = [
             (self.factors[key], n_placed, start, self._border(front))
