@@ -18,7 +18,7 @@ from crackgrow.approximation.basis import arrays_of, functions_at, gathered
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import SymmetricMatrix
+from crackgrow.linear.matrix import SymmetricMatrix
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged
@@ -31,7 +31,6 @@ class Stiffness:
     """A stiffness matrix, and what tells which of its entries the next configuration has in common with it."""
 
     matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
-    lower: tuple[Ints, Ints, Floats]
     on: Ragged  # elements -> functions
     keys: Floats  # (elements, 2) hashes of all that each element is integrated from
     n_integrated: int  # elements
@@ -55,9 +54,7 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int, before
         changed = take_over(((on.start, on.values), of, keys, start, column, block), before)
     lower = (start, column, block)
     n_integrated = _integrate(arrays, (on.start, on.values), within, around, moduli, 1.0 / spacing, changed, *lower)
-    from crackgrow.direct.lower_bridge import from_lower
-
-    return Stiffness(from_lower(*lower), lower, on, keys, n_integrated)
+    return Stiffness(SymmetricMatrix(*lower), on, keys, n_integrated)
 
 
 @kernel

@@ -96,12 +96,12 @@ def take_over(matrix: tuple[Any, ...], before: Stiffness) -> Bools:
     matrix: functions of elements, elements of functions, keys of elements, rows and columns and blocks of the triangle
     """
     on, of, keys, start, column, block = matrix
-    known = (before.on.start, before.on.values)
-    of_known = elements_of(*known, len(before.lower[0]) - 1)
+    known, lower = (before.on.start, before.on.values), (before.matrix.start, before.matrix.column, before.matrix.block)
+    of_known = elements_of(*known, before.matrix.n_functions)
     function = _numbers_before(
         _function_keys(*on, keys, len(of[0]) - 1), _function_keys(*known, before.keys, len(of_known[0]) - 1)
     )
-    _copy(*on, *of, *known, _numbers_before(keys, before.keys), function, (start, column, block), before.lower)
+    _copy(*on, *of, *known, _numbers_before(keys, before.keys), function, (start, column, block), lower)
     return np.asarray(function < 0)
 
 
