@@ -1,7 +1,8 @@
 """Compilation of the kernels, and BLAS and LAPACK for them.
 
-A kernel is a function of numbers and arrays in plain loops. Numba compiles it once and keeps it in a cache; with
-NUMBA_DISABLE_JIT=1 it runs as Python. Importing this module loads Numba: only rooms that solve may do it.
+A kernel is a function of numbers and arrays in plain loops. Numba compiles it once and keeps it in a folder, below
+NUMBA_CACHE_DIR if that is set, else in the package, else in the user's cache; with NUMBA_DISABLE_JIT=1 it runs as
+Python. Importing this module loads Numba: only rooms that solve may do it.
 
 Routines of SciPy's BLAS and LAPACK take addresses and store matrices by columns; those here take arrays (C order) and
 hand over the transposes.
@@ -9,28 +10,84 @@ hand over the transposes.
 
 from __future__ import annotations
 
+import contextlib
 import ctypes
+import os
 from collections.abc import Callable
-from typing import Any
+from hashlib import sha256
+from pathlib import Path
+from typing import Any, Final
 
 import llvmlite.binding
 import numba
 import numpy as np
 from numba import types
+from numba.core import config, event
 from numba.extending import get_cython_function_address
 
 from crackgrow.arrays import Floats
 
-kernel: Callable[[Callable[..., Any]], Callable[..., Any]] = numba.njit(
-    cache=True, error_model="numpy", nogil=True, fastmath={"contract", "reassoc", "nsz", "arcp"}
-)
-"""Compile a kernel. Sums may be reordered; what is not finite stays so."""
+WITH_KERNELS: Final = ("approximation", "cover", "linear", "quadrature", "solid", "compiled.py")
+"""Where kernels are."""
+
+
+def _folder() -> Path:
+    """Where compiled kernels are kept: one folder for each state of all of them together.
+
+    Numba knows that a kernel has changed by its own file, but not by those of the kernels that it has taken in.
+    """
+    package, digest = Path(__file__).parent, sha256()
+    for room in WITH_KERNELS:
+        for file in sorted((package / room).glob("*.py")) or [package / room]:
+            text = file.read_bytes()
+            if b"@kernel" in text:
+                digest.update(text)
+    own = package / "__pycache__"
+    with contextlib.suppress(OSError):
+        own.mkdir(exist_ok=True)
+    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "crackgrow"
+    given = os.environ.get("NUMBA_CACHE_DIR")
+    return (Path(given) if given else own if os.access(own, os.W_OK) else users) / f"kernels-{digest.hexdigest()[:16]}"
+
+
+_FOLDER: Final = str(_folder())
+
+
+def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
+    """Compile a kernel. Sums may be reordered; what is not finite stays so."""
+    fast = {"contract", "reassoc", "nsz", "arcp"}
+    before, config.CACHE_DIR = config.CACHE_DIR, _FOLDER  # type: ignore[attr-defined]
+    try:
+        compiled: Callable[..., Any] = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath=fast)(function)
+    finally:
+        config.CACHE_DIR = before  # type: ignore[attr-defined]
+    return compiled
+
+
+class _Once(event.Listener):
+    """Tells of the first kernel that is compiled: those that the cache has are not."""
+
+    def __init__(self, tell: Callable[[], None]) -> None:
+        self._tell: Callable[[], None] | None = tell
+
+    def on_start(self, event: object) -> None:
+        if self._tell is not None:
+            self._tell()
+            self._tell = None
+
+    def on_end(self, event: object) -> None:
+        pass
+
+
+def before_compiling(tell: Callable[[], None]) -> None:
+    """Have `tell` called before the first kernel is compiled, if any is."""
+    event.register("numba:compile", _Once(tell))  # type: ignore[no-untyped-call]
 
 
 def _routine(name: str, n: int, module: str) -> Callable[..., None]:
     """A routine with n arguments, all of them addresses; compiled code knows it by a name, so that it can be cached."""
     address = get_cython_function_address(f"scipy.linalg.cython_{module}", name)
-    if numba.config.DISABLE_JIT:  # type: ignore[attr-defined]
+    if config.DISABLE_JIT:  # type: ignore[attr-defined]
         return ctypes.CFUNCTYPE(None, *[ctypes.c_void_p] * n)(address)
     llvmlite.binding.add_symbol(f"crackgrow_{name}", address)
     routine: Callable[..., None] = types.ExternalFunction(f"crackgrow_{name}", types.void(*[types.intp] * n))

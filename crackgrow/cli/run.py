@@ -65,6 +65,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namespace) -> int:
     """Grow and write, from the beginning or from where an earlier run was broken off."""
+    from crackgrow.compiled import before_compiling  # only now: it loads Numba
+
     case, folder = writer.case, writer.folder
     if found is None:
         _spare_case_file(arguments.case, folder)
@@ -75,6 +77,7 @@ def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namesp
     with _uninterrupted():
         writer.begin() if found is None else writer.resume(found)
     progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step, expected)
+    before_compiling(lambda: complain("compiling the kernels: once after installation, less than a minute"))
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:

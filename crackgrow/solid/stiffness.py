@@ -23,7 +23,7 @@ from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.unchanged import element_keys, elements_of, take_over
+from crackgrow.solid.unchanged import Keys, element_keys, elements_of, take_over
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +32,7 @@ class Stiffness:
 
     matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
     on: Ragged  # elements -> functions
-    keys: Floats  # (elements, 2) hashes of all that each element is integrated from
+    keys: Keys  # (elements, 2) hashes of all that each element is integrated from
     n_integrated: int  # elements
 
 
