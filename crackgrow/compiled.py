@@ -38,6 +38,9 @@ def _routine(name: str, n: int, module: str) -> Callable[..., None]:
 
 
 _dsyrk = _routine("dsyrk", 10, "blas")
+_dgemm = _routine("dgemm", 13, "blas")
+_dtrsm = _routine("dtrsm", 11, "blas")
+_dpotrf = _routine("dpotrf", 5, "lapack")
 
 
 @kernel
@@ -48,3 +51,56 @@ def syrk(rows: Floats, product: Floats) -> None:
     uplo, one, n = flags.ctypes.data, numbers.ctypes.data, sizes.ctypes.data
     _dsyrk(uplo, uplo + 1, n, n + 4, one, rows.ctypes.data, n, one + 8, product.ctypes.data, n)
     flags[0], numbers[0], sizes[0] = 0, 0.0, 0  # used after the call: else Numba would free them before it
+
+
+@kernel
+def add_square(rows: Floats, total: Floats, factor: float) -> None:
+    """Add `factor` R' R to the upper triangle of `total` (n, n), R = `rows` (k, n); numbers of a row are contiguous."""
+    if rows.size == 0:
+        return
+    flags, numbers = np.array([76, 78], np.uint8), np.array([factor, 1.0])  # L: the upper triangle of rows; N
+    sizes = np.array([rows.shape[1], rows.shape[0], rows.strides[0] // 8, total.strides[0] // 8], np.int32)
+    uplo, number, n = flags.ctypes.data, numbers.ctypes.data, sizes.ctypes.data
+    at, to = rows.ctypes.data, total.ctypes.data
+    _dsyrk(uplo, uplo + 1, n, n + 4, number, at, n + 8, number + 8, to, n + 12)
+    flags[0], numbers[0], sizes[0] = 0, 0.0, 0
+
+
+@kernel
+def add_product(left: Floats, right: Floats, total: Floats, factor: float, transposed: bool) -> None:
+    """Add `factor` A B to `total` (n, k), or A' B if `transposed`, A = `left`, B = `right`; rows are contiguous."""
+    if left.size == 0 or right.size == 0:
+        return
+    flags, numbers = np.array([78, 84 if transposed else 78], np.uint8), np.array([factor, 1.0])  # N; N or T
+    sizes = np.array([total.shape[1], total.shape[0], right.shape[0], 0, 0, 0], np.int32)
+    sizes[3], sizes[4], sizes[5] = right.strides[0] // 8, left.strides[0] // 8, total.strides[0] // 8
+    flag, number, n = flags.ctypes.data, numbers.ctypes.data, sizes.ctypes.data
+    b, a, to = right.ctypes.data, left.ctypes.data, total.ctypes.data
+    _dgemm(flag, flag + 1, n, n + 4, n + 8, number, b, n + 12, a, n + 16, number + 8, to, n + 20)
+    flags[0], numbers[0], sizes[0] = 0, 0.0, 0
+
+
+@kernel
+def solve_upper(upper: Floats, right: Floats, transposed: bool) -> None:
+    """Replace `right` (n, k) by U^-1 times it, or U'^-1 if `transposed`, U = `upper` (n, n); rows are contiguous."""
+    if right.size == 0:
+        return
+    flags = np.array([82, 76, 84 if transposed else 78, 78], np.uint8)  # R, L, T or N, N
+    one = np.ones(1)
+    sizes = np.array([right.shape[1], right.shape[0], upper.strides[0] // 8, right.strides[0] // 8], np.int32)
+    flag, n, number = flags.ctypes.data, sizes.ctypes.data, one.ctypes.data
+    u, b = upper.ctypes.data, right.ctypes.data
+    _dtrsm(flag, flag + 1, flag + 2, flag + 3, n, n + 4, number, u, n + 8, b, n + 12)
+    flags[0], one[0], sizes[0] = 0, 0.0, 0
+
+
+@kernel
+def cholesky(matrix: Floats) -> int:
+    """Replace the upper triangle of a symmetric `matrix` (n, n) by U with U' U; 0, or which pivot is not positive."""
+    if matrix.size == 0:
+        return 0
+    flags, sizes = np.array([76], np.uint8), np.array([len(matrix), matrix.strides[0] // 8, 0], np.int32)
+    n = sizes.ctypes.data
+    _dpotrf(flags.ctypes.data, n, matrix.ctypes.data, n + 4, n + 8)
+    flags[0] = 0
+    return int(sizes[2])

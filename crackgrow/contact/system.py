@@ -19,7 +19,7 @@ from crackgrow.arrays import Bools, Floats, Ints, key_of
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.contact.problem import Motions
 from crackgrow.errors import NotSolvedError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.rigid_modes import RigidMotions
 
 FEW_NUMBERS = 1_000_000
@@ -95,7 +95,7 @@ class ContactSystem:
         u, multipliers = np.zeros(loads.shape), np.zeros(given.shape)
         some = loads.any(axis=0) | given.any(axis=0)
         if some.any():
-            u[:, some], multipliers[:, some] = self.system.solve(loads[:, some], given[:, some], with_pulls=True)
+            u[:, some], multipliers[:, some] = self.system.solve(loads[:, some], given[:, some])
         return u[:, :k], multipliers[:, :k], u[:, k:], multipliers[:, k:]
 
     @property
@@ -117,9 +117,7 @@ class ContactSystem:
     @cached_property
     def rock(self) -> Floats:
         """G K0^-1 G' W (2 n, 2 n) m/Pa: gap and slip that unit tractions take away."""
-        compliance = None if self._few else self.system.compliance(self.operator)
-        if compliance is not None:  # else there are too many constraints, or fronts that could not factorize
-            compliance = self._refined(compliance)
+        compliance = None if self._few else self._refined(self.system.compliance(self.operator))
         return self._solved_for() if compliance is None else compliance
 
     def _solved_for(self) -> Floats:

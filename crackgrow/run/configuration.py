@@ -20,13 +20,13 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import NOTHING
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.readings import Readings
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import FieldReading, field_readings
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
@@ -34,9 +34,8 @@ from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.run.surface_laws import SurfaceLaw, laws_at_points
 from crackgrow.solid.dependent import with_dependent_held
-from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.places import places_of_unknowns
+from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import Stiffness, stiffness_after
 from crackgrow.solid.supports import Constraints
@@ -316,8 +315,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         stiff = matrix if loose is None else loose.held_in(matrix)
-        known = NOTHING if before is None else before.contact.system.kept
-        system = ConstrainedSystem(stiff, held.matrix, places_of_unknowns(cover), known)
+        known = None if before is None else before.contact.system
+        system = ConstrainedSystem(stiff, held.matrix, boxes_of_functions(cover), known)
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver

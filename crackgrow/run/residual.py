@@ -11,8 +11,8 @@ from crackgrow.case.units import place_text
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import SymmetricMatrix
 from crackgrow.errors import SolveError
+from crackgrow.linear import SymmetricMatrix
 
 LARGEST = 1e100
 """Forces and stiffnesses, in SI, beyond which energies may overflow."""

@@ -15,11 +15,11 @@ from itertools import pairwise
 
 import numpy as np
 from scipy.linalg.lapack import dpstrf
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array, csr_array, tril
 from scipy.sparse.csgraph import connected_components
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.direct import SymmetricMatrix, mirrored
+from crackgrow.linear import SymmetricMatrix
 from crackgrow.ragged import numbered, starts_of
 
 SMALL = 1e-3
@@ -31,11 +31,8 @@ DEPENDENT = 1e-11
 
 
 def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
-    """The stiffness matrix with springs at unknowns that depend on others, each as stiff as its own entry.
-
-    Only the blocks of the matrix are looked at: small functions are those of cut patches.
-    """
-    diagonal, (first, second, entries) = matrix.diagonal(), matrix.blocks.pairs
+    """The stiffness matrix with springs at unknowns that depend on others, each as stiff as its own entry."""
+    diagonal, first, second = matrix.diagonal(), matrix.row, matrix.column
     each = diagonal.reshape(-1, 2)
     least = each.min(axis=1) < SMALL * each.max(initial=0.0)  # the others are large whatever they meet
     met = np.zeros(len(each))
@@ -47,13 +44,14 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     if not is_small.any():
         return matrix
     between = np.flatnonzero(is_small[first] & is_small[second])
-    shape, component = (2, len(between), 2), np.arange(2)
-    row = np.broadcast_to(2 * first[between, None] + component[:, None, None], shape)
-    column = np.broadcast_to(2 * second[between, None] + component, shape)
-    kept = small.ravel()[row] & small.ravel()[column]
+    shape, component = (len(between), 2, 2), np.arange(2)
+    row = np.broadcast_to(2 * first[between, None, None] + component[:, None], shape)
+    column = np.broadcast_to(2 * second[between, None, None] + component, shape)
+    kept = small.ravel()[row] & small.ravel()[column] & (column <= row)
     some, places = numbered(np.concatenate([row[kept], column[kept]]), small.size)
-    half = csr_array((entries[:, between][kept], np.split(places, 2)), shape=(len(some), len(some)))
-    held = some[_dependent(mirrored(half), 1.0 / np.sqrt(np.maximum(diagonal[some], np.finfo(float).tiny)))]
+    lower = csr_array((matrix.block[between][kept], np.split(places, 2)), shape=(len(some), len(some)))
+    block = csc_array(lower + tril(lower, -1).T)
+    held = some[_dependent(block, 1.0 / np.sqrt(np.maximum(diagonal[some], np.finfo(float).tiny)))]
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
 
 

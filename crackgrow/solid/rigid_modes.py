@@ -15,9 +15,9 @@ from scipy.sparse import coo_array, csc_array, csr_array, hstack
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import SymmetricMatrix
 from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
+from crackgrow.linear import SymmetricMatrix
 
 HOLDS_NOTHING = 1e-8
 """Singular values below this, of constraints on the three rigid motions scaled by the piece's size, hold nothing."""

@@ -15,7 +15,7 @@ from scipy.sparse import csc_array
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.direct import EqualElements, HalfMatrix, SymmetricMatrix, blocks_of, half
+from crackgrow.linear import SymmetricMatrix, symmetric
 from crackgrow.quadrature.plain_kinds import PlainKind, plain_kinds
 from crackgrow.quadrature.rims import rectangle_rim
 from crackgrow.quadrature.rules import square
@@ -23,6 +23,8 @@ from crackgrow.ragged import starts_of
 from crackgrow.solid.clusters import Clusters, Named, clusters_of, keys, named
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.element_products import consistent, products, products_over
+from crackgrow.solid.halves import HalfMatrix, half
+from crackgrow.solid.summed import EqualElements, Summed, blocks_of
 
 BATCH = 500000
 """Values of functions at points that are held at once."""
@@ -33,6 +35,7 @@ class Stiffness:
     """A stiffness matrix, and its parts that the next configuration may have in common with this one."""
 
     matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
+    summed: Summed
     clusters: Mapping[bytes, HalfMatrix]
     plain: Mapping[bytes, Floats]  # (2 k, 2 k) of the kinds of plain elements
     named: Named  # the elements by what their functions depend on
@@ -58,7 +61,7 @@ def stiffness_after(
     integrated = {names[number]: part for number, part in _integrated(cover, materials, clusters, new)}
     matrices = {name: known[name] if name in known else integrated[name] for name in names}
     halves = [matrices[name] for name in names]
-    blocks = blocks_of(clusters.functions, halves, clusters.group, None if before is None else before.matrix.blocks)
+    blocks = blocks_of(clusters.functions, halves, clusters.group, None if before is None else before.summed.blocks)
     none = csc_array((cover.n_dofs, cover.n_dofs))
     plain: dict[bytes, Floats] = {}
     elements = []
@@ -67,9 +70,9 @@ def stiffness_after(
         ready = None if before is None else before.plain.get(name)
         plain[name] = _plain(cover, kind, materials[kind.body], n) if ready is None else ready
         elements.append(EqualElements(kind.patches(cover), plain[name], name))
-    return Stiffness(
-        SymmetricMatrix(tuple(elements), none, blocks), matrices, plain, named(cover, clusters, names), len(new)
-    )
+    summed = Summed(tuple(elements), none, blocks)
+    matrix = symmetric(summed.tocsc())
+    return Stiffness(matrix, summed, matrices, plain, named(cover, clusters, names), len(new))
 
 
 def element_matrix(material: PlaneElasticity, gradients: Floats, weights: Floats) -> Floats:

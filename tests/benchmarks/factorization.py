@@ -18,20 +18,17 @@ from pathlib import Path
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import block_array, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.direct import NOTHING, Kept
-from crackgrow.direct.fronts import fronts_of
-from crackgrow.direct.matrix import SymmetricMatrix, bordered
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
-from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.solid.places import places_of_unknowns
+from crackgrow.solid.places import boxes_of_functions
 
 Floats = NDArray[np.float64]
 
@@ -107,7 +104,8 @@ class BySuperLU:
 
     def __init__(self, matrix: SymmetricMatrix, held: csr_array) -> None:
         size = abs(held) @ matrix.diagonal() / abs(held).sum(axis=1)
-        whole = bordered(matrix, held, size, 1e-7 / size).tocsc()
+        stiffer = matrix.tocsc() + held.T @ diags_array(size) @ held
+        whole = csc_array(block_array([[stiffer, held.T], [held, -diags_array(1e-7 / size)]]))
         self._n, self._m = matrix.shape[0], held.shape[0]
         options = {"SymmetricMode": True}
         self._factors = splu(whole, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -133,27 +131,27 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
     """Rows of the table: from nothing, after the first crack has grown by a spacing, and by SuperLU."""
     scene = make_scene(case)
     first = assemble(scene, cracked(case))
-    rows: list[tuple[str, Configuration, Kept]] = [("fronts", first, NOTHING)]
+    rows: list[tuple[str, Configuration, ConstrainedSystem | None]] = [("fronts", first, None)]
     if case.cracks:
         grown = assemble(scene, cracked(case, case.numerics.spacing), first)
-        rows.append(("fronts, one tip grown", grown, first.contact.system.kept))
+        rows.append(("fronts, one tip grown", grown, first.contact.system))
     if by_superlu:
-        rows.append(("SuperLU", first, NOTHING))
+        rows.append(("SuperLU", first, None))
     for how, configuration, known in rows:
-        matrix, held = configuration.stiffness.matrix, configuration.held.matrix
-        places, n_fronts, n_new = places_of_unknowns(configuration.cover), "", ""
-        make = partial(ConstrainedSystem, matrix, held, places, known)
+        matrix, held = configuration.contact.system.stiffness, configuration.held.matrix
+        n_fronts: tuple[object, object] = ("", "")
+        make = partial(ConstrainedSystem, matrix, held, boxes_of_functions(configuration.cover), known)
         if how == "SuperLU":
             make = partial(BySuperLU, matrix, held)
         factorize, system = timed(make, repetitions), make()
         if isinstance(system, ConstrainedSystem):
-            n_fronts, n_new = fronts_of(places, held)[0].n, len(system.kept.factors.keys() - known.factors.keys())
+            n_fronts = (system.factorization.n_fronts, system.factorization.n_eliminated)
         loads = tractions(configuration)
         one = timed(partial(system.solve, configuration.loads(LoadLevel(1.0))), repetitions)
         many = timed(partial(system.solve, loads), 1)
         u, multipliers = system.solve(loads)
         residual = np.abs(matrix @ u + held.T @ multipliers - loads).max() / np.abs(loads).max()
-        cells = [name, len(loads), how, n_fronts, n_new, f"{factorize:.3f}", f"{one:.3f}"]
+        cells = [name, len(loads), how, *n_fronts, f"{factorize:.3f}", f"{one:.3f}"]
         cells += [loads.shape[1], f"{many:.3f}", f"{residual:.0e}"]
         print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
 

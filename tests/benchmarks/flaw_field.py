@@ -24,10 +24,10 @@ import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.loop import solved_steps
-from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.solid.places import places_of_unknowns
+from crackgrow.solid.places import boxes_of_functions
 from tests.benchmarks.beside import PHASES
 from tests.benchmarks.paths import HERE, ROOT
 from tests.benchmarks.tables import number, table, write_part
@@ -203,7 +203,7 @@ def text_of(runs: Sequence[Growth]) -> str:
 
 def factorization(configuration: Configuration) -> float:
     """CPU seconds of factorizing the held stiffness, with nothing known before."""
-    stiff, places = configuration.contact.system.stiffness, places_of_unknowns(configuration.cover)
+    stiff, places = configuration.contact.system.stiffness, boxes_of_functions(configuration.cover)
     start = time.process_time()
     ConstrainedSystem(stiff, configuration.held.matrix, places)
     return time.process_time() - start

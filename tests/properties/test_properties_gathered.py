@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from crackgrow.case.model import PointSupport
 from crackgrow.cover.cover import build_cover
-from crackgrow.solid.places import places_of_unknowns
+from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.stiffness import stiffness_after
 from tests.properties.test_properties_cells import TIP, mode_one
 from tests.properties.test_properties_patch_test import errors
@@ -57,9 +57,9 @@ def test_the_error_at_a_tip_is_no_larger_than_with_functions_on_every_patch(buil
 def test_the_direct_solver_knows_what_gathered_functions_are_coupled_to(build) -> None:
     """It leaves out all pairs of unknowns whose boxes do not overlap."""
     sample = build.block((22, 15), [build.crack(LONG, gathered=True)], 2.0, 2, LONG[1:])
-    places, matrix = places_of_unknowns(sample.cover), sample.stiffness().tocoo()
-    low = np.maximum(places.low[matrix.row], places.low[matrix.col])
-    high = np.minimum(places.high[matrix.row], places.high[matrix.col])
+    (low, high), matrix = boxes_of_functions(sample.cover), sample.stiffness().tocoo()
+    first, second = matrix.row // 2, matrix.col // 2
+    low, high = np.maximum(low[first], low[second]), np.minimum(high[first], high[second])
     assert (low < high).all()
     corners = np.array([(0.5, 0.5), (22.5, 0.5)])
     held = [PointSupport("rock", corners[0], (0.0, 0.0)), PointSupport("rock", corners[1], (None, 0.0))]

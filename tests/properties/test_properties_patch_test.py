@@ -14,8 +14,8 @@ from crackgrow.cover.cover import build_cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.shapes import BodyGeometry
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.elasticity import plane_elasticity
-from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.solid.stiffness import stiffness

@@ -20,7 +20,7 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
 from crackgrow.arrays import Floats
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 
 ACCURACY = 1e-2
 """Relative accuracy of the extreme eigenvalues: the order of magnitude is what is asked for."""

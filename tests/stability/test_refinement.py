@@ -13,7 +13,7 @@ import pytest
 from scipy.sparse import csr_array
 
 from crackgrow.case import load_case
-from crackgrow.direct.multifrontal import Multifrontal
+from crackgrow.linear.factorization import Factorization
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
 
@@ -42,23 +42,24 @@ def last_step(name: str, settings: tuple[str, ...]) -> StepResult:
 @pytest.mark.parametrize("scene", SCENES)
 def test_rough_factorization_changes_no_result(scene: str, monkeypatch: pytest.MonkeyPatch) -> None:
     plain = last_step(*SCENES[scene])
-    exact, exact_products = Multifrontal.solve, Multifrontal.products
+    exact, exact_compliance = Factorization.solve, Factorization.compliance
     n_solves = 0
 
-    def rough(self: Multifrontal, right: np.ndarray) -> np.ndarray:
+    def off(n: int) -> np.ndarray:
+        return 1.0 + OFF * np.random.default_rng(n).choice([-1.0, 1.0], n)
+
+    def rough(self: Factorization, loads: np.ndarray, wanted: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         nonlocal n_solves
         n_solves += 1
-        found = exact(self, right)
-        off = 1.0 + OFF * np.random.default_rng(len(found)).choice([-1.0, 1.0], len(found))
-        return found * (off if found.ndim == 1 else off[:, None])
+        u, multipliers = exact(self, loads, wanted)
+        return off(len(u))[:, None] * u, off(len(multipliers))[:, None] * multipliers
 
-    def rough_products(self: Multifrontal, right: csr_array) -> np.ndarray:
-        found = exact_products(self, right)
-        off = 1.0 + OFF * np.random.default_rng(len(found)).choice([-1.0, 1.0], len(found))
-        return off[:, None] * found * off
+    def rough_compliance(self: Factorization, rows: csr_array) -> np.ndarray:
+        found = exact_compliance(self, rows)
+        return off(len(found))[:, None] * found * off(len(found))
 
-    monkeypatch.setattr(Multifrontal, "solve", rough)
-    monkeypatch.setattr(Multifrontal, "products", rough_products)
+    monkeypatch.setattr(Factorization, "solve", rough)
+    monkeypatch.setattr(Factorization, "compliance", rough_compliance)
     found = last_step(*SCENES[scene])
     assert n_solves > 2
     assert found.residual < 1e-9

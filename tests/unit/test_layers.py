@@ -10,12 +10,12 @@ from pathlib import Path
 
 import pytest
 
-import crackgrow.direct
+import crackgrow.linear
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
     "errors", "arrays", "ragged", "blas", "limits", "vectors", "compiled", "case", "geometry", "cover", "approximation",
-    "quadrature", "direct", "solid", "contact", "fracture", "accuracy", "run", "results", "plan", "study", "api", "cli",
+    "quadrature", "linear", "solid", "contact", "fracture", "accuracy", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (
     "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.caution",
@@ -66,21 +66,21 @@ def test_module_imports_from_its_layer_and_below(path: Path) -> None:
 
 def behind_the_door(source: str, package: str) -> list[str]:
     """What a module of another package imports of the direct solver besides its door."""
-    own = [name for name in imported(source, package) if name.startswith("crackgrow.direct")]
-    return [name for name in own if name.removeprefix("crackgrow.direct.") not in crackgrow.direct.__all__]
+    own = [name for name in imported(source, package) if name.startswith("crackgrow.linear")]
+    return [name for name in own if name.removeprefix("crackgrow.linear.") not in crackgrow.linear.__all__]
 
 
 @pytest.mark.parametrize("path", modules(), ids=lambda path: str(path.relative_to(ROOT)))
 def test_the_direct_solver_has_one_door(path: Path) -> None:
     package = ".".join(["crackgrow", *path.relative_to(ROOT).parts[:-1]])
-    if package != "crackgrow.direct":
+    if package != "crackgrow.linear":
         assert behind_the_door(path.read_text(encoding="utf-8"), package) == []
 
 
 def test_what_is_behind_the_door_is_found() -> None:
-    assert behind_the_door("from crackgrow.direct.fronts import fronts_of", "crackgrow.solid")
-    assert behind_the_door("import crackgrow.direct.matrix", "crackgrow.solid")
-    assert not behind_the_door("from crackgrow.direct import factorize, Places", "crackgrow.solid")
+    assert behind_the_door("from crackgrow.linear.fronts import fronts_of", "crackgrow.solid")
+    assert behind_the_door("import crackgrow.linear.matrix", "crackgrow.solid")
+    assert not behind_the_door("from crackgrow.linear import ConstrainedSystem", "crackgrow.solid")
 
 
 @pytest.mark.parametrize(

@@ -17,10 +17,10 @@ from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
-from crackgrow.solid.linear_solver import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints

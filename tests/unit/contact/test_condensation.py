@@ -11,8 +11,8 @@ import pytest
 from crackgrow.contact.coulomb import SLIP
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
-from crackgrow.solid.linear_solver import ConstrainedSystem
-from crackgrow.solid.places import places_of_unknowns
+from crackgrow.linear import ConstrainedSystem
+from crackgrow.solid.places import boxes_of_functions
 from tests.contact_problems import contact_law
 from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, compression, tilting, uniform
@@ -30,7 +30,7 @@ class BlockByFronts(Block):
 
 def by_fronts(block: Block) -> Block:
     """The block with a factorization that elimination goes by."""
-    places = places_of_unknowns(block.sample.cover)
+    places = boxes_of_functions(block.sample.cover)
     found = replace(block, system=ConstrainedSystem(block.system.stiffness, block.system.constraints, places))
     return BlockByFronts(**vars(found))
 

@@ -20,7 +20,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from tests.contact_problems import contact_law
 from tests.solving import solve_contact
 from tests.unit.contact.test_contact_solve import Block, uniform
@@ -41,8 +41,8 @@ class Springs:
     def __init__(self, solver: str, coupling: float = 0.0, **law: float) -> None:
         """`coupling` ties the slip of neighbours together: a stiffness, Pa."""
         tangential = np.diag(WEIGHTS * KT) + coupling * (2.0 * np.eye(N) - np.eye(N, k=1) - np.eye(N, k=-1))
-        K = block_diag([np.diag(KN * WEIGHTS), tangential, np.eye(1)])
-        unknowns = csr_array(np.eye(2 * N + 1))
+        K = block_diag([np.diag(KN * WEIGHTS), tangential, np.eye(2)])
+        unknowns = csr_array(np.eye(2 * N + 2))
         system = ConstrainedSystem(csc_array(K), unknowns[2 * N :])
         self.law = law_of(**law)
         self.contact = ContactSystem(system, unknowns[:N], unknowns[N : 2 * N], WEIGHTS, self.law, solver)
@@ -51,8 +51,8 @@ class Springs:
         """Outcomes under shears, one after the other, each times PRESSURE; `pressure` in the same measure."""
         outcomes = []
         for shear in shears:
-            loads = np.concatenate([-pressure * PRESSURE * WEIGHTS, shear * PRESSURE * WEIGHTS, [0.0]])
-            last = solve_contact(self.contact, loads, np.zeros(1), last.memory if last else None)
+            loads = np.concatenate([-pressure * PRESSURE * WEIGHTS, shear * PRESSURE * WEIGHTS, [0.0, 0.0]])
+            last = solve_contact(self.contact, loads, np.zeros(2), last.memory if last else None)
             outcomes.append(last)
         return outcomes
 
@@ -334,13 +334,13 @@ def test_a_cut_remembers_where_it_has_slid_to(build, solver: str, angle: float) 
 def test_open_points_carry_no_shear_whatever_their_cohesion(solver: str, kept: bool) -> None:
     """A lever closes the second point first and opens it in the end: it has been among the unknowns."""
     compliance = np.array([[1.0, 0.8], [0.8, 1.0]])
-    K = block_diag([np.linalg.inv(compliance), np.eye(2), np.eye(1)])
-    unknowns = csr_array(diags_array(np.ones(5)))
+    K = block_diag([np.linalg.inv(compliance), np.eye(4)])
+    unknowns = csr_array(diags_array(np.ones(6)))
     system = ConstrainedSystem(csc_array(K), unknowns[4:])
     law = contact_law(*(np.full(2, value) for value in (0.5, 0.4, 0.0)), kept=np.full(2, kept))
     contact = ContactSystem(system, unknowns[:2], unknowns[2:4], np.ones(2), law, solver)
     free = np.array([-1.0, -0.1, 0.3, 0.3])  # both overlap; the first alone lifts the second by 0.8
-    outcome = solve_contact(contact, K @ np.append(free, 0.0), np.zeros(1))
+    outcome = solve_contact(contact, K @ np.append(free, np.zeros(2)), np.zeros(2))
     assert outcome.points.state.tolist() == [STICK, OPEN]
     np.testing.assert_allclose(outcome.points.opening, [0.0, 0.7], atol=1e-12)
     np.testing.assert_allclose(outcome.points.tangential, [0.3, 0.0], atol=1e-12)
@@ -355,15 +355,15 @@ def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:
     With P = 0.1 and T = 0.5 it slips by 0.05 under p_n = -1/15, with T = 0.45 it sticks there under p_t = 0.75 - 11/30;
     without p it would be open by 0.15 and 0.125, and so it stays once tension has opened it.
     """
-    K = block_diag([np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), np.eye(1)])
-    unknowns = csr_array(np.eye(3))
+    K = block_diag([np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), np.eye(2)])
+    unknowns = csr_array(np.eye(4))
     law = contact_law(*(np.full(1, value) for value in (0.5, 0.4, 0.0)), kept=np.ones(1, dtype=bool))
     contact = ContactSystem(
         ConstrainedSystem(csc_array(K), unknowns[2:]), unknowns[:1], unknowns[1:2], np.ones(1), law, solver
     )
     outcomes, memory = [], None
     for pressure, shear in ((0.1, 0.35), (0.1, 0.5), (0.1, 0.45), (-1.0, 0.0), (0.1, 0.5)):
-        outcomes.append(solve_contact(contact, np.array([-pressure, shear, 0.0]), np.zeros(1), memory))
+        outcomes.append(solve_contact(contact, np.array([-pressure, shear, 0.0, 0.0]), np.zeros(2), memory))
         memory = outcomes[-1].memory
     stuck, slipped, back, opened, still_open = outcomes
     assert states(outcomes) == [STICK, SLIP, STICK, OPEN, OPEN]

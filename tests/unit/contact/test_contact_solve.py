@@ -20,7 +20,7 @@ from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.loads import load_vector
 from tests.contact_problems import contact_law
 from tests.solving import solve_contact
@@ -302,19 +302,19 @@ def test_newton_and_lemke_agree(build) -> None:
 def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> None:
     """A lever by hand: pushing the first gap open closes the second, by compliance [[2, -1], [-1, 2]]."""
     compliance = np.array([[2.0, -1.0], [-1.0, 2.0]])
-    K = np.eye(3)
+    K = np.eye(4)
     K[:2, :2] = np.linalg.inv(compliance)
-    system = ConstrainedSystem(csc_array(K), csr_array([[0.0, 0.0, 1.0]]))
+    system = ConstrainedSystem(csc_array(K), csr_array(np.eye(4)[2:]))
     free = np.array([-1.0, 0.3])
-    loads = np.append(K[:2, :2] @ free, 0.0)
-    gap_of, slip_of = csr_array(np.eye(3)[:2]), csr_array((2, 3))
+    loads = np.append(K[:2, :2] @ free, np.zeros(2))
+    gap_of, slip_of = csr_array(np.eye(4)[:2]), csr_array((2, 4))
     law = contact_law(np.zeros(2), np.zeros(2), np.zeros(2))
-    outcome = solve_contact(ContactSystem(system, gap_of, slip_of, np.ones(2), law, solver), loads, np.zeros(1))
+    outcome = solve_contact(ContactSystem(system, gap_of, slip_of, np.ones(2), law, solver), loads, np.zeros(2))
     assert outcome.points.n_unknowns == 2
     np.testing.assert_allclose(outcome.points.normal, K[:2, :2] @ free, rtol=1e-14)  # both gaps closed
     np.testing.assert_allclose(outcome.points.opening, 0.0, atol=1e-15)
     alone = ContactSystem(system, gap_of[:1], slip_of[:1], np.ones(1), _one(), solver)
-    apart = solve_contact(alone, 1e-3 * loads, np.array([0.0]))
+    apart = solve_contact(alone, 1e-3 * loads, np.zeros(2))
     assert apart.points.normal == pytest.approx([-5e-4])  # the first one alone: half of its overlap
 
 

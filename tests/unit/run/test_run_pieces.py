@@ -13,8 +13,8 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import FreePieceError
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.run import grow
-from crackgrow.solid.linear_solver import ConstrainedSystem
 from tests.stability.contact_conditions import recorded, violations
 
 HELD_BY_FRICTION = [

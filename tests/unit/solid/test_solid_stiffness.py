@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.direct.assembly import half, sum_of
 from crackgrow.solid.elasticity import plane_elasticity
+from crackgrow.solid.halves import half, sum_of
 from crackgrow.solid.stiffness import element_matrix, stiffness
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]

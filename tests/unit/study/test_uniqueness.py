@@ -19,7 +19,7 @@ from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.study.uniqueness import (
     SecondSolution,
     friction_limit,
@@ -213,13 +213,13 @@ def test_no_solution_is_an_error_that_names_the_friction(solver: str) -> None:
 def rock_of(problem: ContactProblem, solver: str = "newton") -> tuple[ContactSystem, np.ndarray]:
     """Rock whose contact points have a given compliance, and the loads that give their free jumps."""
     n, m = problem.n_points, problem.free.size
-    K = np.eye(m + 1)
+    K = np.eye(m + 2)
     K[:m, :m] = np.linalg.inv(problem.compliance)
-    system = ConstrainedSystem(csc_array(K), csr_array(np.eye(m + 1)[m:]))
+    system = ConstrainedSystem(csc_array(K), csr_array(np.eye(m + 2)[m:]))
     law = contact_law(problem.friction, np.zeros(n), np.zeros(n))
-    rows = csr_array(np.eye(m + 1)[:m])
+    rows = csr_array(np.eye(m + 2)[:m])
     contact = ContactSystem(system, csr_array(rows[:n]), csr_array(rows[n:]), np.ones(n), law, solver)
-    return contact, np.append(K[:m, :m] @ problem.free, 0.0)
+    return contact, np.append(K[:m, :m] @ problem.free, np.zeros(2))
 
 
 def test_where_newton_goes_round_in_circles_the_one_solution_is_followed() -> None:
@@ -227,7 +227,7 @@ def test_where_newton_goes_round_in_circles_the_one_solution_is_followed() -> No
     problem = one_point(10.0, -1.0, -5.0)
     assert by_hand(10.0, -1.0, -5.0) == [pytest.approx((-1.0 / 6.0, -10.0 / 6.0))]
     contact, loads = rock_of(problem)
-    outcome = solve_contact(contact, loads, np.zeros(1))
+    outcome = solve_contact(contact, loads, np.zeros(2))
     assert outcome.notes == ()
     assert outcome.points.normal == pytest.approx([-1.0 / 6.0])
     assert outcome.points.tangential == pytest.approx([-10.0 / 6.0])
@@ -247,7 +247,7 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     for seed in range(60):
         problem = random_problem(2, 10.0, seed)
         contact, loads = rock_of(problem)
-        outcome = solve_contact(contact, loads, np.zeros(1))
+        outcome = solve_contact(contact, loads, np.zeros(2))
         number = len(every_solution(problem)) if len(outcome.points.rows) == 2 else 1
         second = second_solution(contact, outcome)
         n_several += number > 1
@@ -271,9 +271,9 @@ def test_below_the_limit_nothing_is_searched(monkeypatch: pytest.MonkeyPatch) ->
 
     monkeypatch.setattr("crackgrow.study.uniqueness.other_solutions", searched)
     contact, loads = rock_of(one_point(1.7, -1.0, 3.0))
-    assert second_solution(contact, solve_contact(contact, loads, np.zeros(1))) is None
+    assert second_solution(contact, solve_contact(contact, loads, np.zeros(2))) is None
     contact, loads = rock_of(one_point(1.8, -1.0, 3.0))
-    outcome = solve_contact(contact, loads, np.zeros(1))
+    outcome = solve_contact(contact, loads, np.zeros(2))
     with pytest.raises(AssertionError, match="other starts"):
         second_solution(contact, outcome)
 
@@ -282,7 +282,7 @@ def test_a_point_that_nothing_presses_is_left_open() -> None:
     """Open, it could wedge itself as well (three solutions); contact begins with an overlap."""
     assert len(by_hand(3.0, 1.0, 8.0)) == 3
     contact, loads = rock_of(one_point(3.0, 1.0, 8.0))
-    outcome = solve_contact(contact, loads, np.zeros(1))
+    outcome = solve_contact(contact, loads, np.zeros(2))
     assert outcome.points.status == "none"
     assert outcome.points.state.tolist() == [OPEN]
     assert second_solution(contact, outcome) is None
@@ -292,15 +292,15 @@ def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPa
     """r(A), failure, r(A): the same, bit for bit, and what was remembered is what it was."""
     contact, loads = rock_of(one_point(0.5, -1.0, 3.0))
     memory = ContactMemory(np.array([0.25]), np.zeros(1), np.ones(1, dtype=bool), np.zeros(1))
-    before = solve_contact(contact, loads, np.zeros(1), memory)
+    before = solve_contact(contact, loads, np.zeros(2), memory)
     with monkeypatch.context() as patch:
         for name in ("newton", "lemke"):
             patch.setattr(f"crackgrow.contact.solve.solve_by_{name}", gives_up)
         with pytest.raises(SolveError, match="was not solved"):
-            solve_contact(contact, 3.0 * loads, np.zeros(1), memory)
+            solve_contact(contact, 3.0 * loads, np.zeros(2), memory)
     assert memory.slip.tolist() == [0.25]
     assert memory.broken.tolist() == [False]
-    after = solve_contact(contact, loads, np.zeros(1), memory)
+    after = solve_contact(contact, loads, np.zeros(2), memory)
     for name in ("u", *(f"points.{part}" for part in ("normal", "tangential", "opening", "slip", "state"))):
         np.testing.assert_array_equal(*map(attrgetter(name), (after, before)))
     np.testing.assert_array_equal(after.memory.slip, before.memory.slip)

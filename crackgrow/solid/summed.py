@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, csr_array, get_index_dtype
 
 from crackgrow.arrays import Floats, Ints, key_of
-from crackgrow.direct.assembly import HalfMatrix, half, sum_of
 from crackgrow.ragged import starts_of
+from crackgrow.solid.halves import HalfMatrix, half, sum_of
 
 Int32s = NDArray[np.int32]
 
@@ -135,7 +135,7 @@ def blocks_of(
 
 
 @dataclass(frozen=True, eq=False)
-class SymmetricMatrix:
+class Summed:
     """The sum (n, n) of `elements`, of a sparse `rest` (n, n), and of `blocks`."""
 
     elements: tuple[EqualElements, ...]
@@ -172,7 +172,7 @@ class SymmetricMatrix:
         terms = [self.rest.data, *(part.matrix for part in self.elements)]
         return _largest([*terms, np.array([block.sum.largest for block in self.blocks.parts])])
 
-    def with_diagonal(self, places: Ints, values: Floats) -> SymmetricMatrix:
+    def with_diagonal(self, places: Ints, values: Floats) -> Summed:
         """The sum with a diagonal matrix that has `values` (k,) at `places` (k,)."""
         more = csc_array((values, (places, places)), shape=self.shape)
         return replace(self, rest=csc_array(self.rest + more))
@@ -220,28 +220,3 @@ def _product(elements: Sequence[EqualElements], rest: csc_array, vectors: Floats
                     sums[:, component] += np.bincount(functions.ravel(), forces[:, component], len(sums))
         columns[: sums.size, k] += sums.ravel()
     return columns.reshape(total.shape)
-
-
-def symmetric(matrix: csc_array | SymmetricMatrix) -> SymmetricMatrix:
-    """A sparse matrix as a sum without elements; what is a sum already stays."""
-    return matrix if isinstance(matrix, SymmetricMatrix) else SymmetricMatrix((), matrix)
-
-
-def bordered(matrix: SymmetricMatrix, constraints: csr_array, rho: Floats, yielding: Floats) -> SymmetricMatrix:
-    """[[K + C' rho C, C'], [C, -d]] (n + m, n + m) of K (n, n), constraints C (m, n), rho (m,) and d (m,).
-
-    What is added to K is symmetric: its columns are the rows of C' [rho C, 1] and of [C, -d].
-    """
-    m, n = constraints.shape
-    rest, ends, counts = matrix.rest, constraints.indptr[1:], np.diff(constraints.indptr)
-    starts = constraints.indptr + np.arange(m + 1)
-    indices = np.insert(constraints.indices, ends, n + np.arange(m))
-    pushed = np.insert(np.repeat(rho, counts) * constraints.data, ends, 1.0)
-    of_unknowns = csr_array(constraints.T) @ csr_array((pushed, indices, starts), shape=(m, n + m))
-    of_multipliers = np.insert(constraints.data, ends, -yielding)
-    data = np.concatenate([of_unknowns.data, of_multipliers])
-    rows = np.concatenate([of_unknowns.indices, indices])
-    pointers = np.concatenate([of_unknowns.indptr, of_unknowns.nnz + starts[1:]])
-    added = csc_array((data, rows, pointers), shape=(n + m, n + m))
-    held = csc_array((rest.data, rest.indices, np.append(rest.indptr, [rest.nnz] * m)), shape=added.shape)
-    return replace(matrix, rest=csc_array(held + added))

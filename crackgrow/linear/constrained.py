@@ -9,9 +9,10 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csc_array, csr_array
 
-from crackgrow.arrays import Floats
-from crackgrow.direct import NOTHING, Kept, Places, SymmetricMatrix, factorize, symmetric
+from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import SolveError
+from crackgrow.linear.factorization import Factorization
+from crackgrow.linear.matrix import SymmetricMatrix, symmetric
 
 REFINEMENTS = 3
 """Most corrections for round-off."""
@@ -33,32 +34,28 @@ class ConstrainedSystem:
         self,
         stiffness: csc_array | SymmetricMatrix,
         constraints: csr_array,
-        places: Places | None = None,
-        known: Kept = NOTHING,
+        boxes: tuple[Ints, Ints] | None = None,
+        before: ConstrainedSystem | None = None,
     ) -> None:
-        """`stiffness` (n, n) Pa, `constraints` (m, n), `places` of the n unknowns.
+        """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`.
 
-        `known` is what is `kept` of another system, which may be in common with this one.
+        `before` is a system that may have parts in common with this one.
         """
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
-        self._factorization = factorize(self.stiffness, constraints, places, known)
-
-    @property
-    def kept(self) -> Kept:
-        """What another system may have in common with this one."""
-        return self._factorization.kept
+        known: Factorization | None = None if before is None else before.factorization
+        self.factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known)
 
     def hand_over(self) -> None:
-        """Solve no more: the system that comes next is the last to need what is kept."""
-        self._factorization.hand_over()
+        """Solve no more: the system that comes next is the last to take anything over."""
+        self.factorization.hand_over()
 
-    def solve(self, loads: Floats, given: Floats | None = None, *, with_pulls: bool = False) -> tuple[Floats, Floats]:
+    def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
 
-        `given` (m,) or (m, k) are the prescribed values g, zero if None; (m,) are those of all loads. `with_pulls`
-        finds what all loads need of the constraints along with these. Raises SolveError where constraints contradict.
+        `given` (m,) or (m, k) are the prescribed values g, zero if None; (m,) are those of all loads. Raises SolveError
+        where constraints contradict.
         """
         n, m = self.constraints.shape[1], self.constraints.shape[0]
         columns = loads.reshape(n, -1)
@@ -67,7 +64,7 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            found = self._factorization.solve(columns[:, block], wanted[:, block], with_pulls)
+            found = self.factorization.solve(columns[:, block], wanted[:, block])
             u[:, block], multipliers[:, block] = self._corrected(found, columns[:, block], wanted[:, block])
         given_in = wanted.any(axis=0)
         if given_in.any():
@@ -77,18 +74,15 @@ class ConstrainedSystem:
     def _check_agreement(self, wanted: Floats) -> None:
         """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
         nothing = np.zeros((self.constraints.shape[1], wanted.shape[1]))
-        u, _ = self._corrected(self._factorization.solve(nothing, wanted), nothing, wanted)
+        u, _ = self._corrected(self.factorization.solve(nothing, wanted), nothing, wanted)
         left = np.abs(self.constraints @ u - wanted).max(axis=0)
         round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0)
         if np.any(left > np.maximum(INCONSISTENT * np.abs(wanted).max(axis=0), round_off)):
             raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
 
-    def compliance(self, rows: csr_array) -> Floats | None:
-        """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; None where it is not cheap.
-
-        Symmetric to the last bit.
-        """
-        return self._factorization.compliance(rows)
+    def compliance(self, rows: csr_array) -> Floats:
+        """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; symmetric to the last bit."""
+        return self.factorization.compliance(rows)
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -110,22 +104,21 @@ class ConstrainedSystem:
         """
         (u, multipliers), sign, last = found, _signs(loads), np.inf
         for _ in range(REFINEMENTS):
-            error = self._backward_error(loads @ sign, u @ sign, multipliers @ sign)
+            error = self._backward_error(loads @ sign, wanted @ sign, u @ sign, multipliers @ sign)
             if error <= ROUND_OFF or error > 0.5 * last:
                 break
             last = error
-            du, dm = self._factorization.solve(self._residual(loads, u, multipliers), wanted - self.constraints @ u)
+            residual = loads - self.stiffness @ u - self.constraints.T @ multipliers
+            du, dm = self.factorization.solve(residual, wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm
         return u, multipliers
 
-    def _residual(self, loads: Floats, u: Floats, multipliers: Floats) -> Floats:
-        """Loads (n,) or (n, k) that nothing balances."""
-        return np.asarray(loads - self.stiffness @ u - self.constraints.T @ multipliers)
-
-    def _backward_error(self, loads: Floats, u: Floats, multipliers: Floats) -> float:
-        """The largest residual, row by row relative to the sum of the absolute terms (Oettli, Prager 1964)."""
-        residual = self._residual(loads, u, multipliers)
-        terms = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
+    def _backward_error(self, loads: Floats, wanted: Floats, u: Floats, multipliers: Floats) -> float:
+        """The largest residual of both equations, row by row relative to the absolute terms (Oettli, Prager 1964)."""
+        forces = loads - self.stiffness @ u - self.constraints.T @ multipliers
+        forces_of = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
+        moved, moved_of = wanted - self.constraints @ u, np.abs(wanted) + self._share @ np.abs(u)
+        residual, terms = np.append(forces, moved), np.append(forces_of, moved_of)
         return float(np.max(np.abs(residual[terms > 0.0]) / terms[terms > 0.0], initial=0.0))
 
 

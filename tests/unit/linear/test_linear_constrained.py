@@ -7,10 +7,9 @@ import pytest
 from scipy.sparse import csc_array, csr_array, diags_array
 
 from crackgrow.case.model import PointSupport
-from crackgrow.direct import Factorization, factorize, symmetric
-from crackgrow.direct.matrix import bordered
 from crackgrow.errors import SolveError
-from crackgrow.solid.linear_solver import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem, symmetric
+from crackgrow.linear.factorization import Factorization
 
 N = 30
 
@@ -38,7 +37,7 @@ def test_factorization_solves_badly_scaled_matrices() -> None:
     scale = np.logspace(-6, 6, N)
     matrix = csc_array(scale[:, None] * definite(40).toarray() * scale)
     x = np.random.default_rng(41).normal(size=(N, 3)) / scale[:, None]
-    u, _ = factorize(symmetric(matrix), csr_array((0, N))).solve(matrix @ x, np.zeros((0, 3)))
+    u, _ = Factorization(symmetric(matrix), csr_array((0, N))).solve(matrix @ x, np.zeros((0, 3)))
     np.testing.assert_allclose(u, x, rtol=1e-8)
 
 
@@ -199,14 +198,14 @@ def test_unknown_without_stiffness_is_refused() -> None:
     matrix = np.eye(N)
     matrix[3, 3] = 0.0
     with pytest.raises(SolveError, match="1 of 30 unknowns have no stiffness"):
-        factorize(symmetric(csc_array(matrix)), csr_array((0, N)))
+        Factorization(symmetric(csc_array(matrix)), csr_array((0, N)))
 
 
 def test_entries_that_are_not_finite_are_refused() -> None:
     matrix = np.eye(N)
     matrix[3, 3] = np.nan
     with pytest.raises(SolveError, match="not finite"):
-        factorize(symmetric(csc_array(matrix)), csr_array((0, N)))
+        Factorization(symmetric(csc_array(matrix)), csr_array((0, N)))
 
 
 HALVES = [(0.5, 2.3), (6.5, 3.6)]
@@ -227,15 +226,3 @@ def test_body_that_is_free_to_move_is_refused(build, cracks: list, held: list) -
     supports = [PointSupport("rock", np.array(point), displacement) for point, displacement in held]
     with pytest.raises(SolveError, match="free to move"):
         sample.solve(supports, {"top": (0.1, 1.0), "right": (0.3, 0.0)})
-
-
-def test_the_bordered_matrix_is_that_of_its_blocks() -> None:
-    """Also with a constraint that adds nothing to K, and one on no unknown."""
-    rng = np.random.default_rng(41)
-    C, K = rng.normal(size=(5, 20)) * (rng.uniform(size=(5, 20)) < 0.3), rng.normal(size=(20, 20))
-    C[3], K = 0.0, K + K.T
-    rho, yielding = np.array([2.0, 0.0, 1.5, 0.7, 3.0]), rng.uniform(size=5)
-    expected = np.block([[K + C.T @ np.diag(rho) @ C, C.T], [C, -np.diag(yielding)]])
-    found = bordered(symmetric(csc_array(K)), csr_array(C), rho, yielding)
-    np.testing.assert_allclose(found.tocsc().toarray(), expected, atol=1e-14)
-    np.testing.assert_allclose(found.diagonal(), expected.diagonal(), atol=1e-14)

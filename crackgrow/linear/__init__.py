@@ -1,0 +1,9 @@
+"""The direct solver: a sparse symmetric matrix, nested dissection, fronts, linear constraints; no mechanics.
+
+What is named here is its door, all that other packages use of it.
+"""
+
+from crackgrow.linear.constrained import ConstrainedSystem
+from crackgrow.linear.matrix import SymmetricMatrix, symmetric
+
+__all__ = ["ConstrainedSystem", "SymmetricMatrix", "symmetric"]

@@ -1,0 +1,257 @@
+"""Kernels of the multifrontal method: a front is assembled, eliminated, and solved with (Duff, Reid 1983).
+
+A front is [[A, B], [B', C]] of its own p unknowns and its border of b. It becomes the rows [U, V] of L' with
+A = U' D U, and leaves C - V' D V to its parent. D is 1 for functions and -1 for multipliers, which come last.
+Arrays hold upper triangles.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.compiled import add_product, add_square, cholesky, kernel, solve_upper
+
+ROUND_OFF = 1e-13
+"""Of its entry on the diagonal: a pivot below is what round-off has left of zero. So it is with slivers of rock between
+a crack and an outline, or with many functions on little rock, which then depend on each other, and with constraints
+that repeat others."""
+
+SMALL = 1e-9
+"""Of its entry on the diagonal: no pivot of a front in which one is round-off stays smaller. Along what moves no rock
+the solution stays small instead of arbitrary. At 1e-12 such a wedge, with pivots of 7e-15 to 4e-10, left a pivot of
+-1e-6 and wrong loads; from 1e-9 to 1e-8 loads are the same to 1e-4, with residuals of 1e-10."""
+
+
+@kernel
+def ordered(blocks: Floats, which: Ints, turned: Bools) -> Floats:
+    """The blocks (q, 2, 2) `which` (q,) of a matrix, transposed where they are `turned`."""
+    found = np.empty((len(which), 2, 2))
+    for q in range(len(which)):
+        b, t = which[q], turned[q]
+        found[q, 0, 0], found[q, 1, 1] = blocks[b, 0, 0], blocks[b, 1, 1]
+        found[q, 0, 1] = blocks[b, 1, 0] if t else blocks[b, 0, 1]
+        found[q, 1, 0] = blocks[b, 0, 1] if t else blocks[b, 1, 0]
+    return found
+
+
+@kernel
+def enter(start: Ints, column: Ints, blocks: Floats, U: Floats, V: Floats) -> None:
+    """Add the `blocks` (q, 2, 2) of a front's functions, those of each from start[k] - start[0] on."""
+    p = len(U)
+    for k in range(len(start) - 1):
+        a = 2 * k
+        for q in range(start[k] - start[0], start[k + 1] - start[0]):
+            c = column[q]
+            for i in range(2):
+                for j in range(2):
+                    if c >= p:
+                        V[a + i, c + j - p] += blocks[q, i, j]
+                    elif c + j >= a + i:
+                        U[a + i, c + j] += blocks[q, i, j]
+
+
+@kernel
+def hold(
+    start: Ints, column: Ints, values: Floats, multiplier: Ints, rho: Floats, U: Floats, V: Floats, C: Floats
+) -> None:
+    """Add [[C' rho C, C'], [C, 0]] of the constraints that begin in a front.
+
+    Entries are `values` at `column` from start[r] - start[0] on, `multiplier` and `rho` (r,).
+    """
+    p = len(U)
+    for r in range(len(rho)):
+        begin, end = start[r] - start[0], start[r + 1] - start[0]
+        for s in range(begin, end):
+            for t in range(begin, end + 1):
+                a, b = column[s], column[t] if t < end else multiplier[r]
+                value = rho[r] * values[s] * values[t] if t < end else values[s]
+                if b < a:
+                    continue
+                if b < p:
+                    U[a, b] += value
+                elif a < p:
+                    V[a, b - p] += value
+                else:
+                    C[a - p, b - p] += value
+
+
+@kernel
+def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
+    """Add what a child has left to its parent, where its border has the ascending numbers `into` (b,).
+
+    `left` has rows of the upper triangle, one after the other: whole rows (b b,), or packed ones (b (b + 1) / 2,).
+    """
+    p, b = len(U), len(into)
+    whole = len(left) > b * (b + 1) // 2
+    n_own = np.searchsorted(into, p)
+    place = 0  # of left[i, i]
+    for i in range(b):
+        a, row = into[i], place - i
+        if a < p:
+            for j in range(i, n_own):
+                U[a, into[j]] += left[row + j]
+            for j in range(n_own, b):
+                V[a, into[j] - p] += left[row + j]
+        else:
+            for j in range(i, b):
+                C[a - p, into[j] - p] += left[row + j]
+        place += b + 1 if whole else b - i
+
+
+@kernel
+def eliminate(U: Floats, V: Floats, C: Floats, size: Floats, n_placed: int, careful: bool) -> bool:
+    """Replace U and V by the rows of L', C by what is left; `size` (n_placed,) are of the diagonal of functions.
+
+    False, with nothing of use, where a pivot is round-off and it is not `careful`: then such pivots are replaced
+    (static pivoting: Li, Demmel 1998), column by column; what round-off has left beside them is dropped, for it would
+    grow from one replaced pivot to the next. Whoever solves takes the effect away by refinement.
+    """
+    p = len(U)
+    own, beside = U[:n_placed, :n_placed], U[:n_placed, n_placed:]
+    if careful:
+        _one_by_one(U, V, size, 0, n_placed, 1.0)
+    else:
+        if cholesky(own) != 0:
+            return False
+        for k in range(n_placed):
+            if U[k, k] * U[k, k] < ROUND_OFF * size[k]:
+                return False
+        solve_upper(own, V[:n_placed], True)
+        solve_upper(own, beside, True)
+    if p > n_placed:
+        add_square(beside, U[n_placed:, n_placed:], -1.0)
+        add_product(beside, V[:n_placed], V[n_placed:], -1.0, True)
+        between = np.empty(p - n_placed)
+        for k in range(n_placed, p):
+            between[k - n_placed] = -U[k, k]
+        _one_by_one(U, V, between, n_placed, p, -1.0)
+    take_off(V, C, n_placed)
+    return True
+
+
+@kernel
+def take_off(V: Floats, C: Floats, n_placed: int) -> None:
+    """C - V' D V."""
+    add_square(V[:n_placed], C, -1.0)
+    add_square(V[n_placed:], C, 1.0)
+
+
+@kernel
+def _one_by_one(U: Floats, V: Floats, size: Floats, begin: int, end: int, sign: float) -> None:
+    """Rows `begin` to `end` of U and V, with D = `sign`; `size` (end - begin,) are what pivots are compared with."""
+    for k in range(begin, end):
+        row, beyond = U[k, k:], V[k]
+        for j in range(begin, k):
+            factor = sign * U[j, k]
+            if factor != 0.0:
+                row -= factor * U[j, k:]
+                beyond -= factor * V[j]
+        pivot, least = sign * row[0], size[k - begin]
+        if not pivot >= ROUND_OFF * least:
+            row[:] = 0.0
+            beyond[:] = 0.0
+        pivot = max(pivot, SMALL * least) if least > 0.0 else 1.0
+        row[0] = sign * pivot
+        row *= sign / np.sqrt(pivot)
+        beyond *= sign / np.sqrt(pivot)
+
+
+@kernel
+def packed(left: Floats, b: int) -> Floats:
+    """The upper triangle of `left`, whole rows (b b,), or packed already."""
+    n = b * (b + 1) // 2
+    if len(left) <= n:
+        return left
+    rows, place = np.empty(n), 0
+    for i in range(b):
+        rows[place : place + b - i] = left[i * b + i : i * b + b]
+        place += b - i
+    return rows
+
+
+@kernel
+def forward(U: Floats, V: Floats, n_placed: int, begin: int, border: Ints, x: Floats) -> None:
+    """Replace what right-hand sides x (n, k) have at a front by D^-1 U'^-1 of it, and take it off the border's."""
+    p, b, n_columns = len(U), V.shape[1], x.shape[1]
+    if n_columns == 1:
+        y, later = x[begin : begin + p, 0].copy(), np.zeros(b)
+        for k in range(p):
+            if y[k] != 0.0:
+                y[k] /= U[k, k]
+                for j in range(k + 1, p):
+                    y[j] -= U[k, j] * y[k]
+                value = y[k]
+                for j in range(b):
+                    later[j] += V[k, j] * value
+        for k in range(p):
+            x[begin + k, 0] = y[k] if k < n_placed else -y[k]
+        for j in range(b):
+            x[border[j], 0] -= later[j]
+        return
+    active = np.zeros(n_columns, np.bool_)  # loads act on few fronts each
+    for a in range(begin, begin + p):
+        for k in range(n_columns):
+            active[k] |= x[a, k] != 0.0
+    columns = np.flatnonzero(active)
+    m = len(columns)
+    if m == 0:
+        return
+    mine, off = np.empty((p, m)), np.zeros((b, m))
+    for a in range(p):
+        for k in range(m):
+            mine[a, k] = x[begin + a, columns[k]]
+    solve_upper(U, mine, True)
+    add_product(V, mine, off, 1.0, True)
+    for a in range(p):
+        for k in range(m):
+            x[begin + a, columns[k]] = mine[a, k] if a < n_placed else -mine[a, k]
+    for j in range(b):
+        for k in range(m):
+            x[border[j], columns[k]] -= off[j, k]
+
+
+@kernel
+def backward(U: Floats, V: Floats, begin: int, border: Ints, x: Floats) -> None:
+    """Replace what x (n, k) has at a front by U^-1 (x - V times the border's)."""
+    p, b, n_columns = len(U), V.shape[1], x.shape[1]
+    if n_columns > 1:
+        later, mine = np.empty((b, n_columns)), x[begin : begin + p]
+        for j in range(b):
+            later[j] = x[border[j]]
+        add_product(V, later, mine, -1.0, False)
+        solve_upper(U, mine, False)
+        return
+    y, known = x[begin : begin + p, 0].copy(), np.empty(b)
+    for j in range(b):
+        known[j] = x[border[j], 0]
+    for k in range(p - 1, -1, -1):
+        value = y[k]
+        for j in range(b):
+            value -= V[k, j] * known[j]
+        for j in range(k + 1, p):
+            value -= U[k, j] * y[j]
+        y[k] = value / U[k, k]
+    x[begin : begin + p, 0] = y
+
+
+@kernel
+def gather(left: Floats, product: Floats, into: Ints, at: Ints, y: Floats, rest: Floats, total: Floats) -> None:
+    """Add what a child's subtree makes of its columns to its parent's, which are `at` (c,) there."""
+    p = len(y)
+    for j in range(len(into)):
+        target = y[into[j]] if into[j] < p else rest[into[j] - p]
+        for k in range(len(at)):
+            target[at[k]] += left[j, k]
+    for i in range(len(at)):
+        for k in range(i, len(at)):
+            total[at[i], at[k]] += product[i, k]
+
+
+@kernel
+def reduce(U: Floats, V: Floats, n_placed: int, y: Floats, rest: Floats, total: Floats) -> None:
+    """Replace y (p, c) of a front by U'^-1 y, take it off `rest` (b, c), add y' D y to the upper part of `total`."""
+    solve_upper(U, y, True)
+    add_product(V, y, rest, -1.0, True)
+    add_square(y[:n_placed], total, 1.0)
+    add_square(y[n_placed:], total, -1.0)

@@ -1,0 +1,284 @@
+"""The multifrontal factorization against dense and sparse solutions; hopeless matrices; what is taken over."""
+
+from __future__ import annotations
+
+import tracemalloc
+
+import numpy as np
+import pytest
+from scipy.sparse import block_array, csc_array, csr_array, vstack
+from scipy.sparse.linalg import splu
+
+from crackgrow.linear import ConstrainedSystem, symmetric
+from crackgrow.linear import factorization as module
+from crackgrow.linear.factorization import Factorization
+from tests.unit.linear.lattices import Floats, Ints, boxes_at, lattice, net
+
+
+def none(n: int) -> csr_array:
+    """No constraints."""
+    return csr_array((0, n))
+
+
+def factorized(matrix: csc_array, nodes: Ints, before: Factorization | None = None) -> Factorization:
+    return Factorization(symmetric(matrix), none(matrix.shape[0]), boxes_at(nodes), before)
+
+
+def solved(factorization: Factorization, loads: Floats) -> Floats:
+    return factorization.solve(loads.reshape(len(loads), -1), np.zeros((0, loads.size // len(loads))))[0]
+
+
+@pytest.mark.parametrize("n", [1, 2, 5, 12, 25])
+@pytest.mark.parametrize("placed", [True, False])
+def test_solutions_are_those_of_superlu(n: int, placed: bool) -> None:
+    """Of one load, of many, and of many each of which acts in one place."""
+    matrix, nodes = lattice(n, n)
+    factorization = Factorization(symmetric(matrix), none(len(nodes) * 2), boxes_at(nodes) if placed else None)
+    loads = np.random.default_rng(1).normal(size=(2 * n * n, 7))
+    loads[:, 5:] = np.eye(len(loads), 2, -n)
+    expected = splu(matrix).solve(loads)
+    np.testing.assert_allclose(solved(factorization, loads), expected, atol=1e-12 * np.abs(expected).max())
+    one = solved(factorization, loads[:, 0])[:, 0]
+    np.testing.assert_allclose(one, expected[:, 0], atol=1e-12 * np.abs(expected).max())
+
+
+def test_solution_does_not_depend_on_the_numbering() -> None:
+    matrix, nodes = lattice(20, 4)
+    order = np.random.default_rng(6).permutation(len(nodes))
+    dofs = (2 * order[:, None] + np.arange(2)).ravel()
+    loads = matrix @ np.random.default_rng(5).normal(size=matrix.shape[0])
+    shuffled = solved(factorized(csc_array(matrix[dofs][:, dofs]), nodes[order]), loads[dofs])
+    np.testing.assert_allclose(shuffled, solved(factorized(matrix, nodes), loads)[dofs], rtol=1e-9, atol=1e-12)
+
+
+def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_array]:
+    """A system held by single unknowns, averages across the lattice and repetitions of both."""
+    matrix, nodes = lattice(n, seed)
+    rng = np.random.default_rng(seed + 1)
+    rows = np.zeros((12, matrix.shape[0]))
+    for row in rows[:5]:
+        row[rng.integers(len(row))] = 1.0
+    for row in rows[5:9]:
+        row[rng.integers(len(row), size=10)] = rng.uniform(0.0, 0.1, 10)
+    rows[9:] = rows[[0, 5, 5]]
+    constraints = csr_array(rows)
+    return ConstrainedSystem(matrix, constraints, boxes_at(nodes)), matrix, constraints
+
+
+@pytest.mark.parametrize("k", [1, 3])
+@pytest.mark.parametrize("n", [5, 12, 20])
+def test_constraints_hold_also_where_they_repeat_each_other(n: int, k: int) -> None:
+    system, matrix, constraints = constrained(n, 18)
+    scale = np.sqrt(matrix.diagonal())
+    loads = scale[:, None] * np.random.default_rng(20).normal(size=(len(scale), k))
+    given = constraints @ np.random.default_rng(21).normal(size=(len(scale), k))
+    u, m = system.solve(loads, given)
+    some = constraints[:9] + 0.0  # the others repeat these
+    bordered = csc_array(block_array([[matrix, some.T], [some, None]]))
+    expected = splu(bordered).solve(np.concatenate([loads, given[:9]]))[: len(loads)]
+    size = np.abs(u).max()
+    np.testing.assert_allclose(u, expected, atol=1e-10 * size)
+    np.testing.assert_allclose(constraints @ u, given, atol=1e-13 * size)
+    assert np.abs(matrix @ u + constraints.T @ m - loads).max() < 1e-11 * (abs(matrix) @ np.abs(u)).max()
+
+
+@pytest.mark.parametrize("n", [5, 20])
+def test_compliance_is_that_of_solutions(n: int) -> None:
+    """With constraints that reach far and repeat each other; rows that act nowhere, twice, or in parts."""
+    system, matrix, _ = constrained(n, 18)
+    rng = np.random.default_rng(41)
+    rows = np.zeros((22, matrix.shape[0]))
+    for row in rows[:20]:
+        row[rng.integers(len(row), size=6)] = rng.normal(size=6)
+    rows[20] = rows[3]
+    rows *= np.sqrt(matrix.diagonal())
+    found = system.compliance(csr_array(rows))
+    expected = rows @ system.solve(rows.T.copy())[0]
+    np.testing.assert_array_equal(found, found.T)
+    np.testing.assert_allclose(found, expected, atol=1e-13 * np.abs(expected).max())
+    parts = csr_array((np.full(2, 0.5), [4, 4], [0, 2]), shape=(1, matrix.shape[0]))
+    whole = csr_array(([1.0], [4], [0, 1]), shape=(1, matrix.shape[0]))
+    np.testing.assert_array_equal(system.compliance(parts), system.compliance(whole))
+
+
+def test_compliance_never_holds_all_right_hand_sides_at_once() -> None:
+    """100 loads on one line of a lattice: a third of the numbers that their solutions are is enough."""
+    matrix, nodes = lattice(45, 3)
+    loaded = 2 * np.flatnonzero(np.abs(nodes[:, 1] - 22) <= 1)[:100]
+    rows = csr_array((np.ones(100), (np.arange(100), loaded)), shape=(100, matrix.shape[0]))
+    factorization = factorized(matrix, nodes)
+    factorization.compliance(rows[:2])
+    tracemalloc.start()
+    found = factorization.compliance(rows)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 8 * matrix.shape[0] * 100 / 2
+    expected = rows @ solved(factorization, rows.T.toarray())
+    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("sides", [(), (0, 1)])
+@pytest.mark.parametrize("n", [6, 20])
+def test_springs_without_ground_are_held_by_constraints(n: int, sides: tuple[int, ...]) -> None:
+    """By one unknown, or by averages along two sides, which no front has all unknowns of."""
+    matrix, nodes = net(n, 33)
+    places = np.repeat(nodes, 2, axis=0)
+    rows = [(places[:, axis] == 0) / np.sum(places[:, axis] == 0) for axis in sides]
+    held = csr_array(np.stack(rows or [np.eye(1, len(places))[0]]))
+    loads = np.sqrt(matrix.diagonal()) * np.random.default_rng(34).normal(size=len(places))
+    given = 3.0 + 0.5 * np.arange(held.shape[0])
+    u, m = ConstrainedSystem(matrix, held, boxes_at(nodes)).solve(loads, given)
+    np.testing.assert_allclose(held @ u, given, rtol=1e-12)
+    terms = abs(matrix) @ np.abs(u) + abs(held).T @ np.abs(m) + np.abs(loads)
+    assert np.abs(matrix @ u + held.T @ m - loads).max() <= 1e-12 * terms.max()
+
+
+def test_a_body_within_one_part_is_held_by_bonds_to_the_rest() -> None:
+    """Springs in a corner that only averages tie to a body beyond it; that of them which reaches far, too."""
+    n = 16
+    matrix, nodes = net(n, 5, ground=1e-3)
+    inner = ((nodes[:, 0] < 4) & (nodes[:, 1] < 4)).repeat(2)
+    dense = matrix.toarray()
+    dense[np.ix_(inner, ~inner)] = dense[np.ix_(~inner, inner)] = 0.0
+    own = np.flatnonzero(inner)
+    corner = dense[np.ix_(own, own)]
+    np.fill_diagonal(corner, 0.0)
+    np.fill_diagonal(corner, -corner.sum(axis=1))
+    dense[np.ix_(own, own)] = corner
+    bonds = np.zeros((3, 2 * n * n))
+    bonds[0, [own[3], own[5]]], bonds[0, np.flatnonzero(~inner)[:2]] = 0.5, -0.5
+    bonds[1, own[-2:]], bonds[1, [-4, -1]] = 0.5, -0.5
+    bonds[2, own[0]] = 1.0
+    for rows in (bonds, bonds[:2], bonds[1:2]):
+        system = ConstrainedSystem(csc_array(dense), csr_array(rows), boxes_at(nodes))
+        whole = np.block([[dense, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
+        loads = np.random.default_rng(7).normal(size=len(dense))
+        expected = np.linalg.solve(whole, np.append(loads, np.zeros(len(rows))))
+        u, m = system.solve(loads)
+        np.testing.assert_allclose(np.append(u, m), expected, atol=1e-8 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("small", [1e-6, 1e-10, 1e-13])
+def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
+    matrix, nodes = net(20, 25, small)
+    loads = matrix @ np.random.default_rng(26).normal(size=matrix.shape[0])
+    u, _ = ConstrainedSystem(matrix, none(len(loads)), boxes_at(nodes)).solve(loads)
+    np.testing.assert_allclose(matrix @ u, loads, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
+    """As functions on a sliver of rock do: the matrix is semidefinite, and by round-off indefinite."""
+    matrix, nodes = lattice(12, 31)
+    n, rng = len(nodes), np.random.default_rng(seed)
+    twins = rng.choice(n, 30, replace=False)
+    spread = np.kron(np.hstack([np.eye(n), np.eye(n)[:, twins] * rng.uniform(0.5, 2.0, 30)]), np.eye(2))
+    semidefinite = csc_array(spread.T @ matrix @ spread)
+    x = rng.normal(size=len(spread.T))
+    loads = semidefinite @ x
+    system = ConstrainedSystem(semidefinite, none(len(x)), boxes_at(np.vstack([nodes, nodes[twins]])))
+    u, _ = system.solve(loads)
+    assert np.abs(u).max() < 2.0 * np.abs(x).max()
+    np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
+    assert u @ (semidefinite @ u) == pytest.approx(x @ loads, rel=1e-12)
+
+
+@pytest.fixture(scope="module")
+def rock() -> tuple[csc_array, Ints]:
+    """A matrix of many fronts."""
+    return lattice(40, 8)
+
+
+def changed(matrix: csc_array, dof: int) -> csc_array:
+    """The matrix, stiffer at one unknown."""
+    other = matrix.copy()
+    other[dof, dof] *= 1.5
+    return csc_array(other)
+
+
+@pytest.mark.parametrize("few", [0, 3, 10**6])
+def test_what_is_taken_over_gives_the_bits_of_what_is_made(
+    rock: tuple[csc_array, Ints], few: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """All that fronts leave is kept, some of it or none; a change is factorized along one way up the tree."""
+    monkeypatch.setattr(module, "FEW_FRONTS", few)
+    matrix, nodes = rock
+    before = factorized(matrix, nodes)
+    assert factorized(matrix, nodes, before).n_eliminated == 0
+    loads = np.random.default_rng(36).normal(size=(matrix.shape[0], 2))
+    for dof in (matrix.shape[0] // 3, 2):
+        after, alone = (factorized(changed(matrix, dof), nodes, known) for known in (before, None))
+        assert 0 < after.n_eliminated < 0.3 * alone.n_eliminated
+        np.testing.assert_array_equal(solved(after, loads), solved(alone, loads))
+
+
+def test_factors_handed_over_are_held_once(rock: tuple[csc_array, Ints]) -> None:
+    """What the next factorization does not take over is let go of, and nothing is solved with the rest."""
+    matrix, nodes = rock
+    before, other = factorized(matrix, nodes), changed(matrix, matrix.shape[0] // 3)
+    alone = factorized(other, nodes)
+    assert before.factors.keys() - alone.factors.keys()
+    before.hand_over()
+    after = factorized(other, nodes, before)
+    assert before.factors.keys() < after.factors.keys()
+    assert all(after.factors[key] is factor for key, factor in before.factors.items())
+    load = np.random.default_rng(1).normal(size=matrix.shape[0])
+    np.testing.assert_array_equal(solved(after, load), solved(alone, load))
+    with pytest.raises(RuntimeError, match="handed over"):
+        solved(before, load)
+
+
+def test_all_that_a_front_holds_is_in_its_key() -> None:
+    """With other entries or constraints a solution is that of a factorization without what was known."""
+    matrix, nodes = lattice(16, 3)
+    n = matrix.shape[0]
+    row = csr_array(([1.0], ([0], [n // 2])), shape=(1, n))
+    boxes = boxes_at(nodes)
+    known = ConstrainedSystem(matrix, row, boxes)
+    others = (
+        (changed(matrix, 7), row, boxes),
+        (csc_array(matrix * 1.0000001), row, boxes),
+        (matrix, 2.0 * row, boxes),
+        (matrix, csr_array(([1.0], ([0], [n // 2 + 1])), shape=(1, n)), boxes),
+        (matrix, none(n), boxes),
+        (matrix, csr_array(np.eye(2, n, n // 2)), boxes),
+        (matrix, row, None),
+    )
+    loads = np.random.default_rng(37).normal(size=n)
+    for other in others:
+        for ours, alone in zip(
+            ConstrainedSystem(*other, known).solve(loads), ConstrainedSystem(*other).solve(loads), strict=True
+        ):
+            np.testing.assert_array_equal(ours, alone)
+
+
+def loaded(n: int, at: Ints) -> csr_array:
+    """Rows (k, n) with two entries each, from `at` (k,) on."""
+    k = len(at)
+    values = np.random.default_rng(60).normal(size=2 * k)
+    return csr_array((values, ((at[:, None] + np.arange(2)).ravel()), 2 * np.arange(k + 1)), shape=(k, n))
+
+
+@pytest.mark.parametrize("change", ["nothing", "value", "place", "order", "fewer", "more"])
+def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_array, Ints], change: str) -> None:
+    """After a change at one unknown, and of the rows; columns behind a new one have other numbers."""
+    matrix, nodes = rock
+    n = matrix.shape[0]
+    at = np.sort(np.random.default_rng(61).choice(n - 1, 60, replace=False))
+    first = loaded(n, at)
+    others = {
+        "nothing": first,
+        "value": csr_array(first * np.where(np.arange(60) == 7, 1.5, 1.0)[:, None]),
+        "place": loaded(n, np.sort(np.append(at[1:], at[0] + 3))),
+        "order": csr_array(first[::-1]),
+        "fewer": csr_array(first[3:]),
+        "more": csr_array(csr_array(vstack([first, loaded(n, np.array([n // 3]))]))[np.insert(np.arange(60), 20, 60)]),
+    }
+    before = factorized(matrix, nodes)
+    before.compliance(first)
+    known = dict(before.reduced)
+    after, alone = (factorized(changed(matrix, n // 3), nodes, some) for some in (before, None))
+    np.testing.assert_array_equal(after.compliance(others[change]), alone.compliance(others[change]))
+    assert after.reduced.keys() == alone.reduced.keys()
+    taken = [key for key, reduced in after.reduced.items() if known.get(key) is reduced]
+    assert len(taken) > 0.3 * len(known) or change == "order"
