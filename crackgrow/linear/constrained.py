@@ -44,17 +44,12 @@ class ConstrainedSystem:
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
-        known: Factorization | None = None if before is None else before._factorization
-        self._factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known)
-
-    @property
-    def n_fronts(self) -> tuple[int, int]:
-        """The fronts of the factorization, and how many of them it has made; the others are taken over."""
-        return self._factorization.n_fronts, self._factorization.n_eliminated
+        known: Factorization | None = None if before is None else before.factorization
+        self.factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known)
 
     def hand_over(self) -> None:
         """Solve no more: the system that comes next is the last to take anything over."""
-        self._factorization.hand_over()
+        self.factorization.hand_over()
 
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
@@ -69,7 +64,7 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            found = self._factorization.solve(columns[:, block], wanted[:, block])
+            found = self.factorization.solve(columns[:, block], wanted[:, block])
             u[:, block], multipliers[:, block] = self._corrected(found, columns[:, block], wanted[:, block])
         given_in = wanted.any(axis=0)
         if given_in.any():
@@ -79,7 +74,7 @@ class ConstrainedSystem:
     def _check_agreement(self, wanted: Floats) -> None:
         """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
         nothing = np.zeros((self.constraints.shape[1], wanted.shape[1]))
-        u, _ = self._corrected(self._factorization.solve(nothing, wanted), nothing, wanted)
+        u, _ = self._corrected(self.factorization.solve(nothing, wanted), nothing, wanted)
         left = np.abs(self.constraints @ u - wanted).max(axis=0)
         round_off = ROUND_OFF * (self._share @ np.abs(u)).max(axis=0)
         if np.any(left > np.maximum(INCONSISTENT * np.abs(wanted).max(axis=0), round_off)):
@@ -87,7 +82,7 @@ class ConstrainedSystem:
 
     def compliance(self, rows: csr_array) -> Floats:
         """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; symmetric to the last bit."""
-        return self._factorization.compliance(rows)
+        return self.factorization.compliance(rows)
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -114,7 +109,7 @@ class ConstrainedSystem:
                 break
             last = error
             residual = loads - self.stiffness @ u - self.constraints.T @ multipliers
-            du, dm = self._factorization.solve(residual, wanted - self.constraints @ u)
+            du, dm = self.factorization.solve(residual, wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm
         return u, multipliers
 

@@ -73,7 +73,7 @@ class Factorization:
         for front, parent in enumerate(self._fronts.parent[:-1].tolist()):
             self._children[parent].append(front)
         self._keys = self._found_keys()
-        self._reduced: dict[bytes, Reduced] = {} if before is None else before._reduced
+        self.reduced: dict[bytes, Reduced] = {} if before is None else before.reduced
         self.n_fronts, self.n_eliminated = self._fronts.n, 0
         self.factors = self._found_factors(before)
         self._placed: list[tuple[Factor, int, int, Ints]] | None = [
@@ -124,7 +124,7 @@ class Factorization:
             keys = [np.frombuffer(key, np.uint8) for key in (self._keys[front], *(below[c][0] for c in children))]
             numbers = np.array([self._children[front].index(child) for child in children], dtype=np.int64)
             key = key_of([np.diff(pointers), right.data[own], *at, numbers, *keys])
-            reduced = kept.get(key) or self._reduced.get(key)
+            reduced = kept.get(key) or self.reduced.get(key)
             if reduced is None:
                 y, left = np.zeros((len(factor.U), len(columns))), np.zeros((len(border), len(columns)))
                 y[np.repeat(np.arange(len(y)), np.diff(pointers)), at[0]] = right.data[own]
@@ -139,7 +139,7 @@ class Factorization:
                 kept[key] = reduced
             else:  # the last front is new wherever anything is
                 total[np.ix_(columns, columns)] += reduced.product
-        self._reduced = kept
+        self.reduced = kept
         return np.asarray(np.triu(total) + np.triu(total, 1).T)
 
     @property

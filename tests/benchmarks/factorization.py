@@ -145,7 +145,7 @@ def measure(name: str, case: Case, repetitions: int, by_superlu: bool) -> None:
             make = partial(BySuperLU, matrix, held)
         factorize, system = timed(make, repetitions), make()
         if isinstance(system, ConstrainedSystem):
-            n_fronts = system.n_fronts
+            n_fronts = (system.factorization.n_fronts, system.factorization.n_eliminated)
         loads = tractions(configuration)
         one = timed(partial(system.solve, configuration.loads(LoadLevel(1.0))), repetitions)
         many = timed(partial(system.solve, loads), 1)

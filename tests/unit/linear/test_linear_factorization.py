@@ -276,9 +276,9 @@ def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_a
     }
     before = factorized(matrix, nodes)
     before.compliance(first)
-    known = dict(before._reduced)
+    known = dict(before.reduced)
     after, alone = (factorized(changed(matrix, n // 3), nodes, some) for some in (before, None))
     np.testing.assert_array_equal(after.compliance(others[change]), alone.compliance(others[change]))
-    assert after._reduced.keys() == alone._reduced.keys()
-    taken = [key for key, reduced in after._reduced.items() if known.get(key) is reduced]
+    assert after.reduced.keys() == alone.reduced.keys()
+    taken = [key for key, reduced in after.reduced.items() if known.get(key) is reduced]
     assert len(taken) > 0.3 * len(known) or change == "order"
