@@ -41,7 +41,7 @@ EDGES = ("bottom", "right", "top", "left")
 
 TESTS = Path(__file__).parent
 PHYSICS = (
-    "properties/", "readme/test_generated.py::test_rows_of_verification", "regression/", "stability/", "verification/",
+    "properties/", "regression/", "stability/", "verification/",
     "unit/benchmarks/test_benchmarks.py::test_a_run", "unit/benchmarks/test_benchmarks.py::test_the_spacing",
     "unit/case/test_case_features.py::test_displacement",
     "unit/case/test_case_features.py::test_stress", "unit/case/test_case_files.py::test_damaged_cases",

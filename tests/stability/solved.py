@@ -5,7 +5,6 @@ All deviations are relative.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,15 +82,6 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
     solution = load(scene, growing)
     result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), False)
     return _told(quiet, solution, result, placement or scaled())
-
-
-Measure = Callable[[Solved], float]
-Difference = Callable[[Solved, Solved], float]
-
-
-def against(plain: Callable[[], Solved], apart: Difference) -> Measure:
-    """How far apart a scene is from one that is solved when it is needed."""
-    return lambda found: apart(found, plain())
 
 
 def stress_intensity(found: Solved, plain: Solved) -> float:

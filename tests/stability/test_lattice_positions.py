@@ -194,13 +194,3 @@ def test_paths_of_a_turned_or_mirrored_scene_are_the_same(angle: float, mirror: 
     back = there @ np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) * (mirror, 1.0)
     assert len(here) == len(back) == 8
     assert np.abs(back - here).max() < 0.1 * 2e-3
-
-
-def test_condition_estimate_is_that_of_the_dense_matrix() -> None:
-    system = solve(case("numerics.spacing=6", "cracks.flaw.path.length=20")).contact.system
-    scale = 1.0 / np.sqrt(system.stiffness.diagonal())
-    dense = scale[:, None] * system.stiffness.tocsc().toarray() * scale
-    _, sizes, directions = np.linalg.svd(system.constraints.toarray() * scale)
-    free = directions[len(sizes) :].T  # all that the constraints leave
-    values = np.linalg.eigvalsh(free.T @ dense @ free)
-    assert condition_estimate(system) == pytest.approx(values[-1] / values[0], rel=0.1)
