@@ -6,16 +6,12 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-import pytest
 
 from crackgrow.case import load_case
 from crackgrow.run.result import RunEnd, StepResult
 from tests.whole_run import whole_run
 
 ROOT = Path(__file__).parents[2]
-WING = np.genfromtxt(
-    ROOT / "tests" / "verification" / "references" / "wing_path_theta30.csv", delimiter=",", names=True
-)
 MM = 1e-3
 
 
@@ -32,13 +28,6 @@ def wings(end: RunEnd) -> list[np.ndarray]:
     given = np.flatnonzero(path.steps == 0)
     points = path.points / MM
     return [points[given[-1] :], -points[: given[0] + 1][::-1]]
-
-
-def deviation(wing: np.ndarray) -> float:
-    """Largest distance in x, mm, from the smooth reference path for y from 5 to 22 mm."""
-    inside = (WING["y_mm"] >= 5.0) & (WING["y_mm"] <= 22.0)
-    y, x = WING["y_mm"][inside], WING["x_mm_LS_inc05"][inside]
-    return float(np.abs(np.interp(y, wing[:, 1], wing[:, 0]) - x).max())
 
 
 def n_advances(results: list[StepResult], tip: str) -> int:
@@ -62,15 +51,6 @@ def test_compression30_is_symmetric_by_point_reflection() -> None:
     y = np.linspace(3.0, 24.0, 100)
     apart = np.interp(y, right[:, 1], right[:, 0]) - np.interp(y, left[:, 1], left[:, 0])
     assert np.abs(apart).max() < 0.3  # mm; the wings grow in turn, not together
-
-
-# The reference path comes from K_II = 0 with 0.5 mm steps. Averaged strength turns a shear crack by less (45 degrees
-# in pure mode II, 53 here, against 70), so that its first 2 mm segment alone ends 0.92 mm off: it is held to half an
-# increment.
-@pytest.mark.parametrize(("criterion", "tolerance"), [("directional_strength", 0.6), ("strength", 1.0)])
-def test_wings_follow_the_reference_path(criterion: str, tolerance: float) -> None:
-    _, end = run("compression30", f"growth.criterion={criterion}")
-    assert [deviation(wing) < tolerance for wing in wings(end)] == [True, True]
 
 
 def test_path_does_not_depend_on_the_spacing() -> None:

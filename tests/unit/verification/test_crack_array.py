@@ -23,13 +23,6 @@ def plate() -> CrackArray:
     return solve_crack_array(SCATTERED, STRESS)
 
 
-def stacked(distance: float, n_terms: int = 60) -> CrackArray:
-    """Two cracks of half length 1, one above the other, under unit tension across."""
-    return solve_crack_array(
-        [StraightCrack(0.0, y * distance, 1.0, 0.0) for y in (-0.5, 0.5)], (0.0, 1.0, 0.0), n_terms
-    )
-
-
 @pytest.mark.parametrize("angle", [0.0, 30.0, 90.0, 135.0, -50.0])
 def test_one_crack_at_any_angle(angle: float) -> None:
     crack = StraightCrack(0.3, 0.2, 1.5, angle, normal=-0.5, shear=0.1)
@@ -56,31 +49,6 @@ def test_two_collinear_cracks(inner: float) -> None:
     np.testing.assert_allclose(K, [(at_b, 0.0), (at_a, 0.0), (at_a, 0.0), (at_b, 0.0)], rtol=1e-10, atol=1e-10)
 
 
-def test_stacked_cracks_far_apart() -> None:
-    """One crack lowers the stress above its middle by 3/2 (a/d)^2 up to the fourth power of a/d."""
-    for distance in (20.0, 40.0):
-        lowered = 1.0 - stacked(distance).K(0, "end")[0] / np.sqrt(np.pi)
-        assert lowered == pytest.approx(1.5 / distance**2, rel=10.0 / distance**2)
-
-
-def test_stacked_cracks_close_together() -> None:
-    """They release the energy of one crack: the two tips at an end share K^2, and what lies between carries nothing."""
-    shared = {}
-    for distance, n_terms in ((0.1, 250), (0.05, 500)):
-        found = stacked(distance, n_terms)
-        assert found.residual < 1e-8
-        shared[distance] = (found.K(0, "end")[0] ** 2 + found.K(0, "end")[1] ** 2) / np.pi
-    assert 2.0 * shared[0.05] - shared[0.1] == pytest.approx(0.5, abs=1e-3)
-
-
-def test_stacked_cracks_turn_their_tips_away_from_each_other() -> None:
-    """A positive K_II turns clockwise: down at the lower crack's end."""
-    found = stacked(1.0)
-    K_II = [found.K(crack, tip)[1] for crack in (0, 1) for tip in ("start", "end")]
-    np.testing.assert_allclose(np.sign(K_II), [-1.0, 1.0, 1.0, -1.0])
-    np.testing.assert_allclose(np.abs(K_II), abs(K_II[0]), rtol=1e-12)
-
-
 def test_K_converges_exponentially(plate: CrackArray) -> None:
     """The traction left over on the faces tells the error of K."""
     exact = np.array(solve_crack_array(SCATTERED, STRESS, 120).K(0, "end"))
@@ -99,10 +67,6 @@ def test_faces_carry_what_is_given(plate: CrackArray) -> None:
             xx, yy, xy = plate.stress_at(np.stack([z.real, z.imag], axis=1)).T
             turned = 0.5 * (xx + yy) + 0.5 * ((yy - xx) + 2j * xy) * crack.direction**2
             np.testing.assert_allclose(turned, crack.normal + 1j * crack.shear, atol=1e-9)
-
-
-def test_stress_far_away_is_the_given_one(plate: CrackArray) -> None:
-    np.testing.assert_allclose(plate.stress_at(np.array([[3e5, 4e5]])), [STRESS], atol=1e-9)
 
 
 def test_displacement_gives_the_stress(plate: CrackArray) -> None:
@@ -140,9 +104,3 @@ def test_K_is_the_limit_of_the_jump(plate: CrackArray) -> None:
             jump = plate.opening_and_slip(number, np.array([sign * (1.0 - r / crack.half_length)]), young_prime)
             K = np.ravel(jump) * young_prime / 8.0 * np.sqrt(2.0 * np.pi / r)
             np.testing.assert_allclose(K, plate.K(number, tip), rtol=1e-5, atol=1e-5)
-
-
-def test_displacement_formulas_are_the_components(plate: CrackArray) -> None:
-    points = np.array([[2.0, 3.0], [-1.0, 2.5]])
-    found = [formula(points) for formula in plate.displacement_formulas(YOUNG, POISSON)]
-    np.testing.assert_array_equal(np.transpose(found), plate.displacement_at(points, YOUNG, POISSON))
