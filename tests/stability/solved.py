@@ -21,7 +21,7 @@ from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.setting import under_its_loads
 from tests.solving import displacement_size
-from tests.stability.placed import Placement, placed, scaled
+from tests.stability.placed import Placement, scaled
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,11 +64,6 @@ def _told(case: Case, solution: StepSolution, result: StepResult, by: Placement)
         displacement_size=displacement_size(solution.loads, solution.outcome.u, given) / by.displacement,
         load_size=float(np.abs(solution.loads).sum() / (by.stress * by.size)),
     )
-
-
-def solved_placed(case: Case, placement: Placement) -> Solved:
-    """Solve a case in another place, size or unit. Raises CrackgrowError where the program refuses it."""
-    return solved(placed(case, placement), placement)
 
 
 def solved(case: Case, placement: Placement | None = None, offset: tuple[float, float] = (0.0, 0.0)) -> Solved:

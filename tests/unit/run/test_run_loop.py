@@ -23,6 +23,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import Scene
+from tests.scenes import specimen
 from tests.whole_run import whole_run
 
 MM = 1e-3
@@ -46,31 +47,7 @@ def plate(tmp_path: Path) -> Plate:
         sigma: float = 1.0,
         growth: dict[str, Any] | None = None,
     ) -> Case:
-        w, h = size
-        scene: dict[str, Any] = {
-            "title": "plate",
-            "units": {"length": "mm", "stress": "MPa"},
-            "plane": "strain",
-            "bodies": {
-                "rock": {
-                    "shape": {"rectangle": {"center": [0, 0], "width": w, "height": h}},
-                    "material": {"young": 10000, "poisson": 0.25},
-                    "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
-                }
-            },
-            "cracks": cracks,
-            "supports": [
-                {"at": [-w / 2, -h / 2], "displacement": {"y": 0}},
-                {"at": [w / 2, -h / 2], "displacement": {"y": 0}},
-                {"at": [0, -h / 2], "displacement": {"x": 0}},
-            ],
-            "loads": [
-                {"on": {"body": "rock", "edge": "top"}, "traction": [0, sigma]},
-                {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -sigma]},
-            ],
-            "numerics": {"spacing": 1.5},
-            "output": {"frames": "none", "figures": False},
-        }
+        scene = specimen(cracks, size, sigma, numerics={"spacing": 1.5})
         if growth is not None:
             standard = {
                 "steps": 2,

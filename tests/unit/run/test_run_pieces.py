@@ -14,6 +14,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import FreePieceError
 from crackgrow.run import grow
 from crackgrow.solid.linear_solver import ConstrainedSystem
+from tests.scenes import specimen
 
 HELD_BY_FRICTION = [
     [(-2.47, 6.123), (-2.616, 9.325), (-2.863, 14.319), (-14.167, 23.901), (-14.378, 28.896), (-13.608, 30.0)],
@@ -35,37 +36,12 @@ TIPS = ["none", "start", "end", "none", "none"]
 
 def pressed(tmp_path: Path, cracks: list[Any], tips: list[str], friction: list[float], **more: Any) -> Case:
     """A plate of 40 x 60 mm with cracks (mm), pressed along y."""
-    scene = {
-        "title": "pieces",
-        "units": {"length": "mm", "stress": "MPa"},
-        "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": 40, "height": 60}},
-                "material": {"young": 10000, "poisson": 0.25},
-                "strength": {"tension": 0.05, "cohesion": 10, "friction_angle": 40},
-            }
-        },
-        "cracks": {
-            f"c{k}": {
-                "path": {"points": [list(p) for p in path]},
-                "tips": end,
-                "contact": {"friction": mu, "cohesion": 0},
-            }
-            for k, (path, end, mu) in enumerate(zip(cracks, tips, friction, strict=True), 1)
-        },
-        "supports": [
-            {"at": [-20, -30], "displacement": {"x": 0, "y": 0}},
-            {"at": [20, -30], "displacement": {"y": 0}},
-        ],
-        "loads": [
-            {"on": {"body": "rock", "edge": "top"}, "traction": [0, -4]},
-            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, 4]},
-        ],
-        "numerics": {"spacing": 3},
-        "output": {"frames": "none", "figures": False},
-        **more,
+    given = {
+        f"c{k}": {"path": {"points": [list(p) for p in path]}, "tips": end, "contact": {"friction": mu, "cohesion": 0}}
+        for k, (path, end, mu) in enumerate(zip(cracks, tips, friction, strict=True), 1)
     }
+    scene = specimen(given, (40.0, 60.0), -4.0, numerics={"spacing": 3}, **more)
+    scene["bodies"]["rock"]["strength"]["tension"] = 0.05
     file = tmp_path / "pieces.yaml"
     file.write_text(yaml.safe_dump(scene))
     return load_case(file)

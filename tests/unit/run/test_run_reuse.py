@@ -20,6 +20,7 @@ from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.stiffness import stiffness
+from tests.scenes import specimen
 
 CRACKS = {  # the first two meet, the third ends on the fourth, the last two are far away
     "left": {"center": [-20, 0], "length": 9, "angle": 0},
@@ -34,44 +35,19 @@ CRACKS = {  # the first two meet, the third ends on the fourth, the last two are
 def scene(folder: Path, advance: str, *overrides: str) -> Any:
     """A plate pulled along y, with six flaws of which those in the middle grow."""
     file = folder / "plate.yaml"
-    document = {
-        "title": "flaws that meet",
-        "units": {"length": "mm", "stress": "MPa"},
-        "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": 60, "height": 70}},
-                "material": {"young": 10000, "poisson": 0.25},
-                "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
-            }
-        },
-        "cracks": {
-            name: {
-                "path": path,
-                "contact": {"friction": 0.3, "cohesion": 0.0},
-                "tips": "none" if name == "wall" else "both",
-            }
-            for name, path in CRACKS.items()
-        },
-        "supports": [
-            {"at": [-30, -35], "displacement": {"y": 0}},
-            {"at": [30, -35], "displacement": {"y": 0}},
-            {"at": [0, -35], "displacement": {"x": 0}},
-        ],
-        "loads": [
-            {"on": {"body": "rock", "edge": "top"}, "traction": [0, 1]},
-            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -1]},
-        ],
-        "growth": {
-            "steps": 4,
-            "increment": 2,
-            "advance": advance,
-            "criterion": "max_hoop_stress",
-            "tip_stress": {"radius": 1},
-        },
-        "numerics": {"spacing": 2},
-        "output": {"frames": "none", "figures": False},
+    law = {"friction": 0.3, "cohesion": 0.0}
+    cracks = {
+        name: {"path": path, "contact": dict(law), "tips": "none" if name == "wall" else "both"}
+        for name, path in CRACKS.items()
     }
+    growth = {
+        "steps": 4,
+        "increment": 2,
+        "advance": advance,
+        "criterion": "max_hoop_stress",
+        "tip_stress": {"radius": 1},
+    }
+    document = specimen(cracks, (60.0, 70.0), growth=growth, numerics={"spacing": 2})
     file.write_text(yaml.safe_dump(document))
     return load_case(file, overrides)
 
