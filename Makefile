@@ -10,7 +10,7 @@ export OPENBLAS_NUM_THREADS ?= 1
 export OMP_NUM_THREADS ?= 1
 
 .DEFAULT_GOAL := help
-.PHONY: help run case-exists test test-physics test-all browser verify stability lint check bench wheel lock readme docs clean clean-outputs distclean
+.PHONY: help run case-exists test test-physics test-all browser verify lint check bench wheel lock readme docs clean clean-outputs distclean
 .DELETE_ON_ERROR:
 
 help:
@@ -20,14 +20,13 @@ help:
 	@echo "make test-all                  all tests"
 	@echo "make browser                   the report in Chromium (needs chromium and chromedriver)"
 	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
-	@echo "make stability [ARGS=--short]  extremes of all kinds: a table and a picture in outputs/stability"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint, test and test-physics"
-	@echo "make bench [ARGS=--quick]      speed beside an earlier commit, run in one go: tests/benchmarks/bench.md"
+	@echo "make bench [ARGS=--quick]      speed beside an earlier commit, run in one go: tests/benchmarks/bench.csv"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make lock                      renew the pinned versions: .requirements.lock"
 	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
-	@echo "make docs [ARGS=--measured]    write the parts of the READMEs that are made of declarations or measured;"
+	@echo "make docs                      write the parts of the READMEs that are made of declarations;"
 	@echo "                               with ARGS=--pictures the pictures of README.md, too"
 	@echo "make clean | distclean         remove caches | and .venv"
 	@echo "make clean-outputs             remove all results in outputs, after asking"
@@ -73,9 +72,6 @@ browser: $(STAMP)
 
 verify: $(STAMP)
 	@$(PY) -m tests.verification.verify $(ARGS)
-
-stability: $(STAMP)
-	@$(PY) -m tests.stability.extremes.study $(ARGS)
 
 lint: $(STAMP)
 	@$(PY) -m ruff check .

@@ -48,6 +48,37 @@ def plate(points: list[list[float]], size: float, axial: float, lateral: float, 
     }
 
 
+def specimen(
+    cracks: dict[str, Any], size: tuple[float, float] = (31.0, 55.0), sigma: float = 1.0, **more: Any
+) -> dict[str, Any]:
+    """A plate (mm) that is pulled along y (MPa), held where it takes no force, of rock in which cracks may grow."""
+    x, y = 0.5 * size[0], 0.5 * size[1]
+    return {
+        "title": "plate",
+        "units": {"length": "mm", "stress": "MPa"},
+        "plane": "strain",
+        "bodies": {
+            "rock": {
+                "shape": {"rectangle": {"center": [0, 0], "width": size[0], "height": size[1]}},
+                "material": {"young": 10000, "poisson": 0.25},
+                "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
+            }
+        },
+        "cracks": cracks,
+        "supports": [
+            {"at": [-x, -y], "displacement": {"y": 0}},
+            {"at": [x, -y], "displacement": {"y": 0}},
+            {"at": [0, -y], "displacement": {"x": 0}},
+        ],
+        "loads": [
+            {"on": {"body": "rock", "edge": "top"}, "traction": [0, sigma]},
+            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -sigma]},
+        ],
+        "output": {"frames": "none", "figures": False},
+        **more,
+    }
+
+
 def winged(half: float, angle: float, wing: float, turn: float) -> list[list[float]]:
     """Vertices of a flaw with straight wings, symmetric by point reflection; degrees."""
     inner = half * np.exp(1j * np.deg2rad(angle))

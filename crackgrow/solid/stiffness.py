@@ -18,7 +18,7 @@ from crackgrow.approximation.basis import arrays_of, functions_at, gathered
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
-from crackgrow.linear.matrix import SymmetricMatrix
+from crackgrow.linear import SymmetricMatrix
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged

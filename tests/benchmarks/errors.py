@@ -263,6 +263,8 @@ def told(rows: Sequence[Row]) -> Iterator[str]:
         kinds = dict.fromkeys(row.quantity.split(" of ")[0] for row in mine)
         for kind in (*kinds, ""):
             some = [row for row in mine if row.quantity.startswith(kind)]
+            if len(some) == 1:
+                continue
             ratio = np.quantile([row.D / max(row.error, ROUND_OFF) for row in some], [0.05, 0.5, 0.95])
             yield (
                 f"  - {kind or 'all'}: {len(some)}; the bound holds for {np.mean([row.holds for row in some]):.1%}, "

@@ -1,6 +1,6 @@
 """K after growth against its cost: cells of one size, cells for an accuracy, and graded finite elements.
 
-    python -m tests.benchmarks.graded       graded.md and graded.svg beside this file
+    python -m tests.benchmarks.graded       graded.csv and graded.svg beside this file
 
 CPU seconds of one thread, the least of some solves, as multiples of the uniform solve at 1.5 mm of the same scene.
 Finite elements were measured beside that solve by an earlier commit, which is run again: so they keep their scale.
@@ -26,7 +26,7 @@ from crackgrow.run import grow
 from tests.benchmarks.beside import AGAINST, Scene, beside, program_of
 from tests.benchmarks.paths import HERE, REFERENCES, ROOT
 from tests.benchmarks.scenes import solved_once
-from tests.benchmarks.tables import number, table
+from tests.benchmarks.tables import number, write_csv
 from tests.scenes import MPA, shipped
 from tests.verification.solutions import rows
 
@@ -105,22 +105,6 @@ def all_points() -> list[Point]:
     return found
 
 
-def text_of(points: Sequence[Point]) -> str:
-    """The table."""
-    lines = [[p.scene, p.cells, f"{p.unknowns:,}", number(p.cost), number(p.error)] for p in points]
-    header = ("scene", "cells", "unknowns", f"CPU over {BESIDE}", "error of K, %")
-    words = (
-        "# K after growth against its cost\n\n"
-        "Written by `python -m tests.benchmarks.graded`: wings of one increment (`young30`) and of eight (`grown30`),\n"
-        "without friction. Cells of one size, by their size; cells for an accuracy, as a run begins with them;\n"
-        "quadratic triangles of another program with CHOLMOD, meshing by gmsh included, graded to the tips alone\n"
-        "or to tips and kinks. The error is that of the worse tip and component, over K_I, against finite\n"
-        "elements good to 0.05 %. CPU is that of one solve, over that of the uniform one at 1.5 mm, without what\n"
-        "a name takes to measure its error.\n\n"
-    )
-    return f"{words}{table(header, sorted(lines))}\n![Error of K against CPU](graded.svg)\n"
-
-
 def draw(points: Sequence[Point], path: Path) -> None:
     """Error over cost, a panel for each scene."""
     figure = Figure(figsize=(8.0, 3.6), layout="constrained")
@@ -149,9 +133,9 @@ def main() -> None:
     """Measure, write, draw."""
     with single_threaded():
         points = all_points()
-    (HERE / "graded.md").write_text(text_of(points))
+    lines = sorted([p.scene, p.cells, f"{p.unknowns:,}", number(p.cost), number(p.error)] for p in points)
+    write_csv(HERE / "graded.csv", ("scene", "cells", "unknowns", f"CPU over {BESIDE}", "error of K, %"), lines)
     draw(points, HERE / "graded.svg")
-    print(text_of(points))
 
 
 if __name__ == "__main__":

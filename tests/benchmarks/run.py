@@ -1,4 +1,4 @@
-"""The benchmark: `make bench` runs the program as it is beside an earlier commit, and writes bench.md.
+"""The benchmark: `make bench` runs the program as it is beside an earlier commit, and writes bench.csv.
 
 It needs the history of the repository; a few minutes with `ARGS=--quick`, half an hour without.
 """
@@ -16,7 +16,7 @@ import numpy as np
 from tests.benchmarks.beside import AGAINST, PHASES, Timed, beside, program_of
 from tests.benchmarks.paths import HERE, ROOT
 from tests.benchmarks.scenes import BESIDE
-from tests.benchmarks.tables import milliseconds, number, table, write_part
+from tests.benchmarks.tables import milliseconds, number, table, write_csv
 
 SLOWER = 1.05
 """Ratios of a step beyond this are marked: the least of three rounds differ by less, run to run."""
@@ -52,10 +52,9 @@ def main() -> None:
         for scene in chosen:
             rows.append(row_of(scene.name, *beside(scene, (then, ROOT), options.rounds)))
             print(*rows[-1], flush=True)
-    text = f"{table(HEADER, rows)}\n{_made_with()}\n"
-    print(text)
+    print(f"{table(HEADER, rows)}\n{_made_with()}")
     if len(chosen) == len(BESIDE):
-        write_part(HERE / "bench.md", "table", text)
+        write_csv(HERE / "bench.csv", HEADER, rows, _made_with())
 
 
 def _made_with() -> str:

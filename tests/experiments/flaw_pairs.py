@@ -102,7 +102,7 @@ S, W, M: shear, tension or both have made the shortest way along cracks from one
 one, by the modes of its segments. `none`: there is none before cracks have cut the specimen, or up to the strength. In
 the picture black flaws, blue tension, red shear. The modes of the tests are as they are quoted for friction 0.6, not
 read from the paper (`-`: not known). A shear crack can start only beside a wing: wings come first by that rule, and at
-lower loads, too, where friction is 0.6. What wings do alone is in [wings_alone.md](wings_alone.md).
+lower loads, too, where friction is 0.6.
 
 """
 
@@ -115,49 +115,15 @@ at that load, far below the strength of whole rock, while wings are 3 to 9 mm lo
 20 mm of wing take 2.8 MPa. At 105 and 120 degrees the shear cracks pass the other flaw; at friction 0.7 none starts
 there up to the strength.
 
-The same at friction 0.6 with other laws for shear, each for all pairs, run by hand (`-`: not run), before rays that
-meet a crack had a rule of their own, which changes no mode of the first row. R is the length over which stress is
-averaged; 10.2 mm stands for the K_Ic of the wings, 2.55 mm for half of it.
+Other laws for shear, run by hand at friction 0.6, change little: on cells that resolve the averaging length no pair
+links in mode W, with the largest shear stress or the largest share of the strength deciding, over 10.2 or 2.55 mm,
+and all modes are the same at `standard`. Nor does a toughness in shear of 2 to 3 K_Ic (Rao 1999) bring it: at the tip
+of a shear crack K_II reaches what a wing needs, 0.87 K_Ic, before it reaches K_IIc, so that shear cracks end after an
+increment or two and go on as wings, and S is lost; and it does not hold up starts, as the wing has taken the
+singularity away. So the program judges starts by the strength over the length of K_Ic, and K_IIc is for tips.
 
-| R, mm | direction of a shear crack | cells | first shear crack | 45 | 60 | 75 | 90 | 105 | 120 |
-|---|---|---|---|---|---|---|---|---|---|
-| 10.2 | largest shear stress (as above) | `draft` | 1.45 to 1.60 | S | S | M | M | none | none |
-| 10.2 | largest shear stress | `standard` | 1.40 to 1.55 | S | S | M | M | none | none |
-| 10.2 | largest share of the strength | `draft` | 1.60 | - | - | - | - | none | - |
-| 2.55 | largest shear stress | `draft` | 1.70 to 1.80 | S | M | M | M | W | none |
-| 2.55 | largest shear stress | `standard` | 1.45 to 1.55 | S | - | - | - | none | none |
-| 2.55 | largest share of the strength | `draft` | 1.70 | none | - | - | - | - | - |
-| 2.55 | largest share, equal ones start one by one | `draft` | 1.70 to 1.80 | M | S | M | W | W | W |
-
-W comes out where shear cracks start at 1.7 MPa and more: that is where cells are too coarse for R of 2.55 mm, and the
-stress over the strength is 14 % too small. On cells that resolve it they start sooner, and W is gone. Over 10.2 mm
-it differs by 4 % between `draft` and `fine`, and all modes are the same with `standard`.
-
-A toughness in shear as an input (`strength.shear_toughness`) does not bring W. Rao (1999) found K_IIc of 2 to 3 times
-K_Ic on rock; that of this material is not known, so 2, 2.5 and 3 are values of rock in general, not from the tests. R
-for shear is 14.9, 23.2 and 33.4 mm then, longer than a flaw. By hand, friction 0.6; starts and tips by the strength
-averaged over R, tips on the ray with the largest shear stress (`largest`), on any that is pressed (`any`), or on the
-one with the largest share of the strength where the tip's own normal stress does not count (`less K`):
-
-| K_IIc / K_Ic | starts, R | tips | cells | first shear crack | 45 | 60 | 75 | 90 | 105 | 120 |
-|---|---|---|---|---|---|---|---|---|---|---|
-| 2 | 10.2 mm | largest, as in the program | `draft` | 1.45 to 1.60 | none | none | none | M | M | M |
-| 2 | 10.2 mm | largest, as in the program | `standard` | 1.55 | - | - | - | - | M | - |
-| 2.5 | 10.2 mm | largest, as in the program | `draft` | 1.45 to 1.60 | none | - | - | - | M | - |
-| 2 | 14.9 mm | largest | `draft` | 1.60 to 1.65 | none | - | none | - | M | M |
-| 2.5 | 23.2 mm | largest | `draft` | 1.70 | - | - | - | - | M | M |
-| 2 | 14.9 mm | less K | `draft` | 1.65 | - | - | - | - | none | - |
-| 2.5 | 23.2 mm | any | `draft` | 1.70 | - | - | - | - | none | none |
-| 3 | 33.4 mm | any | `draft` | 1.85 | - | - | - | - | none | - |
-
-![The pairs with K_IIc of 2 K_Ic, as in the first row](flaw_pairs_shear_toughness.png)
-
-Two things stand against it. At the tip of a shear crack K_II reaches what a wing needs, 0.87 K_Ic, before it reaches
-K_IIc: shear cracks end after an increment or two of 3 mm and go on as wings. So S is lost, and the links at 90 degrees
-and more are tension but for those 3 mm: M by the rule above. And K_IIc does not hold up starts: the wing has taken the
-singularity away, and the stress averaged over more rock is larger there. At an end of a flaw with a young wing it is
-0.28 and 0.37 of the strength over 1 mm on the two sides of the wing, 0.37 and 0.43 over 4 mm at the same load. So the
-program judges starts by the strength over the length of K_Ic, and K_IIc is for tips.
+By wings alone, at critical loads, only the pair at 105 degrees links, at 2.8 MPa, more than the rock bears: a wing of a
+closed flaw takes more load the longer it gets, until it feels the other flaw.
 """
 
 Piece = tuple[str, str, int]

@@ -14,7 +14,6 @@ LAYOUTS = {
     "through": [([(0.5, 2.3), (3.2, 2.9), (6.5, 3.6)], (False, False))],
     "on lattice lines": [([(1.3, 3.0), (3.0, 3.0), (3.0, 4.6)], (True, True))],
 }
-NEAR_TIP = 1e-3
 
 
 def sample_of(build, name: str, support: float):
@@ -67,13 +66,3 @@ def test_jump_closes_with_the_square_root_of_the_distance_from_the_tip(build, na
         plus, minus = (displacement_at(sample.cover, u, points, elements) for elements in side)
         far, near = plus - minus
         np.testing.assert_allclose(far, 2 * near, rtol=1e-4)  # the next term is r, 1e-6 / 1e-3 smaller
-
-
-@pytest.mark.parametrize("name", LAYOUTS)
-def test_evaluation_gives_the_same_again(build, name: str) -> None:
-    sample = sample_of(build, name, 2.0)
-    elements, u = sample.cover.elements, random_unknowns(sample)
-    points, owner = elements.reference, np.arange(elements.n)
-    first = displacement_at(sample.cover, u, points, owner)
-    displacement_at(sample.cover, 2 * u, points[::-1], owner[::-1])
-    np.testing.assert_array_equal(displacement_at(sample.cover, u, points, owner), first)

@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 from crackgrow.case.model import PointSupport
-from crackgrow.cover.cover import build_cover
 from crackgrow.solid.places import boxes_of_functions
-from crackgrow.solid.stiffness import stiffness
 from tests.properties.test_properties_cells import TIP, mode_one
 from tests.properties.test_properties_patch_test import errors
 from tests.unit.exact_fields import solved_under, true_error
@@ -68,17 +64,3 @@ def test_the_direct_solver_knows_what_gathered_functions_are_coupled_to(build) -
     u, multipliers = system.solve(loads, given)
     left = matrix @ u + system.constraints.T @ multipliers - loads
     assert np.abs(left).max() < 1e-9 * np.abs(loads).max()
-
-
-def test_a_step_of_growth_takes_over_what_it_may(build) -> None:
-    """The old tip's functions vanish, the new one's appear; the matrix is that of a fresh assembly."""
-    far = build.crack([(5.7, 22.2), (15.1, 22.9)], name="far", gathered=True)
-    sample = build.block((22, 28), [build.crack(LONG, gathered=True), far], 2.0)
-    first = stiffness(sample.cover, [sample.material], 3)
-    grown = np.vstack([sample.cover.cracks[0].points, sample.cover.cracks[0].points[-1] + (1.6, 1.5)])
-    cracks = [replace(sample.cover.cracks[0], points=grown), sample.cover.cracks[1]]
-    cover = build_cover(sample.lattice, sample.cover.bodies, cracks, before=sample.cover)
-    assert [tip.carriers.gathered for tip in cover.tips] == [True] * 4
-    later, fresh = (stiffness(cover, [sample.material], 3, before) for before in (first, None))
-    assert later.n_integrated < 0.8 * fresh.n_integrated
-    assert abs(later.matrix.tocsc() - fresh.matrix.tocsc()).max() == 0.0

@@ -234,16 +234,6 @@ def test_mirrored_points_carry_the_same(paths: Paths, mirror: tuple[float, float
     np.testing.assert_allclose(K[pair] * (1.0, -1.0), K, atol=2.0 * ORIENTATION * np.abs(K).max())
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("name", ["T", "X", "Y", "through, and one across"])
-def test_turned_scene_gives_turned_tractions(name: str, friction: float) -> None:
-    friction = max(friction, STICKY * name.startswith("through"))
-    upright, turned = (solved(LAYOUTS[name], friction, turned=turn)[1] for turn in (False, True))
-    assert differences(upright, turned, np.array([[0.0, -1.0], [1.0, 0.0]])) < ORIENTATION
-    K, expected = (np.array([tip.K for tip in solution.tips]).reshape(-1, 2) for solution in (turned, upright))
-    np.testing.assert_allclose(K, expected, atol=ORIENTATION * LOAD * np.sqrt(1e-2))
-
-
 @pytest.mark.parametrize("name", ["T", "X", "three through a point", "Y", "V", "oblique branch"])
 def test_slipping_branches_neither_overlap_nor_tear_the_rock(name: str) -> None:
     _, solution = solved(LAYOUTS[name], 0.0)

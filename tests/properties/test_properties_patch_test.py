@@ -69,14 +69,6 @@ def test_short_crack_along_the_only_stress_leaves_it_alone(build, support: float
     assert errors(sample, (6, 5), 4, (1e-3, 0.0, 0.0))[0] < 1e-10
 
 
-@pytest.mark.parametrize("start", [(3.7, 4.2), (0.5, 4.2)], ids=["inside", "from the side"])
-@pytest.mark.parametrize("support", [1.5, 2.0, 2.5])
-def test_long_crack_along_the_only_stress_leaves_it_alone(build, support: float, start: tuple[float, float]) -> None:
-    crack = build.crack([start, LONG[1]], (start[0] > 0.5, True))
-    displacement, _ = errors(build.block((14, 9), [crack], support), (14, 9), 4, (1e-3, 0.0, 0.0))
-    assert displacement < 1e-10
-
-
 @pytest.mark.parametrize(("support", "levels"), [(1.5, 3), (2.0, 1), (2.0, 3), (2.0, 6), (2.5, 2), (1.25, 2)])
 def test_changes_of_cell_size_leave_a_uniform_stress_alone(build, support: float, levels: int) -> None:
     """Small cells at a tip on a lattice line, at a tip inside of a cell, and on the outline."""

@@ -91,19 +91,6 @@ def places(low: tuple[float, float], high: tuple[float, float], n: int = 300) ->
     return np.random.default_rng(70).uniform(low, high, (n, 2))
 
 
-@pytest.mark.parametrize("support", [1.5, 2.0])
-def test_patch_test_through_a_stuck_interface(tmp_path: Path, support: float) -> None:
-    scene, solution = solve(tmp_path, STACK, f"numerics.support={support}")
-    e_yy, e_xx = -1e6 * (1 - 0.3**2) / 1e10, 1e6 * 0.3 * 1.3 / 1e10
-    largest = 1.1 * abs(e_yy)
-    for body, (low, high) in enumerate((((0, 0.5), (1, 1.1)), ((0, 0), (1, 0.5)))):
-        metres = places(low, high)
-        exact = metres * (e_xx, e_yy)
-        assert np.abs(displacement(scene, solution, metres, body) - exact).max() < PATCH_TEST[support] * largest
-    assert set(solution.outcome.points.state.tolist()) == {STICK}
-    np.testing.assert_allclose(solution.outcome.points.normal, -1e6, rtol=1e-4)
-
-
 @pytest.mark.parametrize("contact", ["{friction: 0.5, cohesion: 0}", "bonded"])
 @pytest.mark.parametrize("ratio", [1e-6, 1.0, 1e3, 1e6])
 def test_two_materials_in_series(tmp_path: Path, contact: str, ratio: float) -> None:
@@ -142,32 +129,6 @@ def test_a_block_that_contact_alone_holds(tmp_path: Path) -> None:
     np.testing.assert_allclose(solution.outcome.points.normal, -100.0, rtol=1e-4)
 
 
-def test_reactions_balance_the_loads(tmp_path: Path) -> None:
-    push = "loads=[{on: {body: block, edge: top}, traction: [20, -100]}]"
-    _, solution = solve(tmp_path, BLOCK, push)
-    (foundation,) = reactions(solution.state)
-    assert foundation.where == "block.bottom"
-    np.testing.assert_allclose(foundation.force, [-80.0, 400.0], rtol=1e-8)
-    np.testing.assert_allclose(total_load(solution), [80.0, -400.0], rtol=1e-8)
-    assert solution.outcome.residual < 1e-9
-
-
-@pytest.mark.parametrize("push", [45.0, 49.0, 51.0, 60.0])
-def test_a_block_slides_off_beyond_its_friction(tmp_path: Path, push: float) -> None:
-    """Coulomb for the whole: 0.5 times 400 N/m hold 200 N/m, however tractions are spread. Low, so it can't tip."""
-    settings = (
-        "bodies.block.shape.rectangle={center: [0, 0.5], width: 4, height: 1}",
-        f"loads=[{{on: {{body: block, edge: top}}, traction: [{push}, -100]}}]",
-        "numerics.spacing=0.2",
-    )
-    if push > 50.0:
-        with pytest.raises(SolveError, match="contact does not hold it"):
-            solve(tmp_path, BLOCK, *settings)
-        return
-    _, solution = solve(tmp_path, BLOCK, *settings)
-    np.testing.assert_allclose(reactions(solution.state)[0].force, [-4 * push, 400.0], rtol=1e-8)
-
-
 def test_a_frictionless_block_slides_at_any_push(tmp_path: Path) -> None:
     smooth = "supports.0.contact={friction: 0, cohesion: 0}"
     _, solution = solve(tmp_path, BLOCK, smooth)
@@ -196,38 +157,6 @@ def test_weight_of_a_column(tmp_path: Path, spacing: float) -> None:
     holes = "bodies.block.shape.holes=[{rectangle: {center: [0.4, 1.1], width: 0.7, height: 0.5}}]"
     scene, solution = solve(tmp_path, BLOCK, *settings, holes)
     np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, 7.65 * 70.0], rtol=1e-6, atol=1e-6)
-
-
-def test_in_situ_stress_that_tractions_balance_displaces_nothing(tmp_path: Path) -> None:
-    """The plate as it was found, stressed and uncut, its crack stuck: nothing moves, all stress is what it was."""
-    loads = (
-        "loads=[{body: rock, stress: [-20, -50, 3]},"
-        " {on: {body: rock, edge: top}, traction: [3, -50]}, {on: {body: rock, edge: bottom}, traction: [-3, 50]},"
-        " {on: {body: rock, edge: right}, traction: [-20, 3]}, {on: {body: rock, edge: left}, traction: [20, -3]}]"
-    )
-    units = "units={length: mm, stress: MPa}"
-    scene, solution = solve(tmp_path, CRACKED, units, loads, "cracks.flaw.contact.friction=1")
-    elastic = 50e6 / 1e10 * 55e-3
-    metres = places((-15e-3, -27e-3), (15e-3, 27e-3))
-    assert np.abs(displacement(scene, solution, metres)).max() < 1e-9 * elastic
-    np.testing.assert_allclose(
-        stress(scene, solution, metres), np.broadcast_to([-20e6, -50e6, 3e6], (300, 3)), atol=1e-3
-    )
-    np.testing.assert_allclose(solution.outcome.points.normal, -50e6, rtol=1e-8)
-    np.testing.assert_allclose(solution.outcome.points.tangential, 3e6, rtol=1e-8)
-
-
-def test_in_situ_stress_loads_a_crack_as_tractions_do(tmp_path: Path) -> None:
-    """Superposition: the plate under tractions alone differs by a uniform field, which no crack tip feels."""
-    units = "units={length: mm, stress: MPa}"
-    edges = "{on: {body: rock, edge: top}, traction: [0, -100]}, {on: {body: rock, edge: bottom}, traction: [0, 100]}"
-    angle = "cracks.flaw.path.angle=30"
-    _, pushed = solve(tmp_path, CRACKED, units, angle, f"loads=[{edges}]")
-    _, found = solve(tmp_path, CRACKED, units, angle, f"loads=[{{body: rock, stress: [0, -100, 0]}}, {edges}]")
-    for one, two in zip(pushed.tips, found.tips, strict=True):
-        assert two.K[1] == pytest.approx(one.K[1], rel=1e-4)
-    np.testing.assert_allclose(found.outcome.points.normal, pushed.outcome.points.normal, rtol=1e-4)
-    np.testing.assert_allclose(found.outcome.points.slip, pushed.outcome.points.slip, rtol=1e-4)
 
 
 def test_fluid_pressure_opens_a_crack_as_tension_does(tmp_path: Path) -> None:

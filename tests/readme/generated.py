@@ -1,9 +1,8 @@
-"""The parts of the READMEs that are made of declarations, or of what a command has measured; never written by hand.
+"""The parts of the READMEs that are made of declarations; never written by hand.
 
-python -m tests.readme.generated [--measured] [--pictures]
+python -m tests.readme.generated [--pictures]
 
-A part lies between `<!-- generated: NAME -->` and `<!-- end -->`. With --measured also the tables that `make verify`
-and `make stability` have written to outputs/, with --pictures the pictures of README.md.
+A part lies between `<!-- generated: NAME -->` and `<!-- end -->`. With --pictures also the pictures of README.md.
 """
 
 from __future__ import annotations
@@ -16,16 +15,17 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case.accuracy import TARGETS, cells_along
+from crackgrow.case.keys import case_keys
+from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
 from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
 from crackgrow.results.declarations import File
 from tests.readme.pictures import draw_all
-from tests.stability.extremes.table import FILE as EXTREMES
 
 ROOT = Path(__file__).resolve().parents[2]
+LEFT_OUT: Final = "may be left out"
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
-KEY_FACTS: Final = ("meaning", "type", "unit", "default", "allowed")
 
 CELL_RULES: Final = {
     "width": "smaller side of the narrowest body",
@@ -44,12 +44,6 @@ CELL_RULES: Final = {
 }
 """Lengths that have a number of cells to begin with."""
 
-MEASURED: Final = {
-    ("tests/verification/README.md", "verification"): "outputs/verification/table.md",
-    ("tests/stability/README.md", "stability"): "outputs/stability/stability.md",
-}
-"""Parts by file and name, and the file that a command has written them to: its first table with what is below it."""
-
 
 def commands() -> str:
     """The commands by group, with what they do."""
@@ -59,11 +53,21 @@ def commands() -> str:
 
 
 def keys() -> str:
-    """Every key of a case, a table for each that a case begins with."""
-    parts = []
-    for name, found in sections():
-        rows = [[f"`{key.name}`", *(key_entry(key).facts.get(fact, "") for fact in KEY_FACTS)] for key in found]
-        parts.append(f"### `{name}`\n\n{table(('key', *KEY_FACTS), rows)}")
+    """The units of quantities, and every key of a case, a table for each that a case begins with."""
+    units = {kind: next(key.units for key in case_keys() if kind in key.kind) for kind in UNITS}
+    parts, names = [table(("quantity", "units"), units.items())], {key.name for key in case_keys()}
+    single = [found[0] for _, found in sections() if len(found) == 1]
+    for name, found in (("title", single), *((name, found) for name, found in sections() if len(found) > 1)):
+        rows = []
+        for key in found:
+            facts = key_entry(key).facts
+            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
+            told = key.name.removeprefix(name) if "." in key.name else key.name
+            default = "-" if key.default == LEFT_OUT else key.default
+            if key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
+                rows.append([f"`{told}`", facts["meaning"], takes, default])
+        heading = " ".join(f"`{key.name}`" for key in found if "." not in key.name)
+        parts.append(f"## {heading}\n\n{table(('key', 'meaning', 'takes', 'default'), rows)}")
     return "\n".join(parts)
 
 
@@ -98,15 +102,10 @@ def columns_of(file: File) -> str:
 
 PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
     ("README.md", "commands"): commands,
-    ("cases/README.md", "presets"): presets,
-    ("cases/README.md", "keys"): keys,
-    ("cases/sweeps/README.md", "columns"): columns(FOLDERS["sweep"]),
+    ("cases/ACCURACY.md", "presets"): presets,
+    ("cases/KEYS.md", "keys"): keys,
     ("outputs/README.md", "files"): files,
-    ("outputs/README.md", "columns"): columns(FOLDERS["run"]),
-    ("outputs/README.md", "compare"): columns(FOLDERS["compare"]),
-    ("tests/benchmarks/README.md", "columns"): columns(FOLDERS["trade"]),
-    ("tests/benchmarks/README.md", "converge"): columns(FOLDERS["converge"]),
-    ("tests/stability/README.md", "columns"): columns([EXTREMES]),
+    ("outputs/README.md", "columns"): columns([file for file in FOLDERS["run"] if file.name == "tips.csv"]),
 }
 """What is made of declarations, by file and name."""
 
@@ -131,20 +130,12 @@ def with_part(text: str, name: str, part: str) -> str:
     return text.replace(f"{begin}\n{part_of(text, name)}{END}", f"{begin}\n\n{part.strip()}\n\n{END}")
 
 
-def measured(path: Path) -> str:
-    """What a command has written, up to its second table."""
-    return re.split(r"\n(?=\|[^\n]*\|\n\|[ |-]*\|\n)", path.read_text(encoding="utf-8"))[0]
-
-
 def main(argv: Sequence[str] | None = None) -> int:
     """Write all parts."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--measured", action="store_true", help="what make verify and stability wrote, too")
     parser.add_argument("--pictures", action="store_true", help="the pictures of README.md, too: it takes a minute")
     made = {place: make() for place, make in PARTS.items()}
     arguments = parser.parse_args(argv)
-    if arguments.measured:
-        made |= {place: measured(ROOT / at) for place, at in MEASURED.items() if (ROOT / at).is_file()}
     for (file, name), part in made.items():
         path = ROOT / file
         path.write_text(with_part(path.read_text(encoding="utf-8"), name, part), encoding="utf-8")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib
 import json
 from collections.abc import Iterator
 from typing import Any
@@ -16,9 +15,8 @@ from crackgrow.case.keys import case_keys
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of
 from crackgrow.cli.reference import FOLDERS, key_entry
-from tests.readme.generated import CELL_RULES, MEASURED, PARTS, measured, part_of, table, with_part
+from tests.readme.generated import CELL_RULES, PARTS, part_of, with_part
 from tests.readme.run import ROOT
-from tests.verification.verify import SUBJECTS
 
 
 @pytest.mark.parametrize(("file", "name"), PARTS)
@@ -68,9 +66,12 @@ def test_every_file_and_column_has_its_line() -> None:
 
 
 def test_explain_prints_the_lines_of_the_readmes(capsys: pytest.CaptureFixture[str]) -> None:
-    for file, name in (("cases/README.md", "numerics.refine.rings"), ("outputs/README.md", "kink_deg")):
+    for file, name, told in (
+        ("cases/KEYS.md", "numerics.refine.rings", ".refine.rings"),
+        ("outputs/README.md", "kink_deg", "kink_deg"),
+    ):
         text = (ROOT / file).read_text(encoding="utf-8")
-        (row,) = (line for line in text.splitlines() if line.startswith(f"| `{name}` |"))
+        (row,) = (line for line in text.splitlines() if line.startswith(f"| `{told}` |"))
         assert cli.main(["explain", name]) == 0
         words = [line.split(maxsplit=1)[1] for line in capsys.readouterr().out.splitlines()[1:]]
         assert [word for word in words if word not in row] == ([] if "cases" in file else ["tips.csv"])
@@ -83,16 +84,3 @@ def test_every_number_of_cells_is_told_of() -> None:
 def test_every_command_is_in_one_group() -> None:
     listed = [name for names in GROUPS.values() for name in names]
     assert sorted(listed) == sorted(commands_of(command_line()).choices)
-
-
-def test_rows_of_verification_are_those_of_the_table() -> None:
-    (place,) = (place for place in MEASURED if place[1] == "verification")
-    shown = part_of((ROOT / place[0]).read_text(encoding="utf-8"), place[1])
-    rows = [row for subject in SUBJECTS for row in importlib.import_module(f"tests.verification.rows.{subject}").ROWS]
-    told = [tuple(line.split(" | ")[:2]) for line in shown.splitlines() if line.startswith("| ")]
-    assert told[1:] == [(f"| {row.case}", row.quantity) for row in rows], "make verify, make docs ARGS=--measured"
-
-
-def test_of_what_is_measured_the_first_table_is_taken(tmp_path) -> None:
-    (tmp_path / "x.md").write_text(f"{table(('a', 'b'), [('1', '2')])}\n(1) why.\n\n{table(('c',), [('3',)])}")
-    assert measured(tmp_path / "x.md").strip() == "| a | b |\n| --- | --- |\n| 1 | 2 |\n\n(1) why."

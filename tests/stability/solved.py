@@ -5,7 +5,6 @@ All deviations are relative.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -22,7 +21,7 @@ from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.setting import under_its_loads
 from tests.solving import displacement_size
-from tests.stability.placed import Placement, placed, scaled
+from tests.stability.placed import Placement, scaled
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,11 +66,6 @@ def _told(case: Case, solution: StepSolution, result: StepResult, by: Placement)
     )
 
 
-def solved_placed(case: Case, placement: Placement) -> Solved:
-    """Solve a case in another place, size or unit. Raises CrackgrowError where the program refuses it."""
-    return solved(placed(case, placement), placement)
-
-
 def solved(case: Case, placement: Placement | None = None, offset: tuple[float, float] = (0.0, 0.0)) -> Solved:
     """Solve a case that has been placed, on a lattice moved by `offset` spacings.
 
@@ -83,15 +77,6 @@ def solved(case: Case, placement: Placement | None = None, offset: tuple[float, 
     solution = load(scene, growing)
     result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), False)
     return _told(quiet, solution, result, placement or scaled())
-
-
-Measure = Callable[[Solved], float]
-Difference = Callable[[Solved, Solved], float]
-
-
-def against(plain: Callable[[], Solved], apart: Difference) -> Measure:
-    """How far apart a scene is from one that is solved when it is needed."""
-    return lambda found: apart(found, plain())
 
 
 def stress_intensity(found: Solved, plain: Solved) -> float:

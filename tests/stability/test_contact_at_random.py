@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 
-from tests.stability.contact_report import drawn, ended
+from tests.stability.contact_at_random import drawn, ended
 
 
 def test_each_is_solved_or_a_limit_state() -> None:

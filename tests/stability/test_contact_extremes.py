@@ -223,12 +223,12 @@ def test_a_slipping_flaw_is_not() -> None:
     assert distances[2] > 1e-5
 
 
-@pytest.mark.parametrize("stiffness", ["1e2", "1e4", "1e8"])
+@pytest.mark.parametrize("stiffness", ["1e2", "1e4", "1e8", "1e12"])
 def test_a_stuck_flaw_of_elastic_contact_gives_way_by_its_stiffness_alone(stiffness: str) -> None:
     """Shear p/k over the flaw: below 0.1 % of the displacement field from 1e2 on."""
     found = solution(*law(2.0), *stiff(stiffness))
     assert set(found.outcome.points.state.tolist()) == {STICK}
-    assert distance_from_intact(found) < 1e-3 * 1e2 / float(stiffness)
+    assert distance_from_intact(found) < max(1e-3 * 1e2 / float(stiffness), 1e-9)
 
 
 def gives_up(problem: ContactProblem, start: NDArray[np.float64] | None = None) -> ContactSolution:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from crackgrow.case.model import Case
-from crackgrow.run import grow
 from crackgrow.run.judging import StepSolution
 from tests.stability.condition import condition_estimate
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, offset_with, solve, tip_of
@@ -144,13 +143,6 @@ def placed(angle: float = 0.0, mirror: float = 1.0, shift: tuple[float, float] =
     return case(*overrides, *settings)
 
 
-@pytest.mark.parametrize("angle", [17.0, 45.0, 90.0])
-def test_turned_scene_has_the_same_K(angle: float) -> None:
-    np.testing.assert_allclose(
-        K(solve(placed(angle, 1.0, (0.0, 0.0), "numerics.spacing=3")))[:, 1], exact_K_II(30.0), rtol=SPREAD
-    )
-
-
 @pytest.mark.parametrize("friction", [0.0, 0.3])
 @pytest.mark.parametrize("spacing", [3.0, pytest.param(1.5, marks=pytest.mark.slow)])
 def test_shifted_scene_has_the_same_K_to_round_off(spacing: float, friction: float) -> None:
@@ -165,42 +157,3 @@ def test_mirrored_scene_has_the_mirrored_K_to_round_off(spacing: float, friction
     settings = (f"numerics.spacing={spacing}", f"cracks.flaw.contact.friction={friction}")
     here, there = (K(solve(placed(0.0, mirror, (0.0, 0.0), *settings))) for mirror in (1.0, -1.0))
     np.testing.assert_allclose(there * (1.0, -1.0), here, atol=1e-9 * np.abs(here).max())
-
-
-def wings(scene: Case) -> np.ndarray:
-    """Vertices (n, 2) m of the flaw after the last step."""
-    run = grow(scene)
-    while True:
-        try:
-            next(run)
-        except StopIteration as end:
-            return end.value.cracks[0].points
-
-
-@pytest.mark.parametrize(
-    ("angle", "mirror"),
-    [
-        (90.0, 1.0),
-        (0.0, -1.0),
-        pytest.param(17.0, 1.0, marks=pytest.mark.slow),
-        pytest.param(45.0, 1.0, marks=pytest.mark.slow),
-    ],
-)
-def test_paths_of_a_turned_or_mirrored_scene_are_the_same(angle: float, mirror: float) -> None:
-    """Three steps of every tip; 0.1 increments."""
-    growth = ("numerics.spacing=3", "growth.steps=3", "growth.advance=all")
-    here, there = wings(placed(0.0, 1.0, (0.0, 0.0), *growth)), wings(placed(angle, mirror, (0.0, 0.0), *growth))
-    turn = np.deg2rad(angle)
-    back = there @ np.array([[np.cos(turn), -np.sin(turn)], [np.sin(turn), np.cos(turn)]]) * (mirror, 1.0)
-    assert len(here) == len(back) == 8
-    assert np.abs(back - here).max() < 0.1 * 2e-3
-
-
-def test_condition_estimate_is_that_of_the_dense_matrix() -> None:
-    system = solve(case("numerics.spacing=6", "cracks.flaw.path.length=20")).contact.system
-    scale = 1.0 / np.sqrt(system.stiffness.diagonal())
-    dense = scale[:, None] * system.stiffness.tocsc().toarray() * scale
-    _, sizes, directions = np.linalg.svd(system.constraints.toarray() * scale)
-    free = directions[len(sizes) :].T  # all that the constraints leave
-    values = np.linalg.eigvalsh(free.T @ dense @ free)
-    assert condition_estimate(system) == pytest.approx(values[-1] / values[0], rel=0.1)

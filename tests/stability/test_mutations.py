@@ -11,7 +11,7 @@ from crackgrow import cli
 from crackgrow.case import load_case
 from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError
-from tests.stability.mutation_report import LONGEST, Verdict, peak_memory, verdicts
+from tests.stability.mutants import LONGEST, Verdict, peak_memory, verdicts
 from tests.stability.mutations import KINDS, NAMES, TAGS, good_cases
 
 CASES = Path(__file__).parents[2] / "cases"

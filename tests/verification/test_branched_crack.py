@@ -20,16 +20,6 @@ def test_reference_has_converged() -> None:
     assert difference(beyond, fine) < 5e-4
 
 
-def test_default_spacing_is_within_half_a_percent() -> None:
-    assert difference(K_of(1.5), reference(FINEST)) < 5e-3
-
-
-def test_branches_are_told_apart() -> None:
-    K = reference(FINEST)
-    assert K["stem", "start"][0] > K["lower", "end"][0] > K["upper", "end"][0] > 0.0
-    assert K["lower", "end"][1] < 0.0 < K["upper", "end"][1]  # both branches turn towards the stem's direction
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("spacing", SPACINGS)
 def test_reference_is_reproduced(spacing: float) -> None:

@@ -24,7 +24,7 @@ from crackgrow.run.scene import make_scene
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
-from tests.contact_problems import crack_problem, random_problem, rock_problem, with_law
+from tests.contact_problems import rock_problem, with_law
 from tests.one_size import one_size
 from tests.solving import solve_step
 
@@ -97,19 +97,6 @@ def test_lcp_of_all_points_with_the_open_wings(friction: float) -> None:
     )
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_mortar_nodes_too(friction: float) -> None:
-    settings = [f"cracks.flaw.contact.friction={friction}"]
-    outcomes = []
-    for solver in ("newton", "lemke"):
-        case = load_case(CASE, [*settings, f"numerics.contact.solver={solver}"])
-        crack = GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
-        outcomes.append(solve_step(make_scene(case), (crack,), 1.0).outcome)
-    newton, lemke = outcomes
-    np.testing.assert_allclose(lemke.points.normal, newton.points.normal, rtol=1e-9)
-    np.testing.assert_allclose(lemke.points.slip, newton.points.slip, rtol=1e-9)
-
-
 EXACT = 1e-10
 """Violation of the law, relative."""
 
@@ -133,17 +120,3 @@ def test_many_points_of_rock_that_open_stick_and_slip(kind: str) -> None:
         check(problem)
         wanted = {OPEN, SLIP} if friction == 0.0 else {OPEN, STICK, SLIP}
         assert set(solve_by_newton(problem).state.tolist()) == wanted
-
-
-@pytest.mark.parametrize("cohesion", [0.0, 0.1])
-@pytest.mark.parametrize("friction", [0.4, 1.0])
-def test_many_points_of_a_crack_in_a_plane(friction: float, cohesion: float) -> None:
-    for seed in range(4):
-        check(crack_problem(150, friction, cohesion, np.inf, 0.3, seed))
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])
-def test_many_points_that_are_in_no_order(friction: float) -> None:
-    """Neighbours have nothing to do with each other: the problem of half as many says nothing."""
-    for seed in range(4):
-        check(random_problem(90, friction, seed))

@@ -45,14 +45,6 @@ def test_K_of_wings(tmp_path: Path, name: str, wanted: float, functions: str) ->
         assert abs(tip.K_II - K_II) < wanted * K_I
 
 
-@pytest.mark.parametrize("row", rows("closed_kink_K.csv"), ids=lambda row: row["turn_deg"])
-def test_K_of_closed_kinks(tmp_path: Path, row: dict[str, str]) -> None:
-    scene = plate(winged(20.0, 45.0, 10.0, float(row["turn_deg"])), 200.0, 10.0, 4.0, 0.3)
-    for tip in solved(tmp_path, scene, 12.0, tips=4, kinks=6).tips:
-        assert abs(tip.K_I - MPA * float(row["K_I_MPa_sqrtm"])) < 1e3
-        assert abs(tip.K_II - MPA * float(row["K_II_MPa_sqrtm"])) < 1e3
-
-
 @pytest.mark.parametrize(("angle", "axial", "lateral", "friction"), [(0.0, -10.0, 0.0, 0.0), (45.0, 10.0, 2.0, 0.3)])
 @pytest.mark.parametrize("spacing", [200.0, 110.0])
 def test_K_of_a_crack_of_2_mm_in_a_plate_of_1_m(

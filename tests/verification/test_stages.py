@@ -6,8 +6,7 @@ stress there did, and when all of that is released the rest is what it would be 
 
 from __future__ import annotations
 
-from dataclasses import astuple, replace
-from itertools import pairwise
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -59,10 +58,6 @@ output: {frames: none, figures: false}
 """
 ONE_STAGE = "{stages: [{name: rest}, {name: open, excavate: core}]}"
 TWO_HALVES = "{stages: [{}, {excavate: core, release: 0.5}, {release: 1}]}"
-JOINTS = """cracks:
-  a: {path: {points: [[-4, 1.2], [4, 3.6]]}, contact: {friction: 0.3, cohesion: 0}}
-  b: {path: {points: [[1.8, -2.6], [5.2, 1.2]]}, contact: {friction: 0.3, cohesion: 0}}
-"""
 
 
 def tunnel(folder: Path, loading: str, **changes: str) -> Case:
@@ -140,14 +135,6 @@ def slips(solution: StepSolution) -> np.ndarray:
     return np.asarray(solution.outcome.points.slip)
 
 
-def test_stops_on_the_way_change_nothing_where_joints_slide(tmp_path: Path) -> None:
-    """The release is followed from event to event."""
-    one, halves = (steps_of(tunnel(tmp_path, loading, CRACKS=JOINTS))[-1] for loading in (ONE_STAGE, TWO_HALVES))
-    assert one[0].energy.dissipated > 0.0
-    size = np.abs(slips(one[1])).max()
-    np.testing.assert_allclose(slips(halves[1]), slips(one[1]), rtol=0, atol=1e-6 * size)
-
-
 TWO_DRIFTS = """
 title: two drifts on both sides of a joint
 plane: strain
@@ -200,18 +187,6 @@ def test_the_order_of_excavation_matters_where_a_joint_slides(tmp_path: Path, fr
         apart = np.abs(found[other] - found[0]).max()
         assert apart > 1e-3 * size if slides else apart < 1e-9 * size
     assert max(result.energy.error for result, _ in last) < 1e-6
-
-
-@pytest.mark.parametrize("loading", [ONE_STAGE, TWO_HALVES])
-@pytest.mark.parametrize("cracks", ["", JOINTS], ids=["plain", "joints"])
-def test_energies_balance_in_every_stage(tmp_path: Path, loading: str, cracks: str) -> None:
-    """Nothing but what the core stored is booked as released."""
-    results, _ = whole_run(tunnel(tmp_path, loading, CRACKS=cracks))
-    core = results[0].energy.strain  # the core strains by what the bond misses of the stress, the rest hardly
-    for result in results:
-        assert result.energy.error < 1e-6
-        assert 0.0 <= result.energy.released <= core + 1e-6 * result.energy.strain
-    assert all(later.energy.dissipated >= before.energy.dissipated for before, later in pairwise(results))
 
 
 COLUMN = """
@@ -335,18 +310,6 @@ def test_a_crack_grows_at_the_end_of_all_stages(tmp_path: Path) -> None:
     K = [[(tip.K_I, tip.K_II) for result in results for tip in result.tips] for results in (found, expected)]
     np.testing.assert_allclose(K[0], K[1], rtol=0, atol=1e-6 * np.abs(K[1]).max())
     assert all(result.history.load_factor[[0, -1]].tolist() == [1.0, 3.0] for result in found)
-
-
-def test_a_step_of_growth_is_made_again_to_the_same_bits(tmp_path: Path) -> None:
-    path = tmp_path / "staged.yaml"
-    path.write_text(GROWN, encoding="utf-8")
-    case = load_case(path, ["growth.steps=2"])
-    unbroken = list(grow(case))
-    again = list(grow(case, unbroken[1].checkpoint))
-    for expected, found in zip(unbroken[1:], again, strict=True):
-        assert [(tip.K_I, tip.K_II) for tip in found.tips] == [(tip.K_I, tip.K_II) for tip in expected.tips]
-        assert astuple(found.energy) == astuple(expected.energy)
-        np.testing.assert_array_equal(found.history.values, expected.history.values)
 
 
 BENCHES = """

@@ -108,27 +108,21 @@ def solved(folder: Path, name: str, accuracy: float | str) -> tuple[StepResult, 
 @pytest.mark.parametrize(
     ("name", "target"),
     [
-        *((name, target) for name in SCENES for target in (0.03, 0.01)),
-        *(("grown", 0.1), ("young", 0.003), ("friction 0.3", 0.003), ("between rollers", 0.001)),
+        *((name, target) for name in SCENES for target in (0.03, 0.01, 0.003)),
+        ("grown", 0.1),
+        ("between rollers", 0.001),
     ],
 )
-def test_K_is_within_the_target(tmp_path: Path, name: str, target: float) -> None:
-    step, off = solved(tmp_path, name, target)
-    assert off <= target
-    assert not any(caution.cause is Cause.TARGET for caution in step.cautions)
-    assert step.n_dofs < 25_000
-
-
-@pytest.mark.parametrize(
-    ("name", "accuracy"),
-    [(name, accuracy) for name in SCENES for accuracy in ("draft", "standard", 0.003)],
-)
-def test_the_bound_holds(tmp_path: Path, name: str, accuracy: float | str) -> None:
+def test_K_is_within_the_target_and_the_bound_holds(tmp_path: Path, name: str, target: float) -> None:
     """All but what the truth is good to: tests/benchmarks/errors.md has more scenes."""
-    step, off = solved(tmp_path, name, accuracy)
+    step, off = solved(tmp_path, name, target)
     largest = max(np.hypot(tip.K_I, tip.K_II) for tip in step.tips)
     assert off <= max(tip.K_I_error for tip in step.tips) / largest + GOOD_TO.get(name, 1e-3)
     assert all(tip.K_I_error > tip.K_error_expected for tip in step.tips)
+    if target != 0.003 or name in ("young", "friction 0.3"):  # of others the truth is not good enough
+        assert off <= target
+        assert not any(caution.cause is Cause.TARGET for caution in step.cautions)
+        assert step.n_dofs < 25_000
 
 
 @pytest.mark.parametrize("number", [4, 22, 36])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -14,7 +13,6 @@ from tests.benchmarks import scenes
 from tests.benchmarks.beside import PHASES, Scene, beside
 from tests.benchmarks.paths import ROOT
 from tests.benchmarks.run import HEADER, row_of
-from tests.benchmarks.tables import write_part
 
 Told = tuple[list[tuple[int, float, dict[str, float]]], float]
 COARSE = Scene("coarse", "interface_friction04", ("numerics.spacing=0.1",))
@@ -53,19 +51,6 @@ def test_a_run_by_the_program_tells_of_its_steps() -> None:
     assert found.unknowns > 100
     assert 0.0 < sum(found.phases.values()) <= found.first == found.whole
     assert np.isnan(found.later)
-
-
-def test_parts_are_written_and_what_is_written_by_hand_is_kept(tmp_path: Path) -> None:
-    path = tmp_path / "bench.md"
-    path.write_text((ROOT / "tests" / "benchmarks" / "bench.md").read_text() + "\nby hand\n")
-    write_part(path, "table", "| a |")
-    first = path.read_text()
-    assert first.endswith("\nby hand\n")
-    assert "| a |" in first
-    write_part(path, "table", "| a |")
-    assert path.read_text() == first
-    with pytest.raises(ValueError, match="no part 'missing'"):
-        write_part(path, "missing", "")
 
 
 @pytest.mark.parametrize("n_dofs", [3_000, 500_000])

@@ -64,12 +64,6 @@ def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
     assert same(case, reread(case, tmp_path))
 
 
-@pytest.mark.parametrize("law", [FULL, {**LAW, "residual_friction": 0}])
-def test_law_reads_back(law: dict[str, Any], tmp_path: Path):
-    case = load(tmp_path, with_law(PLACES[1], law))
-    assert same(case, reread(case, tmp_path))
-
-
 FAULTS = [
     ({"residual_friction": 0.7}, "residual_friction", "0.7 given; wanted: at most the friction, 0.6: slip wears faces"),
     ({"residual_friction": -0.1}, "residual_friction", "'-0.1' is out of range; wanted: a number >= 0"),

@@ -140,30 +140,6 @@ def test_a_number_in_parentheses_is_a_number(given: str, value: float):
     assert load_case(CASE, overrides).supports[2].displacement == (value, None)
 
 
-@pytest.mark.parametrize(
-    ("given", "words"),
-    [
-        ("5 MPa", "has a unit of stress; wanted: a length"),
-        ("5 x", "unknown unit; wanted: a length"),
-        ("5 mn", "or a formula in x and y"),
-        ('"5"', "in quotes is a text"),
-        ("[1]", "a list given"),
-        ("", "no value given"),
-        ("x^2", "'x^2' has ^, which is no power here: write **; wanted: a length or a formula in x and y such as"),
-        ("soft", "unknown name 'soft'"),
-        ("nan", "not finite"),
-        ("1/x", "has no finite value at (0 mm, -27.5 mm)"),
-        ("sqrt(y)", "has no finite value at (0 mm, -27.5 mm)"),
-    ],
-)
-def test_fault_of_a_component(given: str, words: str):
-    with pytest.raises(CaseError) as caught:
-        load_case(CASE, [f"supports.2.displacement.x={given}"])
-    (fault,) = caught.value.faults
-    assert (fault.key, fault.line) == ("supports.2.displacement.x", None)
-    assert words in fault.message
-
-
 def test_a_formula_is_checked_at_the_ends_of_its_region():
     on = "{body: rock, edge: bottom, from: -1, to: 3}"
     with pytest.raises(CaseError) as caught:

@@ -26,34 +26,6 @@ def message(*overrides: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("points", "tips", "words"),
-    [
-        ("[[16, 0], [17, 0]]", "none", "start (16 mm, 0 mm) lies outside the outline of body 'rock'"),
-        ("[[0, 0], [20, 0], [1, 1]]", "both", "vertex 1 (20 mm, 0 mm) lies outside"),
-        ("[[0, 0], [15.5, 0]]", "both", "the tip at the end (15.5 mm, 0 mm) lies on the outline"),
-        ("[[0, 0], [15.5, 0]]", "end", "the tip at the end"),
-        ("[[-15.5, 0], [1, 0]]", "start", "the tip at the start"),
-        ("[[0, 0], [15.5, 1], [3, 3]]", "none", "vertex 1 (15.5 mm, 1 mm) lies on the outline"),
-        (
-            "[[15.5, 0], [15.5, 9]]",
-            "none",
-            "runs along the outline of body 'rock' from (15.5 mm, 0 mm) to (15.5 mm, 9 mm)",
-        ),
-        ("[[0, 0], [4, 4], [4, 0], [0, 4]]", "both", "itself at (2 mm, 2 mm); give it as two cracks"),
-        ("[[0, 0], [4, 4], [4, 0], [0, 0]]", "both", "crosses or touches itself at (0 mm, 0 mm)"),
-        ("[[0, 0], [4, 0], [2, 0]]", "both", "folds back on itself at vertex 1 (4 mm, 0 mm); end it there"),
-        ("[[0, 0], [4, 0], [4, 1], [2, 0]]", "both", "crosses or touches itself at (2 mm, 0 mm)"),
-        ("[[1, 1], [1, 1]]", "both", "at least two different points"),
-        ("[[1, 1]]", "both", "at least two different points"),
-        ("[]", "both", "at least two different points"),
-        ("[[0, 0], [0.0001, 0]]", "both", "less than 0.0001 of the lattice spacing"),
-    ],
-)
-def test_crack_refused(points: str, tips: str, words: str):
-    assert words in message(f"cracks.flaw.path={{points: {points}}}", f"cracks.flaw.tips={tips}")
-
-
-@pytest.mark.parametrize(
     ("points", "tips"),
     [
         ("[[0, 0], [15.5, 0]]", "start"),

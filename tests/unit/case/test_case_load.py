@@ -180,7 +180,19 @@ AWKWARD = [
 ]
 
 
-@pytest.mark.parametrize("overrides", [[], AWKWARD])
+STARTING = [
+    "growth.initiation={at: outlines, spacing: 3}",
+    "output.points={head: {at: [0, 20]}, mouth: {crack: flaw, at: [0, 0]}, width: {between: [[-9, 0], [9, 0]]}}",
+    "cracks.flaw.contact={friction: 0.6, cohesion: 1, tension: 0.1, residual_friction: 0.3, cohesion_after_slip: kept}",
+]
+SLOW = [
+    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress, law: subcritical,"
+    " subcritical: {velocity: 1 mm/day, exponent: 20, threshold: 0.2}}",
+    "bodies.rock.strength={tension: 0.5, cohesion: 10, friction_angle: 40, toughness: 0.04 MPa sqrt(m)}",
+]
+
+
+@pytest.mark.parametrize("overrides", [[], AWKWARD, STARTING, SLOW])
 def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Path):
     case = load_case(FILE, overrides)
     again = reread(case, tmp_path)

@@ -88,34 +88,6 @@ def test_a_word_gives_way_at_loading_only():
     )
 
 
-@pytest.mark.parametrize(
-    ("setting", "key", "words"),
-    [
-        ("loading=", "loading", "no value given; wanted: critical | strength_reduction | a mapping of history"),
-        (
-            "loading=crit",
-            "loading",
-            "critical | strength_reduction | a mapping of history, stages, follow; did you mean 'critical'?",
-        ),
-        ("loading=1", "loading", "'1' given; wanted: critical"),
-        ("loading=[1]", "loading", "a list given; wanted: a mapping of history"),
-        (
-            "loading.history=[]",
-            "loading.history",
-            "no factor given; wanted: at least one, such as [1.0], or loading: c",
-        ),
-        ("loading.history=[1, no]", "loading.history.1", "'no' is not a number; wanted: a number"),
-        ("loading.history=[nan]", "loading.history.0", "'nan' is not finite"),
-        ("loading.factors=[1]", "loading.factors", "unknown key; allowed: history"),
-        ("loads.0.held=maybe", "loads.0.held", "'maybe' given; wanted: true | false"),
-    ],
-)
-def test_fault_of_the_loading(setting: str, key: str, words: str):
-    ((where, message),) = faults(setting)
-    assert where == key
-    assert words in message
-
-
 def test_held_loads(tmp_path: Path):
     overrides = [f"loads.{index}.held=true" for index in (0, 2, 3, 4)]
     case = load(tmp_path, EVERYTHING, *overrides)
@@ -131,28 +103,6 @@ def test_friction_may_remember_between_steps():
 
 
 HELD = ("loads.0.held=true", "loads.1.held=true")
-
-
-@pytest.mark.parametrize(
-    ("overrides", "key", "words"),
-    [
-        (HELD, "loading", "all of them are held or zero: no load factor changes anything; leave out `held`"),
-        (("loads.0.traction=[0, 0]", "loads.1.held=true"), "loading", "all of them are held or zero"),
-        (("loads=[]",), "loading", "critical scales the loads that are not held and the prescribed displacements"),
-        (("loads=[{crack: flaw, pressure: 0}]",), "loading", "all of them are held or zero"),
-        (("cracks.flaw.tips=none",), "loading", "critical needs a tip that can grow, where the criterion is judged"),
-        (("cracks={}",), "loading", "critical needs a tip that can grow"),
-        (
-            ("growth.unload_between_steps=false",),
-            "growth.unload_between_steps",
-            "false given; wanted with loading: critical: true. Every step finds its load factor from the unloaded",
-        ),
-    ],
-)
-def test_fault_of_a_critical_load(overrides: tuple[str, ...], key: str, words: str):
-    ((where, message),) = faults("loading=critical", *overrides)
-    assert where == key
-    assert words in message
 
 
 def test_a_critical_load_needs_growth(tmp_path: Path):

@@ -78,43 +78,6 @@ def test_cracks_may_meet(name: str, tmp_path: Path):
     assert [crack.points.tolist() for crack in case.cracks] == [points for points, _ in cracks.values()]
 
 
-@pytest.mark.parametrize(
-    ("cracks", "key", "words"),
-    [
-        (
-            {"a": MAIN, "b": ([[1, 0], [1, 1]], "both")},
-            "b",
-            "the tip at the start (1 m, 0 m) lies on crack 'a', where it cannot grow; leave this end out of `tips`: "
-            "`tips: end`",
-        ),
-        ({"a": MAIN, "b": ([[1, 0], [1, 1]], "start")}, "b", "the tip at the start (1 m, 0 m) lies on crack 'a'"),
-        ({"a": ([[0, 1], [0, 0]], "both"), "b": MAIN}, "a", "the tip at the end (0 m, 0 m) lies on crack 'b'"),
-        ({"a": ([[0, 1], [0, 0]], "end"), "b": MAIN}, "a", "leave this end out of `tips`: `tips: none`"),
-        ({"a": MAIN, "b": ([[1, 0], [3, 0]], "both")}, "b", "runs along crack 'a' from (1 m, 0 m) to (2 m, 0 m); crac"),
-        ({"a": MAIN, "b": MAIN}, "b", "runs along crack 'a' from (-2 m, 0 m) to (2 m, 0 m); cracks may meet at points"),
-        ({"a": MAIN, "b": ([[1, 0], [-1, 0]], "both")}, "b", "runs along crack 'a' from (-1 m, 0 m) to (1 m, 0 m)"),
-        (
-            {"a": MAIN, "b": ([[-1, 1], [-1, 0], [1, 0], [1, 1]], "both")},
-            "b",
-            "runs along crack 'a' from (-1 m, 0 m) to (1 m, 0 m); cracks may meet at points only: shorten one of them",
-        ),
-        ({"a": ([[0, 0], [1, 0], [1, 1], [0, 0]], "none")}, "a", "crosses or touches itself at (0 m, 0 m); give it as"),
-        ({"a": ([[0, 0], [3, 0], [3, 1], [1, -1]], "none")}, "a", "itself at (2 m, 0 m); give it as two cracks, which"),
-        ({"a": ([[0, 0], [3, 0], [2, 0], [2, 1]], "none")}, "a", "folds back on itself at vertex 1 (3 m, 0 m); end it"),
-        ({"b": MAIN, "a": ([[0, 1], [3, 1], [2, 1]], "none")}, "a", "folds back on itself at vertex 1 (3 m, 1 m)"),
-        (
-            {"a": ([[-5, 0], [0, 0]], "both"), "b": ([[-5, 0], [0, 1]], "end")},
-            "a",
-            "the tip at the start (-5 m, 0 m) l",
-        ),
-    ],
-)
-def test_fault_of_cracks_that_meet(cracks: dict[str, Any], key: str, words: str, tmp_path: Path):
-    where, message = fault(tmp_path, plate(**cracks))
-    assert where == f"cracks.{key}.path"
-    assert words in message
-
-
 def test_every_tip_at_a_meeting_is_a_fault(tmp_path: Path):
     found = faults(tmp_path, plate(a=MAIN, b=([[2, 0], [3, 1]], "both"), c=([[2, 0], [-2, 0.5], [-2, 0]], "both")))
     assert [(each.key.split(".")[1], each.message.partition(" lies")[0]) for each in found] == [

@@ -23,37 +23,6 @@ def told(*overrides: str) -> str:
     return str(caught.value)
 
 
-@pytest.mark.parametrize(
-    ("override", "words"),
-    [
-        ("bodies.rock.shape={circle: {radius: 3}}", "polygon, disk, file, region, units, origin; did you mean 'disk'?"),
-        ("supports=[{point: [0, 0], displacement: {x: 0}}]", "did you mean 'at'?"),
-        ("supports=[{at: [0, 0], displacment: {x: 0}}]", "did you mean 'displacement'?"),
-        ("bodies.rock.material={E: 1, poisson: 0.2}", "did you mean 'young'?"),
-        ("bodies.rock.material={young: 1, nu: 0.2}", "did you mean 'poisson'?"),
-        ("bodies.rock.material={young: 1, poisson: 0.2, rho: 2500}", "did you mean 'density'?"),
-        ("cracks.flaw.contact={mu: 0.3, cohesion: 0}", "did you mean 'friction'?"),
-        ("bodies.rock.strength={tension: 1, cohesion: 2, phi: 30}", "did you mean 'friction_angle'?"),
-        ("spacing=3", "did you mean 'numerics.spacing'?"),
-        ("support=minimal", "did you mean 'supports'?"),  # not numerics.support
-        ("load=[]", "did you mean 'loads'?"),
-        ("numerics.tip_functions=gather", "auto | patch | gathered; did you mean 'gathered'?"),
-        ("supports[0].at=[0, 0]", "is written with its number, as in 'supports.0.at'"),
-        ("numerics.spacing=0.01", "lattice nodes; at most 4e+06 are allowed; wanted: 0."),
-        ("cracks.flaw.path.points=[[0, 0], [5, 5]]", "--set cracks.flaw.path.points: does not go with center, length, "
-         "angle; give either {center, length, angle} or {points} or {file}; --set "
-         "'cracks.flaw.path={points: ...}' takes"),
-        ("loads.0={crack: flaw, pressure: 100, traction: [0, 1]}", "--set loads.0: traction: does not go with crack"),
-        ("numerics.contact.stiffness=1e14 N/m^3", "rigid | a number > 0, kappa of k = kappa E / h without a unit"),
-        ("bodies.rock.strength.compression=50", "strength C gives cohesion = C (1 - sin phi) / (2 cos phi)"),
-        ("loads.0.factor=3", "loads have the factors of `loading`, such as {history: [0.5, 1]}"),
-        ("bodies.rock.shape={circle: {radius: 3}}", "--set bodies.rock.shape: circle: unknown key"),
-    ],
-)  # fmt: skip
-def test_what_was_meant_is_offered(override: str, words: str):
-    assert words in told(override)
-
-
 def test_a_file_of_the_other_kind_is_told_in_a_line():
     with pytest.raises(CaseError) as caught:
         load_case(CASES / "sweeps" / "angle_friction.yaml")

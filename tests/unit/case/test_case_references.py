@@ -40,22 +40,6 @@ def test_one_override_changes_all_that_refer_to_it(tmp_path: Path):
     assert case.cracks[0].contact.cohesion == case.supports[0].contact.cohesion == 2e6
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "words"),
-    [
-        ("cracks.flaw.contact", "ruogh", "`laws` has: rough; did you mean 'rough'?"),
-        ("cracks.flaw.contact", "nnone", "did you mean 'none'?"),
-        ("interfaces.0.contact", "none", "wanted: bonded | a mapping of friction"),
-        ("supports.0.contact", "bonded", "or a name from `laws`"),
-        ("bodies.plug.material", "granite", "`materials` has: rock, heavy"),
-    ],
-)
-def test_names_that_are_not_there(key: str, value: str, words: str, tmp_path: Path):
-    where, message = fault(tmp_path, named(), f"{key}={value}")
-    assert where == key
-    assert words in message
-
-
 def test_a_faulty_definition_is_told_once(tmp_path: Path):
     where, message = fault(tmp_path, named(), "materials.rock.young=-1")
     assert where == "materials.rock.young"

@@ -129,38 +129,6 @@ def test_resolved_places_are_metres_or_degrees(tmp_path: Path):
     assert load(tmp_path, scene).resolved["supports"][0]["on"]["from"] == 0.01  # type: ignore[index]
 
 
-@pytest.mark.parametrize(
-    ("shape", "on", "key", "words"),
-    [
-        (DISK, {"edge": "arc", "from": "1 m"}, "from", "a place on edge 'arc' is given by an angle, not by a length"),
-        (DISK, {"edge": "arc", "from": 10, "to": 10}, "from", "the part from 10 deg to 10 deg has no length"),
-        (DISK, {"edge": "arc", "from": 20, "to": 10}, "from", "ends before it begins; `from` must be less than `to`"),
-        (DISK, {"edge": "arc", "from": 350, "to": 10}, "from", "past 360 deg too: `to: 370`"),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": 3, "to": 1}, "from", "from 3 m to 1 m ends before it begins"),
-        (DISK, {"edge": "arc", "to": 0}, "to", "no length"),
-        (DISK, {"edge": "arc", "from": -10, "to": 351}, "from", "more than the whole arc; wanted: at most 360 deg"),
-        (DISK, {"edge": "arc", "from": 1e9}, "from", "out of range; wanted: an angle from -360 to 720"),
-        (DISK, {"edge": "top"}, "edge", "body 'rock' has no edge 'top'; it has: arc"),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": "10 deg"}, "from", "given by a length, not by an angle"),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": "10 MPa"}, "from", "unit of stress; wanted: a length, or"),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": "ten"}, "from", "neither a number nor"),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": "10"}, "from", "in quotes is a text"),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": [1]}, "from", "a list given; wanted: a length, or an angle"),
-        (rectangle(0, 0, 4, 3), {"edge": "hole0"}, "edge", "it has: bottom, right, top, left"),
-        ({"polygon": WEDGE}, {"edge": "1", "to": 5.1}, "to", "5.1 m is not on edge '1', which has distance from 0 m"),
-        ({"polygon": SQUARE}, {"edge": "4"}, "edge", "it has: 0, 1, 2, 3"),
-        ({"polygon": SQUARE}, {"edge": "1", "to": 3.1}, "to", "which has y from 0 m to 3 m"),
-    ],
-)
-def test_fault_of_a_region(shape, on, key, words, tmp_path: Path):
-    scene = with_body(shape)
-    scene["supports"] = [{"at": [2, 1], "displacement": {"x": 0, "y": 0}}, {"at": [3, 1], "displacement": {"y": 0}}]
-    scene["loads"] = [{"on": {"body": "rock", **on}, "traction": [0, 1]}]
-    where, message = fault(tmp_path, scene)
-    assert where == f"loads.0.on.{key}"
-    assert words in message
-
-
 def test_many_edges_are_cut_in_messages(tmp_path: Path):
     rays = np.deg2rad(np.arange(0, 360, 6))
     scene = with_body({"polygon": np.column_stack([np.cos(rays), np.sin(rays)]).tolist()})

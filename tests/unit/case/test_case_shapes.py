@@ -94,60 +94,6 @@ def test_holes_run_clockwise(tmp_path: Path):
     assert area(third.points) == pytest.approx(-180 * 0.25**2 * np.sin(np.deg2rad(1)), rel=1e-12)
 
 
-# shape, key, words
-REFUSED = [
-    ({"polygon": [[0, 0], [4, 0]]}, "", "2 different corners given; wanted: at least three"),
-    ({"polygon": []}, "", "0 different corners given"),
-    ({"polygon": [[1, 1]] * 5}, "", "1 different corners given"),
-    ({"polygon": [[0, 0], [1, 1], [2, 2]]}, "", "enclose no area"),
-    ({"polygon": [[0, 0], [2, 0], [1, 1e-10]]}, "", "enclose no area"),
-    ({"polygon": [[0, 0], [4, 0], [0, 3], [4, 4]]}, "", "edges 1 and 3 cross or touch at ("),
-    ({"polygon": [[0, 0], [4, 0], [4, 3], [2, 0], [0, 3]]}, "", "edges 0 and 2 cross or touch at (2 m, 0 m)"),
-    ({"polygon": [[0, 0], [4, 0], [4, 3], [2, 3], [2, 5], [2, 3], [0, 3]]}, "", "edges 2 and 4 cross or touch"),
-    ({"polygon": [[0, 0], [4, 0], [4, 3], [6, 3], [0, 3]]}, "", "edges 1 and 3 cross or touch at (4 m, 3 m)"),
-    ({"polygon": [[0, 0], [4, 0], [4, 3], [-2, 3], [-1, 3]]}, "", "edges 2 and 4 cross or touch at (-1 m, 3 m)"),
-    ({"polygon": [[-2, 0], [4, 0], [4, 3], [0, 3], [-1, 0]]}, "", "edges 0 and 3 cross or touch at (-1 m, 0 m)"),
-    ({"polygon": [[0, 0, 0], [4, 0], [4, 3]]}, ".polygon.0", "a list of 3 given"),
-    ({"polygon": SQUARE, "holes": [rectangle(3, 1, 2, 1)]}, ".holes.0", "hole0 is not inside of the outline"),
-    ({"polygon": SQUARE, "holes": [rectangle(5, 1, 2, 1)]}, ".holes.0", "not inside of the outline"),
-    ({"polygon": SQUARE, "holes": [rectangle(0, 1, 2, 1)]}, ".holes.0", "not inside of the outline, clear of it"),
-    ({"polygon": SQUARE, "holes": [rectangle(-1, -1, 9, 9)]}, ".holes.0", "not inside of the outline"),
-    (
-        {"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1), rectangle(1.5, 1.5, 1, 1)]},
-        ".holes.1",
-        "hole1 overlaps or touches hole0",
-    ),
-    (
-        {"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1), rectangle(2, 2, 1, 0.5)]},
-        ".holes.1",
-        "hole1 overlaps or touches hole0",
-    ),
-    (
-        {"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1), rectangle(1.25, 1.25, 0.5, 0.5)]},
-        ".holes.1",
-        "hole1 overlaps or touches hole0",
-    ),
-    ({"polygon": SQUARE, "holes": [{"polygon": [[1, 1], [2, 2]]}]}, ".holes.0", "at least three"),
-    ({"polygon": SQUARE, "holes": [{"polygon": [[1, 1], [2, 2], [1, 2], [2, 1]]}]}, ".holes.0", "edges 0 and 2"),
-    ({"polygon": SQUARE, "holes": [{"disk": {"center": [1, 1]}}]}, ".holes.0.disk.radius", "missing"),
-    ({"polygon": SQUARE, "holes": [{"disk": {"center": [1, 1], "radius": 0}}]}, ".holes.0.disk.radius", "> 0"),
-    (
-        {"polygon": SQUARE, "disk": {"center": [1, 1], "radius": 1}},
-        ".disk",
-        "does not go with polygon; give either {rectangle} or",
-    ),
-    ({}, "", "give either {rectangle} or {polygon} or {disk} or {file}"),
-    ({"holes": []}, "", "give either {rectangle}"),
-]
-
-
-@pytest.mark.parametrize(("shape", "key", "words"), REFUSED)
-def test_shape_refused(shape: dict[str, Any], key: str, words: str, tmp_path: Path):
-    where, message = fault(tmp_path, with_body(shape))
-    assert where == f"bodies.rock.shape{key}"
-    assert words in message
-
-
 def test_a_misspelt_shape_is_told_beside_the_shapes_that_there_are(tmp_path: Path):
     """It alone chooses no form: what is missing is told, too."""
     missing, unknown = faults(tmp_path, with_body({"plygon": SQUARE}))
@@ -161,33 +107,6 @@ def test_a_hole_has_no_holes(tmp_path: Path):
     where, message = fault(tmp_path, with_body({"polygon": SQUARE, "holes": [{**rectangle(1, 1, 1, 1), "holes": []}]}))
     assert where == "bodies.rock.shape.holes.0.holes"
     assert "unknown key; allowed: rectangle" in message
-
-
-@pytest.mark.parametrize(
-    ("shape", "edges", "key", "words"),
-    [
-        ({"polygon": SQUARE}, {"a": 4}, "a", "no edge 4; the polygon has 0, 1, 2, 3"),
-        ({"polygon": [*SQUARE, [0, 0]]}, {"a": 4}, "a", "no edge 4; the polygon has 0, 1, 2, 3"),
-        ({"polygon": SQUARE}, {"a": -1}, "a", "a whole number >= 0"),
-        ({"polygon": SQUARE}, {"a": "b"}, "a", "a whole number"),
-        ({"polygon": SQUARE}, {"a": [0, 1.5]}, "a.1", "a whole number"),
-        ({"polygon": SQUARE}, {"a": []}, "a", "no edge given"),
-        ({"polygon": SQUARE}, {"a": [0, 2]}, "a", "edges 0, 2 do not follow one another"),
-        ({"polygon": SQUARE}, {"a": [1, 0]}, "a", "do not follow one another"),
-        ({"polygon": SQUARE}, {"a": [1, 1]}, "a", "edge 1 is named twice"),
-        ({"polygon": SQUARE}, {"a": 1, "b": [0, 1]}, "b", "edge 1 is named twice"),
-        ({"polygon": SQUARE}, {"3": 1}, "3", "'3' is the number of an edge; choose another name"),
-        ({"polygon": SQUARE, "holes": [rectangle(1, 1, 1, 1)]}, {"hole0": 1}, "hole0", "is the name of a hole"),
-        (rectangle(0, 0, 4, 3), {"a": 1}, "", "a rectangle has bottom, right, top, left"),
-        ({"disk": {"center": [0, 0], "radius": 2}}, {"a": 1}, "", "a disk has arc"),
-    ],
-)
-def test_names_of_edges_refused(shape, edges, key, words, tmp_path: Path):
-    scene = with_body(shape, edges=edges)
-    scene["supports"] = [{"on": {"body": "rock", "edge": "2"}, "displacement": {"x": 0, "y": 0}}]
-    where, message = fault(tmp_path, scene)
-    assert where == "bodies.rock.edges" + (f".{key}" if key else "")
-    assert words in message
 
 
 def test_faults_of_several_shapes_at_once(tmp_path: Path):

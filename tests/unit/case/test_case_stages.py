@@ -56,36 +56,6 @@ def test_a_stage_has_what_the_one_before_has_unless_it_says_otherwise(tmp_path: 
 
 
 @pytest.mark.parametrize(
-    ("stages", "key", "words"),
-    [
-        ([], "", "no stage given; wanted: at least one"),
-        ([{"nam": "a"}], ".0.nam", "did you mean 'name'?"),
-        ([{"factor": "much"}], ".0.factor", "number"),
-        ([{"loads": {"push": "1 Pa"}}], ".0.loads.push", "number"),
-        ([{"loads": {"pull": 1}}], ".0.loads.pull", "no load is called 'pull'; names of loads: push, rest, mixed"),
-        ([{}, {"loads": {"mixed": 1}}], ".1.loads.mixed", "some of the loads of this name are held and others not"),
-        ([{"excavate": "top"}], ".0.excavate", "no stage before this one loads the rock"),
-        ([{}, {"excavate": "tip"}], ".1.excavate", "no body 'tip'"),
-        ([{}, {"excavate": ["top", "tip"]}], ".1.excavate.1", "no body 'tip'"),
-        ([{}, {"excavate": "top"}, {"excavate": "top"}], ".2.excavate", "body 'top' is gone already"),
-        ([{}, {"excavate": ["top", "low"]}], ".1.excavate", "no body is left"),
-        ([{}, {"excavate": "top", "release": 1.5}], ".1.release", "wanted: a number >= 0 and <= 1"),
-        ([{}, {"excavate": "top", "release": -0.5}], ".1.release", "wanted: a number >= 0 and <= 1"),
-        ([{}, {"release": 1}], ".1.release", "no rock is gone that could be released"),
-        ([{}, {"excavate": "top"}, {"release": 1}], ".2.release", "nothing is left to release"),
-        ([{}, {"excavate": "top", "release": 0.5}, {"release": 0.4}], ".2.release", "0.5 is released already; wanted:"),
-        ([{}, {"excavate": "top", "release": 0.5}, {"release": 0.5}], ".2", "changes nothing"),
-        ([{}, {}], ".1", "changes nothing"),
-        ([{}, {"excavate": "top", "release": 0.5}, {}], ".2", "changes nothing"),
-    ],
-)
-def test_fault_of_a_stage(stages: list[dict[str, Any]], key: str, words: str, tmp_path: Path) -> None:
-    where, message = fault(tmp_path, staged(*stages))
-    assert where == f"loading.stages{key}"
-    assert words in message
-
-
-@pytest.mark.parametrize(
     ("changes", "key", "words"),
     [
         ({"loading": {"stages": [{}], "history": [1]}}, "loading", "has a history and stages"),

@@ -23,7 +23,6 @@ from crackgrow.errors import SolveError
 from crackgrow.linear import ConstrainedSystem
 from tests.contact_problems import contact_law
 from tests.solving import solve_contact
-from tests.unit.contact.test_contact_solve import Block, uniform
 
 N = 3
 KN = np.array([40.0, 55.0, 30.0])
@@ -105,28 +104,6 @@ def test_residual_slip_stays_until_the_shear_has_changed_by_twice_the_limit(solv
         before = outcome.memory.slip
 
 
-@pytest.mark.parametrize("stiffness", [np.inf, 25.0])
-@pytest.mark.parametrize("dilation", [None, 0.2])
-def test_one_increment_and_many_end_alike_where_nothing_reverses(
-    solver: str, stiffness: float, dilation: float | None
-) -> None:
-    springs = Springs(solver, coupling=3.0, stiffness=stiffness, dilation=dilation)
-    (once,) = springs.follow(1.7)
-    *_, many = springs.follow(*np.linspace(0.0, 1.7, 21)[1:])
-    same(many, once)
-    (back,) = springs.follow(-1.0, last=once)
-    *_, many_back = springs.follow(*np.linspace(1.7, -1.0, 21)[1:], last=many)
-    same(many_back, back)
-    assert np.abs(back.points.slip).max() > 1e-2
-
-
-def test_an_increment_without_change_changes_nothing(solver: str) -> None:
-    springs = Springs(solver, coupling=3.0, cohesion=0.1, residual=RESIDUAL)
-    one, again = springs.follow(1.3, 1.3)
-    np.testing.assert_allclose(again.u, one.u, atol=1e-13)
-    np.testing.assert_allclose(again.points.tangential, one.points.tangential, atol=1e-12)
-
-
 def test_cohesion_is_lost_by_slip_and_stays_lost(solver: str) -> None:
     """Limits 0.9 and then 0.5."""
     stuck, slipped, back, down = Springs(solver, cohesion=COHESION).follow(0.89, 0.95, 0.4, -0.1)
@@ -139,14 +116,6 @@ def test_cohesion_is_lost_by_slip_and_stays_lost(solver: str) -> None:
     np.testing.assert_allclose(back.points.slip, slipped.points.slip)
     np.testing.assert_allclose(down.points.tangential, -0.5 * PRESSURE)
     np.testing.assert_allclose(down.points.slip, 0.4 * PRESSURE / KT)
-
-
-def test_cohesion_is_kept_where_the_law_says_so(solver: str) -> None:
-    slipped, back, down = Springs(solver, cohesion=COHESION, kept=True).follow(1.0, -0.7, -0.9)
-    assert states([slipped, back, down]) == [SLIP, STICK, SLIP]
-    np.testing.assert_allclose(slipped.points.tangential, 0.9 * PRESSURE)
-    np.testing.assert_allclose(down.points.tangential, -0.9 * PRESSURE)
-    np.testing.assert_allclose(back.points.slip, 0.1 * PRESSURE / KT)
 
 
 @pytest.mark.parametrize(("kept", "limit"), [(False, 0.5), (True, 0.9)])
@@ -164,14 +133,6 @@ def test_faces_that_have_opened_and_closed_again(solver: str, kept: bool, limit:
     np.testing.assert_allclose(closed.points.slip, opened.points.slip)
     np.testing.assert_allclose(closed.points.tangential, 0.1 * PRESSURE, rtol=1e-9)
     np.testing.assert_allclose(sliding.points.tangential, limit * PRESSURE)
-
-
-def test_residual_friction_holds_after_slip(solver: str) -> None:
-    slipped, back, down = Springs(solver, residual=RESIDUAL).follow(0.6, 0.01, -0.4)
-    assert states([slipped, back, down]) == [SLIP, STICK, SLIP]
-    np.testing.assert_allclose(slipped.points.tangential, 0.3 * PRESSURE)
-    np.testing.assert_allclose(down.points.tangential, -0.3 * PRESSURE)
-    assert not Springs(solver, residual=RESIDUAL).follow(0.49)[0].memory.broken.any()
 
 
 @pytest.mark.parametrize("kept", [False, True])
@@ -195,25 +156,6 @@ def test_one_point_that_breaks_can_take_its_neighbours_along(solver: str) -> Non
     (outcome,) = springs.follow(0.85)
     assert outcome.memory.broken.all()
     np.testing.assert_allclose(outcome.points.tangential, 0.5 * PRESSURE)
-
-
-@pytest.mark.parametrize("stiffness", [np.inf, 25.0])
-def test_slip_opens_by_dilation_and_the_confinement_answers(solver: str, stiffness: float) -> None:
-    """With e = 1/k: p_n (1 + kn e) = -P - kn d |s|, where s = slip - e p_t, and kt (s + e p_t) + p_t = T."""
-    d, e = 0.2, 1.0 / stiffness
-    outcomes = Springs(solver, dilation=d, stiffness=stiffness).follow(1.5, 1.3, -1.5)
-    a = FRICTION / (1.0 + KN * e)
-    s = (1.5 - a * (1.0 + KT * e)) * PRESSURE / (KT + a * (1.0 + KT * e) * KN * d)
-    for outcome, slip, sense in zip(outcomes, (s, s, -s), (1.0, 0.0, -1.0), strict=True):
-        pressure = (PRESSURE + KN * d * s) / (1.0 + KN * e)
-        np.testing.assert_allclose(outcome.memory.slip, slip, rtol=1e-9)
-        np.testing.assert_allclose(outcome.points.dilation, d * s, rtol=1e-9)
-        np.testing.assert_allclose(outcome.points.normal, -pressure, rtol=1e-9)
-        np.testing.assert_allclose(outcome.points.opening, d * s - e * pressure, rtol=1e-9)
-        if sense:
-            np.testing.assert_allclose(outcome.points.tangential, sense * FRICTION * pressure, rtol=1e-9)
-    assert states(outcomes) == [SLIP, STICK, SLIP]
-    assert max(outcome.penetration for outcome in outcomes) < 1e-12
 
 
 def test_no_dilation_is_a_dilation_of_zero(solver: str) -> None:
@@ -271,16 +213,6 @@ def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -
     assert solve_contact(without, np.concatenate([-P, T]), np.zeros(0)).memory.broken.all()
 
 
-def test_slip_that_turns_back_through_where_it_came_from(solver: str) -> None:
-    """Dilation closes on the way back and opens again behind: |s| counts, in one increment as in many."""
-    springs = Springs(solver, coupling=3.0, dilation=0.2)
-    (forth,) = springs.follow(1.7)
-    (back,) = springs.follow(-1.7, last=forth)
-    np.testing.assert_allclose(back.points.slip, -forth.points.slip, rtol=1e-9)
-    np.testing.assert_allclose(back.points.normal, forth.points.normal, rtol=1e-9)
-    assert back.points.iterations < 30
-
-
 def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None:
     """kt (s + e p_t) + p_t = T: stuck after sliding to s, the traction follows the shear by 1 / (1 + kt e).
 
@@ -295,39 +227,6 @@ def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None
     assert states([sliding, stuck]) == [SLIP, STICK]
     np.testing.assert_allclose(stuck.memory.slip, s, rtol=1e-10)
     np.testing.assert_allclose(stuck.points.tangential, (1.4 * PRESSURE - KT * s) / (1.0 + KT * e), rtol=1e-10)
-
-
-def test_solving_an_increment_leaves_the_memory_as_it_was(solver: str) -> None:
-    springs = Springs(solver, coupling=3.0, cohesion=0.1, dilation=0.1)
-    (start,) = springs.follow(1.2)
-    slip, broken = start.memory.slip.copy(), start.memory.broken.copy()
-    (one,) = springs.follow(-1.0, last=start)
-    springs.follow(2.0, last=start)
-    (again,) = springs.follow(-1.0, last=start)
-    np.testing.assert_array_equal(again.u, one.u)
-    np.testing.assert_array_equal(start.memory.slip, slip)
-    np.testing.assert_array_equal(start.memory.broken, broken)
-
-
-@pytest.mark.parametrize("angle", [0.0, 20.0])
-def test_a_cut_remembers_where_it_has_slid_to(build, solver: str, angle: float) -> None:
-    """Uniform stress, the upper half moved along: slides by 0.01, is unloaded there, and slides back by 0.004."""
-    a = np.deg2rad(angle)
-    turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
-
-    def under(shear: float, slip: float) -> Block:
-        return uniform(build, turn @ np.array([[-0.5, shear], [shear, -2.0]]) @ turn.T, angle, slip=slip)
-
-    law = contact_law(*(np.full(under(1.0, 0.01).faces.n, value) for value in (0.5, 0.0, 0.0)))
-    memory = None
-    for shear, slip, state in ((1.0, 0.01, SLIP), (0.3, 0.01, STICK), (-0.9, 0.01, STICK), (-1.0, 0.006, SLIP)):
-        block = under(shear, slip)
-        contact = ContactSystem(block.system, *block.operators(), block.faces.weights, law, solver)
-        outcome = solve_contact(contact, block.loads, block.given, memory)
-        memory = outcome.memory
-        assert set(outcome.points.state.tolist()) == {state}
-        np.testing.assert_allclose(outcome.points.slip, slip, rtol=1e-5)
-        np.testing.assert_allclose(outcome.points.tangential, shear, rtol=1e-5)  # patch test, memory included
 
 
 @pytest.mark.parametrize("kept", [False, True])

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -12,9 +11,9 @@ from scipy.sparse import csc_array, csr_array
 
 import crackgrow.contact.solve as module
 from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ContactLaw
+from crackgrow.contact.coulomb import OPEN, STICK, ContactLaw
 from crackgrow.contact.faces import ContactFaces
-from crackgrow.contact.jump import contact_operators, gap_and_slip
+from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.solve import ContactOutcome
@@ -28,10 +27,7 @@ from tests.solving import solve_contact
 WIDTH, HEIGHT = 8.0, 10.0
 SPACING = 1.0
 YOUNG = 1000.0
-YOUNG_PRIME = YOUNG / (1.0 - 0.25**2)  # plane strain
 
-PATCH_TEST = 1e-6
-"""Relative error of tractions under uniform stress that the rule of 8 x 8 points leaves (4 x 4 leave 1e-4)."""
 
 Support = PointSupport | EdgeSupport
 
@@ -121,117 +117,8 @@ def pressed(build, shortening: float, touching=(0,)) -> Block:
     return make(build, supports, {}, 0.0, touching)
 
 
-def on_cut(stress: np.ndarray, angle: float) -> tuple[float, float]:
-    """Normal and tangential traction of a stress (2, 2) on the cut."""
-    a = np.deg2rad(angle)
-    tangent, normal = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
-    return float(normal @ stress @ normal), float(tangent @ stress @ normal)
-
-
 def compression(sigma: float) -> np.ndarray:
     return np.array([[0.0, 0.0], [0.0, -sigma]])
-
-
-@pytest.mark.parametrize("angle", [-30.0, 10.0, 25.0])
-@pytest.mark.parametrize("excess", [1.02, 1.5])
-def test_a_cut_sticks_where_friction_exceeds_its_slope(build, angle: float, excess: float) -> None:
-    sigma, a = 2.0, np.deg2rad(angle)
-    outcome = uniform(build, compression(sigma), angle).solve(friction=excess * np.tan(abs(a)))
-    assert outcome.points.status == "solved"
-    assert set(outcome.points.state.tolist()) == {STICK}
-    np.testing.assert_allclose(outcome.points.normal, -sigma * np.cos(a) ** 2, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.points.tangential, -sigma * np.sin(a) * np.cos(a), rtol=PATCH_TEST)
-    assert np.abs(outcome.points.slip).max() < 1e-12  # displacements are about 0.02
-    assert outcome.complementarity < 1e-12
-
-
-@pytest.mark.parametrize("angle", [-30.0, 25.0])
-@pytest.mark.parametrize("shortage", [0.3, 0.9])
-def test_a_cut_slides_down_where_friction_is_less_than_its_slope(build, angle: float, shortage: float) -> None:
-    friction = shortage * np.tan(np.deg2rad(abs(angle)))
-    outcome = uniform(build, compression(2.0), angle).solve(friction=friction)
-    sliding = outcome.points.state == SLIP
-    assert sliding.sum() > outcome.points.state.size // 2
-    assert np.sign(outcome.points.slip[sliding]).tolist() == [-np.sign(angle)] * int(sliding.sum())  # downhill
-    expected = friction * outcome.points.normal[sliding] * np.sign(angle)
-    np.testing.assert_allclose(outcome.points.tangential[sliding], expected, rtol=1e-10)
-    assert outcome.points.normal.max() <= 0.0
-    assert outcome.complementarity < 1e-12
-
-
-@pytest.mark.parametrize("sense", [-1.0, 1.0])
-@pytest.mark.parametrize("angle", [0.0, 20.0])
-@pytest.mark.parametrize(("friction", "cohesion"), [(0.0, 0.0), (0.4, 0.0), (0.0, 0.7), (0.3, 0.5)])
-def test_a_sliding_cut_carries_its_limit_and_slips_as_imposed(
-    build, friction: float, cohesion: float, angle: float, sense: float
-) -> None:
-    """Uniform stress whose shear on the cut is at Coulomb's limit, the upper half moved along: the exact solution."""
-    a, p = np.deg2rad(angle), 2.0
-    limit = cohesion + friction * p
-    turn = np.array([[np.cos(a), -np.sin(a)], [np.sin(a), np.cos(a)]])
-    stress = turn @ np.array([[-0.5, sense * limit], [sense * limit, -p]]) @ turn.T
-    outcome = uniform(build, stress, angle, slip=sense * 0.01).solve(friction, cohesion)
-    assert set(outcome.points.state.tolist()) == {SLIP}
-    np.testing.assert_allclose(outcome.points.normal, -p, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.points.tangential, sense * limit, rtol=PATCH_TEST, atol=1e-12)
-    np.testing.assert_allclose(outcome.points.slip, sense * 0.01, rtol=1e-5)
-    assert np.abs(outcome.points.opening).max() < 1e-12
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-def test_cohesion_holds_the_cut_up_to_its_limit(build, friction: float) -> None:
-    p, cohesion = 2.0, 0.5
-    limit = cohesion + friction * p
-    states = []
-    for share in (-0.99, 0.0, 0.5, 0.99, 1.05):
-        stress = np.array([[0.0, share * limit], [share * limit, -p]])
-        outcome = uniform(build, stress, 0.0).solve(friction, cohesion)
-        states.append(set(outcome.points.state.tolist()))
-        assert np.abs(outcome.points.tangential).max() <= (cohesion - friction * outcome.points.normal.min())
-    assert states[:4] == [{STICK}] * 4
-    assert SLIP in states[4]
-
-
-@pytest.mark.parametrize(("share", "cohesion"), [(0.5, 0.5), (-0.99, 0.5)])
-def test_the_shear_of_a_stuck_cut_is_that_of_the_whole_block(build, share: float, cohesion: float) -> None:
-    stress = np.array([[0.3, share * cohesion], [share * cohesion, -2.0]])
-    outcome = uniform(build, stress, 0.0).solve(0.0, cohesion)
-    p_n, p_t = on_cut(stress, 0.0)
-    np.testing.assert_allclose(outcome.points.normal, p_n, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.points.tangential, p_t, rtol=PATCH_TEST)
-
-
-def test_a_cut_pulled_open_has_nothing_to_solve(build) -> None:
-    outcome = pressed(build, -0.02).solve(friction=0.5)
-    assert outcome.points.status == "none"
-    assert outcome.points.n_unknowns == outcome.points.iterations == 0
-    assert set(outcome.points.state.tolist()) == {OPEN}
-    assert not outcome.points.normal.any()
-    assert not outcome.points.tangential.any()
-    np.testing.assert_allclose(outcome.points.opening, 0.02, rtol=1e-9)
-    assert outcome.penetration == 0.0
-
-
-def test_faces_without_contact_pass_through_each_other(build) -> None:
-    block = pressed(build, 0.02, touching=())
-    outcome = block.solve()
-    assert outcome.points.status == "none"
-    assert outcome.points.n_unknowns == 0
-    assert outcome.points.opening.shape == outcome.points.state.shape == (0,)
-    points = mortar_faces(block.sample.cover, [0], 1.0).points
-    np.testing.assert_allclose(gap_and_slip(block.sample.cover, points, outcome.u)[0], -0.02, rtol=1e-9)
-
-
-@pytest.mark.parametrize("stiffness", [np.inf, 2000.0, 150.0, 1.0])
-def test_a_bar_and_its_contact_shorten_in_series(build, stiffness: float) -> None:
-    """shortening = sigma (H / E' + 1 / k)."""
-    shortening = 0.03
-    outcome = pressed(build, shortening).solve(stiffness=stiffness)
-    sigma = shortening / (HEIGHT / YOUNG_PRIME + 1.0 / stiffness)
-    np.testing.assert_allclose(outcome.points.normal, -sigma, rtol=PATCH_TEST)
-    np.testing.assert_allclose(outcome.points.opening, -sigma / stiffness, rtol=PATCH_TEST, atol=1e-12)
-    assert outcome.penetration < 1e-12  # what the stiffness explains is no penetration
-    assert outcome.points.n_unknowns == outcome.points.state.size  # without friction one unknown a point
 
 
 def test_equilibrium_with_supports_and_contact_tractions(build) -> None:
@@ -291,13 +178,6 @@ def test_points_that_stay_open_carry_nothing(build, solver: str, friction: float
     assert outcome.complementarity < 1e-10
 
 
-def test_newton_and_lemke_agree(build) -> None:
-    block = tilting(build)
-    newton, lemke = (block.solve(0.4, 0.1, solver=solver) for solver in ("newton", "lemke"))
-    np.testing.assert_allclose(lemke.u, newton.u, atol=1e-9 * np.abs(newton.u).max())
-    np.testing.assert_array_equal(lemke.points.state, newton.points.state)
-
-
 @pytest.mark.parametrize("solver", ["newton", "lemke"])
 def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> None:
     """A lever by hand: pushing the first gap open closes the second, by compliance [[2, -1], [-1, 2]]."""
@@ -320,33 +200,6 @@ def test_a_point_that_the_contact_of_another_closes_is_taken_in(solver: str) -> 
 
 def _one() -> ContactLaw:
     return contact_law(np.zeros(1), np.zeros(1), np.zeros(1))
-
-
-def test_scaling_loads_and_displacements_scales_the_answer(build) -> None:
-    """Coulomb's law without cohesion has no stress of its own."""
-    block = tilting(build)
-    one, three = block.solve(0.4), block.solve(0.4, factor=3.0)
-    np.testing.assert_allclose(three.u, 3.0 * one.u, atol=1e-11)
-    np.testing.assert_allclose(three.points.normal, 3.0 * one.points.normal, atol=1e-9)
-    np.testing.assert_array_equal(three.points.state, one.points.state)
-
-
-def test_solving_leaves_no_trace(build) -> None:
-    """r(A), r(B), r(A): bit for bit, and the system stays as it was."""
-    block = uniform(build, compression(2.0), 25.0)
-    before = block.system.stiffness.tocsc().copy()
-    first = block.solve(friction=0.2)
-    other = block.solve(friction=0.6, cohesion=0.1, factor=-0.5)
-    again = block.solve(friction=0.2)
-    assert not np.array_equal(other.u, first.u)
-    for name in (
-        "u",
-        "multipliers",
-        *(f"points.{part}" for part in ("normal", "tangential", "opening", "slip", "state")),
-    ):
-        np.testing.assert_array_equal(*map(attrgetter(name), (again, first)))
-    np.testing.assert_array_equal(block.system.stiffness.tocsc().data, before.data)
-    np.testing.assert_array_equal(block.system.stiffness.tocsc().indices, before.indices)
 
 
 @pytest.mark.parametrize(("share", "noise", "words"), [(1.0, 0.001, "unsymmetric by 0."), (-1.0, 0.0, "not positive")])

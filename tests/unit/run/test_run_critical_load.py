@@ -80,17 +80,6 @@ def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[floa
         assert len(factors) == 1
 
 
-def test_the_critical_load_falls_as_the_crack_grows_from_both_tips() -> None:
-    results, end = whole_run(case_of("tension0", "growth.advance=all", "growth.steps=3"))
-    assert end.status == "completed"
-    assert [sum(tip.advanced for tip in result.tips) for result in results] == [2, 2, 2, 0]
-    assert np.diff([result.load_factor for result in results]).max() < 0.0
-    for result in results:
-        assert max(tip.criticality for tip in result.tips) == pytest.approx(1.0, abs=1e-9)
-        assert result.energy.error < 1e-9
-        assert result.seconds["contact"] > 0.0
-
-
 CLOSED = ("cracks.flaw.contact.friction=0.3", "growth.criterion=directional_strength")
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from crackgrow.__main__ import main
-from crackgrow.case import dump_case, load_case
+from crackgrow.case import load_case
 from crackgrow.errors import CaseError
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import History
@@ -151,13 +151,6 @@ def test_history_is_a_file_that_a_resumed_run_goes_on_with(tmp_path: Path) -> No
     rows = list(csv.DictReader(text.splitlines()))
     assert [(row["step"], row["increment"]) for row in rows] == [(s, i) for s in "012" for i in "01"]
     assert "Opening and slip at points" in (whole / "report.html").read_text(encoding="utf-8")
-
-
-def test_case_with_points_reads_back(tmp_path: Path) -> None:
-    case = load_case(written(tmp_path, STACK))
-    again = tmp_path / "again.yaml"
-    again.write_text(dump_case(case), encoding="utf-8")
-    assert dump_case(load_case(again)) == dump_case(case)
 
 
 def test_nothing_is_told_where_no_point_is_named(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import pytest
 import crackgrow.run.increments as increments
 from crackgrow.case import load_case
 from crackgrow.case.model import LoadHistory
-from crackgrow.contact.coulomb import SLIP, STICK
+from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
@@ -20,7 +20,6 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, carried, from_state, held_loads, increment, unloaded
 from crackgrow.run.judging import judged
 from crackgrow.run.scene import Scene, make_scene
-from tests.verification.reversed_shear import ShearedCrack
 
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = ("numerics.spacing=3",)
@@ -117,27 +116,6 @@ def test_friction_that_takes_more_than_the_law_says_is_seen_in_the_balance(monke
     assert wrong.energy.error > 1e-4
 
 
-@pytest.mark.parametrize(
-    ("breaks", "settings"),
-    [
-        (True, ("cracks.flaw.contact.cohesion=5",)),
-        (True, ("cracks.flaw.contact.cohesion=5", "cracks.flaw.contact.residual_friction=0.2")),
-        (False, ("cracks.flaw.contact.cohesion=5", "cracks.flaw.contact.cohesion_after_slip=kept")),
-        (False, ("cracks.flaw.contact.residual_friction=0.1",)),  # the first load makes it slip
-    ],
-)
-def test_energy_does_not_depend_on_how_often_the_load_pauses(breaks: bool, settings: tuple[str, ...]) -> None:
-    """What a bond that breaks releases is the same too: in one increment its break is found."""
-    _, _, configuration = ready("compression30", *FRICTION, *settings)
-    (once,) = through(configuration, 1.0)
-    *_, often = through(configuration, *np.linspace(0.04, 1.0, 25))
-    for part in ("work", "strain", "dissipated", "released"):
-        first, second = (getattr(state.energy, part) for state in (once, often))
-        assert first == pytest.approx(second, rel=1e-9, abs=5e-5 * once.energy.work), part  # parts balance to 1e-5
-    np.testing.assert_allclose(once.outcome.u, often.outcome.u, atol=1e-9 * np.abs(often.outcome.u).max())
-    assert (once.energy.released > 0.04 * once.energy.dissipated) == breaks
-
-
 def test_a_bond_that_breaks_releases_half_of_its_strength_times_the_slip() -> None:
     """Cohesion alone, lost at once: under a constant load the slip rises by delta while the shear falls from c to zero.
 
@@ -166,30 +144,6 @@ def test_faces_that_open_take_no_energy_back() -> None:
     assert once.energy.dissipated > 0.2
 
 
-def test_a_body_at_rest_has_no_error() -> None:
-    """Moved without strain, the energies are round-off of large terms: they say nothing."""
-    held = "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0.3, y: 0.7}}]"
-    _, _, configuration = ready("tension0", *COARSE, "loads=[]", held)
-    (state,) = through(configuration, 1.0)
-    assert np.abs(state.outcome.u).max() == pytest.approx(7e-4)
-    assert state.energy.error == 0.0
-
-
-SHIPPED = sorted(path.stem for path in CASES.glob("*.yaml") if path.stem != "cyclic_friction")  # that one is above
-
-
-@pytest.mark.parametrize("name", SHIPPED)
-def test_the_first_step_of_a_shipped_case_balances_its_energy(name: str) -> None:
-    case = load_case(CASES / f"{name}.yaml")
-    side = min(float(np.ptp(body.outline, axis=0).min()) for body in case.bodies)
-    coarse = f"numerics.spacing={min(2.0 * case.numerics.spacing, 0.5 * side)} m"
-    events = ["loading.follow=events"] if isinstance(case.loading, LoadHistory) else []
-    settings = [coarse, "output.frames=none", "output.figures=false", *events]
-    result = next(grow(load_case(CASES / f"{name}.yaml", settings)))
-    assert result.energy.error < 1e-3
-    assert result.energy.strain > 0.0
-
-
 def test_a_bar_stores_half_of_force_times_displacement() -> None:
     """Without contact: (sigma^2 / 2 E') per area, that of the crack included, is half the work of dead loads."""
     _, _, configuration = ready("tension0", *COARSE)
@@ -198,31 +152,6 @@ def test_a_bar_stores_half_of_force_times_displacement() -> None:
     plate = 0.5 * (2e6) ** 2 / (1e10 / (1.0 - 0.25**2)) * 31e-3 * 55e-3
     crack = np.pi * (5e-3) ** 2 * (2e6) ** 2 / (1e10 / (1.0 - 0.25**2))  # infinite plate: Griffith 1921
     assert state.energy.strain - plate == pytest.approx(crack, rel=0.25)
-
-
-def test_a_cycle_dissipates_what_the_closed_form_says() -> None:
-    """Plate of five crack lengths at spacing 0.4 a: slip is 3 % larger than in the infinite plate."""
-    _, _, configuration = ready("cyclic_friction", *SMALL_SHEAR)
-    reference = ShearedCrack(0.01, 1e10 / (1.0 - 0.25**2), 0.5, 20e6)
-    *_, first, back, last = through(configuration, 0.0, 1.0, -1.0, 1.0)
-    dissipated = last.energy.dissipated - first.energy.dissipated
-    assert dissipated == pytest.approx(reference.dissipated_per_cycle(30e6), rel=0.05)
-    half = back.energy.dissipated - first.energy.dissipated
-    assert half == pytest.approx(0.5 * dissipated, rel=1e-6)
-    np.testing.assert_allclose(last.outcome.u, first.outcome.u, atol=1e-9 * np.abs(first.outcome.u).max())
-    np.testing.assert_allclose(back.outcome.points.slip, -first.outcome.points.slip, rtol=1e-6)
-
-
-def test_one_increment_and_twenty_are_the_same_where_nothing_reverses() -> None:
-    """The end state is the same to round-off, the energy where friction's limit stays the same on the way."""
-    _, _, configuration = ready("cyclic_friction", *SMALL_SHEAR)
-    _, once = through(configuration, 0.0, 1.0)
-    *_, many = through(configuration, 0.0, *np.linspace(0.05, 1.0, 20))
-    size = np.abs(once.outcome.u).max()
-    np.testing.assert_allclose(many.outcome.u, once.outcome.u, atol=1e-9 * size)
-    np.testing.assert_allclose(many.outcome.points.tangential, once.outcome.points.tangential, rtol=1e-9, atol=1e-3)
-    assert many.energy.dissipated == pytest.approx(once.energy.dissipated, rel=1e-4)
-    assert many.energy.work == pytest.approx(once.energy.work, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", ["confined30", "two_flaws"])
@@ -249,15 +178,6 @@ def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
         assert off[2] < 0.6 * off[1] < 0.36 * off[0] < 0.01
         assert len(events.via) > 1
     assert max(errors) < 1e-5
-
-
-def test_residual_slip_stays_when_the_shear_is_taken_off() -> None:
-    """Loaded to 30 MPa and back to zero: friction of 10 MPa holds w = 10 MPa of the 20 MPa that drove the slip."""
-    _, _, configuration = ready("cyclic_friction", *SMALL_SHEAR)
-    _, loaded, unloaded_ = through(configuration, 0.0, 1.0, 0.0)
-    np.testing.assert_allclose(
-        unloaded_.outcome.points.slip, 0.5 * loaded.outcome.points.slip, rtol=1e-3
-    )  # patch test: 1e-4
 
 
 @pytest.fixture(scope="module")
@@ -333,19 +253,6 @@ def test_growth_releases_the_energy_that_K_says(name: str, settings: tuple[str, 
     after = increment(grown, carried(state, grown), 1.0)
     assert after.energy.released == pytest.approx(2e-3 * np.dot([1, 4, 1], G) / 6.0, rel=0.03)
     assert after.energy.error < 1e-9
-
-
-def test_a_run_that_goes_on_under_load_keeps_its_books() -> None:
-    settings = ("growth.unload_between_steps=false", "growth.steps=2", "output.frames=none", "output.figures=false")
-    case = load_case(CASES / "compression30.yaml", [*settings, *FRICTION, "growth.tip_stress.radius=2"])
-    results = list(grow(case))
-    released = [result.energy.released for result in results]
-    assert released[0] == 0.0
-    assert np.diff(released).min() > 0.0
-    dissipated = [result.energy.dissipated for result in results]
-    assert np.diff(dissipated).min() > 0.0
-    assert all(result.energy.error < 1e-9 for result in results)
-    assert set(results[0].contact.state.tolist()) <= {STICK, SLIP}
 
 
 @pytest.mark.parametrize("top", [10.0, 26.0])

@@ -23,10 +23,9 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import Scene
+from tests.scenes import specimen
 from tests.whole_run import whole_run
 
-ROOT = Path(__file__).parents[3]
-REFERENCE = ROOT / "tests" / "verification" / "references" / "open_crack_K.csv"
 MM = 1e-3
 
 Plate = Callable[..., Case]
@@ -48,31 +47,7 @@ def plate(tmp_path: Path) -> Plate:
         sigma: float = 1.0,
         growth: dict[str, Any] | None = None,
     ) -> Case:
-        w, h = size
-        scene: dict[str, Any] = {
-            "title": "plate",
-            "units": {"length": "mm", "stress": "MPa"},
-            "plane": "strain",
-            "bodies": {
-                "rock": {
-                    "shape": {"rectangle": {"center": [0, 0], "width": w, "height": h}},
-                    "material": {"young": 10000, "poisson": 0.25},
-                    "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
-                }
-            },
-            "cracks": cracks,
-            "supports": [
-                {"at": [-w / 2, -h / 2], "displacement": {"y": 0}},
-                {"at": [w / 2, -h / 2], "displacement": {"y": 0}},
-                {"at": [0, -h / 2], "displacement": {"x": 0}},
-            ],
-            "loads": [
-                {"on": {"body": "rock", "edge": "top"}, "traction": [0, sigma]},
-                {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -sigma]},
-            ],
-            "numerics": {"spacing": 1.5},
-            "output": {"frames": "none", "figures": False},
-        }
+        scene = specimen(cracks, size, sigma, numerics={"spacing": 1.5})
         if growth is not None:
             standard = {
                 "steps": 2,
@@ -147,20 +122,6 @@ def test_a_static_case_is_one_solve(plate: Plate) -> None:
     assert all(tip.K_I > 1e5 for tip in result.tips)  # K is known without growth: 0.134 MPa sqrt(m)
 
 
-def test_a_plate_without_cracks_is_in_uniform_stress(plate: Plate) -> None:
-    case = plate({}, "output.frames=every_step", sigma=-3.0)
-    (result,), end = whole_run(case)
-    assert end.status == "completed"
-    assert result.tips == result.faces == result.cracks == ()
-    assert len(result.contact.s) == 0
-    assert result.contact_status == "none"
-    # the patch test with 4 x 4 points holds to 1e-4 of the load
-    np.testing.assert_allclose(result.frame.stress, np.tile([0.0, -3e6, 0.0], (len(result.frame.body), 1)), atol=3e3)
-    np.testing.assert_allclose(result.frame.stress_zz, 0.25 * -3e6, atol=1e3)  # plane strain
-    shortening = np.ptp(result.frame.displacement[:, 1])
-    assert shortening == pytest.approx(3e6 * 55 * MM / (1e10 / (1 - 0.25**2)), rel=1e-4)
-
-
 def test_growth_without_cracks_arrests(plate: Plate) -> None:
     results, end = whole_run(plate({}, growth={}))
     assert end.status == "arrested"
@@ -207,21 +168,6 @@ def test_cracks_far_apart_do_not_feel_each_other(plate: Plate) -> None:
     assert [tip.K_I for tip in together.tips] == pytest.approx(expected, rel=1e-2)
     assert [face.crack for face in together.faces] == ["a", "b"]
     assert set(together.contact.crack) == {"a", "b"}
-
-
-def test_an_edge_crack_in_tension_has_the_K_of_the_reference(plate: Plate) -> None:
-    table = np.genfromtxt(REFERENCE, delimiter=",", names=True, dtype=None, encoding="utf-8")
-    row = table[table["scene"] == "edge_straight_30x30_a6"]
-    edge = {"path": {"points": [[-15, 0], [-9, 0]]}, "tips": "end", "contact": {"friction": 0.0, "cohesion": 0.0}}
-    (result,), _ = whole_run(plate({"edge": edge}, "numerics.spacing=1.0", size=(30.0, 30.0)))
-    (tip,) = result.tips
-    assert tip.tip == "end"
-    expected = float(row["K_I_MPa_sqrtmm"][0]) * 1e6 * np.sqrt(MM)
-    assert pytest.approx(expected, rel=1e-2) == tip.K_I
-    assert abs(tip.K_II) < 2e-3 * expected
-    opening = result.faces[0].opening
-    assert opening[0] == opening.max()  # widest at the mouth
-    assert abs(opening[-1]) < 1e-9 * opening[0]
 
 
 def test_a_crack_that_reaches_the_outline_goes_on_at_its_other_tip(plate: Plate) -> None:
@@ -471,28 +417,6 @@ def test_the_answer_is_proportional_to_the_load_factor(plate: Plate) -> None:
     assert five.load_factor == 5.0
     np.testing.assert_allclose(five.contact.normal_traction, 5.0 * one.contact.normal_traction, rtol=1e-9)
     np.testing.assert_allclose(five.faces[0].slip, 5.0 * one.faces[0].slip, rtol=1e-9, atol=1e-15)
-
-
-def test_units_of_the_file_do_not_matter(plate: Plate) -> None:
-    """The same plate in the given units and with quantities that carry their own."""
-    flaw = straight((0.0, 0.0), 10.0, 30.0)
-    own = {**flaw, "path": {"center": [0, 0], "length": "1 cm", "angle": 30}}
-    (one,), _ = whole_run(plate({"flaw": flaw}, sigma=-10.0))
-    (two,), _ = whole_run(
-        plate({"flaw": own}, "numerics.spacing=0.15 cm", "bodies.rock.material.young=10 GPa", sigma=-10.0)
-    )
-    assert pytest.approx(one.tips[0].K_II, rel=1e-9) == two.tips[0].K_II
-
-
-@pytest.mark.parametrize("sigma", [1.0, -1.0])
-def test_mirroring_the_crack_mirrors_the_answer(plate: Plate, sigma: float) -> None:
-    (right,), _ = whole_run(plate({"flaw": straight((2.0, 3.0), 9.0, 35.0)}, sigma=sigma))
-    (mirrored,), _ = whole_run(plate({"flaw": straight((-2.0, 3.0), 9.0, 145.0)}, sigma=sigma))
-    # the triangles, and so the quadrature error (2e-5 of K), are not mirrored
-    scale = max(abs(tip.K_I) + abs(tip.K_II) for tip in right.tips)
-    for tip, twin in zip(right.tips, mirrored.tips, strict=True):
-        assert pytest.approx(tip.K_I, abs=5e-5 * scale) == twin.K_I
-        assert pytest.approx(-tip.K_II, abs=5e-5 * scale) == twin.K_II
 
 
 @pytest.mark.parametrize(("growth", "solve"), [(None, "LoadsInTurn"), ({}, "load")])

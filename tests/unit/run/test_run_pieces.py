@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +14,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import FreePieceError
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.run import grow
-from tests.stability.contact_conditions import recorded, violations
+from tests.scenes import specimen
 
 HELD_BY_FRICTION = [
     [(-2.47, 6.123), (-2.616, 9.325), (-2.863, 14.319), (-14.167, 23.901), (-14.378, 28.896), (-13.608, 30.0)],
@@ -37,37 +36,12 @@ TIPS = ["none", "start", "end", "none", "none"]
 
 def pressed(tmp_path: Path, cracks: list[Any], tips: list[str], friction: list[float], **more: Any) -> Case:
     """A plate of 40 x 60 mm with cracks (mm), pressed along y."""
-    scene = {
-        "title": "pieces",
-        "units": {"length": "mm", "stress": "MPa"},
-        "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": 40, "height": 60}},
-                "material": {"young": 10000, "poisson": 0.25},
-                "strength": {"tension": 0.05, "cohesion": 10, "friction_angle": 40},
-            }
-        },
-        "cracks": {
-            f"c{k}": {
-                "path": {"points": [list(p) for p in path]},
-                "tips": end,
-                "contact": {"friction": mu, "cohesion": 0},
-            }
-            for k, (path, end, mu) in enumerate(zip(cracks, tips, friction, strict=True), 1)
-        },
-        "supports": [
-            {"at": [-20, -30], "displacement": {"x": 0, "y": 0}},
-            {"at": [20, -30], "displacement": {"y": 0}},
-        ],
-        "loads": [
-            {"on": {"body": "rock", "edge": "top"}, "traction": [0, -4]},
-            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, 4]},
-        ],
-        "numerics": {"spacing": 3},
-        "output": {"frames": "none", "figures": False},
-        **more,
+    given = {
+        f"c{k}": {"path": {"points": [list(p) for p in path]}, "tips": end, "contact": {"friction": mu, "cohesion": 0}}
+        for k, (path, end, mu) in enumerate(zip(cracks, tips, friction, strict=True), 1)
     }
+    scene = specimen(given, (40.0, 60.0), -4.0, numerics={"spacing": 3}, **more)
+    scene["bodies"]["rock"]["strength"]["tension"] = 0.05
     file = tmp_path / "pieces.yaml"
     file.write_text(yaml.safe_dump(scene))
     return load_case(file)
@@ -168,61 +142,6 @@ def test_bonds_that_break_on_a_block_that_contact_holds(
     assert step.complementarity < 1e-9
     assert not any("ill conditioned" in warning for warning in step.warnings)
     assert solves < 1500
-
-
-def test_the_limit_of_a_slope_is_that_of_its_joint(tmp_path: Path) -> None:
-    """Friction of tan(35 degrees) = 0.70021, whatever the lattice; the block and the way that it goes are named."""
-    assert next(grow(slope(tmp_path, 1.0, 0.7004, 0.0))).residual < 1e-10
-    with pytest.raises(FreePieceError, match=r"piece of body 'slope' round \(.*hold it, it slides along 'joint'"):
-        next(grow(slope(tmp_path, 1.0, 0.7000, 0.0)))
-
-
-def stack(tmp_path: Path, friction: float, tilt: float, cohesion: float = 0.0) -> Case:
-    """Three blocks of 1 m on a rough foundation, under gravity that is tilted by an angle of this tangent."""
-
-    def square(low: float) -> dict[str, Any]:
-        shape = {"rectangle": {"center": [0, low + 0.5], "width": 1, "height": 1}}
-        return {"shape": shape, "material": {"young": 1e7, "poisson": 0.2, "density": 2600}}
-
-    names = ["low", "middle", "top"]
-    g = [float(9.81 * tilt / np.hypot(1.0, tilt)), float(-9.81 / np.hypot(1.0, tilt))]
-    rough = {"friction": friction, "cohesion": cohesion}
-    scene = {
-        "title": "stack",
-        "units": {"length": "m", "stress": "kPa"},
-        "plane": "strain",
-        "bodies": {name: square(low) for low, name in enumerate(names)},
-        "interfaces": [{"between": list(pair), "contact": rough} for pair in (names[:2], names[1:])],
-        "supports": [{"on": {"body": "low", "edge": "bottom"}, "contact": rough}],
-        "loads": [{"body": name, "gravity": g} for name in names],
-        "numerics": {"spacing": 0.2},
-        "output": {"frames": "none", "figures": False},
-    }
-    file = tmp_path / "stack.yaml"
-    file.write_text(json.dumps(scene))  # which is YAML without aliases
-    return load_case(file)
-
-
-def test_a_stack_slides_at_the_angle_of_friction_and_turns_over_its_toe(tmp_path: Path) -> None:
-    """The lowest surface gives way under all; high friction lets the stack topple, at 1/3 or before."""
-    assert next(grow(stack(tmp_path, 0.2, 0.1999))).residual < 1e-10
-    with pytest.raises(FreePieceError, match=r"it slides along '(low\.bottom|low/middle|middle/top)'"):
-        next(grow(stack(tmp_path, 0.2, 0.2001)))
-    all_of_it = r"body 'low' \(and with it body 'middle' and body 'top'\) is free"
-    turns = all_of_it + r".*it turns about \(0\.[3-5]\d* m, -?[0-9.e-]+ u?m?m\)"
-    with pytest.raises(FreePieceError, match=turns):
-        next(grow(stack(tmp_path, 2.0, 0.34)))
-
-
-@pytest.mark.parametrize(("friction", "tilt", "cohesion"), [(0.5, 0.2, 3.0), (0.3, 0.25, 12.0), (0.8, 0.25, 8.0)])
-def test_a_stack_whose_bonds_break_obeys_the_law(tmp_path: Path, friction: float, tilt: float, cohesion: float) -> None:
-    """Every increment, judged from its displacements and tractions alone."""
-    with recorded() as increments:
-        (step,) = grow(stack(tmp_path, friction, tilt, cohesion))
-    assert step.residual < 1e-10
-    assert step.energy.error < 1e-4
-    for increment in increments:
-        assert max(violations(increment).values()) < 1e-7
 
 
 CAPPED = """

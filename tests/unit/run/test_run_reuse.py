@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,15 @@ import yaml
 
 import crackgrow.run.loading as loading
 from crackgrow.case import load_case
+from crackgrow.contact import system as contact_system
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.load_level import LoadLevel
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.scene import make_scene
 from crackgrow.solid.stiffness import stiffness
+from tests.scenes import specimen
 
 CRACKS = {  # the first two meet, the third ends on the fourth, the last two are far away
     "left": {"center": [-20, 0], "length": 9, "angle": 0},
@@ -29,44 +35,19 @@ CRACKS = {  # the first two meet, the third ends on the fourth, the last two are
 def scene(folder: Path, advance: str, *overrides: str) -> Any:
     """A plate pulled along y, with six flaws of which those in the middle grow."""
     file = folder / "plate.yaml"
-    document = {
-        "title": "flaws that meet",
-        "units": {"length": "mm", "stress": "MPa"},
-        "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": 60, "height": 70}},
-                "material": {"young": 10000, "poisson": 0.25},
-                "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
-            }
-        },
-        "cracks": {
-            name: {
-                "path": path,
-                "contact": {"friction": 0.3, "cohesion": 0.0},
-                "tips": "none" if name == "wall" else "both",
-            }
-            for name, path in CRACKS.items()
-        },
-        "supports": [
-            {"at": [-30, -35], "displacement": {"y": 0}},
-            {"at": [30, -35], "displacement": {"y": 0}},
-            {"at": [0, -35], "displacement": {"x": 0}},
-        ],
-        "loads": [
-            {"on": {"body": "rock", "edge": "top"}, "traction": [0, 1]},
-            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -1]},
-        ],
-        "growth": {
-            "steps": 4,
-            "increment": 2,
-            "advance": advance,
-            "criterion": "max_hoop_stress",
-            "tip_stress": {"radius": 1},
-        },
-        "numerics": {"spacing": 2},
-        "output": {"frames": "none", "figures": False},
+    law = {"friction": 0.3, "cohesion": 0.0}
+    cracks = {
+        name: {"path": path, "contact": dict(law), "tips": "none" if name == "wall" else "both"}
+        for name, path in CRACKS.items()
     }
+    growth = {
+        "steps": 4,
+        "increment": 2,
+        "advance": advance,
+        "criterion": "max_hoop_stress",
+        "tip_stress": {"radius": 1},
+    }
+    document = specimen(cracks, (60.0, 70.0), growth=growth, numerics={"spacing": 2})
     file.write_text(yaml.safe_dump(document))
     return load_case(file, overrides)
 
@@ -109,22 +90,52 @@ def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(
         assert sum(len(result.events) for result in results) >= 1
 
 
+@pytest.mark.parametrize("few", [contact_system.FEW_NUMBERS, 0])
 @pytest.mark.parametrize(
     "settings",
     [
         ["growth.direction=explicit"],
         ["growth.direction=implicit"],
+        ["growth.criterion=directional_strength", "numerics.refine={tips: 2, kinks: 3}"],
         ["numerics.refine.tips=2", "numerics.tip_functions=gathered"],
     ],
 )
 def test_a_run_is_the_same_without_anything_taken_over(
-    settings: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    settings: list[str], few: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    """With `few` of 0 also what subtrees far from the growth give to the compliance of contact is taken over."""
+    monkeypatch.setattr(contact_system, "FEW_NUMBERS", few)
     case = scene(tmp_path, "most_critical", "growth.steps=2", *settings)
     with_it = list(grow(case))
     monkeypatch.setattr(loading, "assemble", lambda own, cracks, before: assemble(own, cracks))
     for result, alone in zip(with_it, grow(case), strict=True):
         for crack, other in zip(result.cracks, alone.cracks, strict=True):
             np.testing.assert_array_equal(crack.points, other.points)
-        K, other_K = ([(tip.K_I, tip.K_II) for tip in step.tips] for step in (result, alone))
+        K, other_K = ([(tip.K_I, tip.K_II, tip.criticality) for tip in step.tips] for step in (result, alone))
         np.testing.assert_allclose(K, other_K, rtol=1e-12)  # nan where there is no room for an integral
+        np.testing.assert_array_equal(result.contact.state, alone.contact.state)
+        for found, expected in ((result.contact.slip, alone.contact.slip), (result.contact.s, alone.contact.s)):
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
+
+
+def test_compliance_asked_for_in_turn_is_that_of_the_points_asked_for(tmp_path: Path) -> None:
+    """Few of them are kept, whatever is asked for; what is kept is not that of other points."""
+    case = scene(tmp_path, "all")
+    contact = replace(assemble(make_scene(case), tuple(map(GrowingCrack.given, case.cracks))).contact)
+    n = len(contact.weights)
+    for _ in range(2):
+        for first in range(5):
+            points = np.arange(first, n, 3)
+            found = contact.compliance(points, np.ones(len(points), dtype=bool))
+            at = np.concatenate([points, n + points])
+            expected = contact.rock[np.ix_(at, at)] + np.diag(contact.law.compliances[at])
+            np.testing.assert_array_equal(found, expected)
+            assert len(vars(contact)["_compliances"]) <= contact_system.AT_HAND
+
+
+def test_a_run_holds_the_factors_of_its_last_step_alone(tmp_path: Path) -> None:
+    case = scene(tmp_path, "most_critical", "growth.steps=1")
+    first, last = (solution.contact.system for _, solution in list(solved_steps(case)))
+    last.solve(np.zeros(last.stiffness.shape[0]))
+    with pytest.raises(RuntimeError, match="handed over"):
+        first.solve(np.zeros(first.stiffness.shape[0]))

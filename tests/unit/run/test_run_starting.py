@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import numpy as np
@@ -15,9 +14,8 @@ from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.fracture.tip_stress import TipField
 from crackgrow.run import grow
 from crackgrow.run.caution import Cause
-from crackgrow.run.checkpoint import packed, restored
+from crackgrow.run.checkpoint import restored
 from crackgrow.run.judging import verdicts
-from crackgrow.run.result import Checkpoint
 from crackgrow.run.scene import make_scene
 from tests.whole_run import whole_run
 
@@ -159,27 +157,6 @@ def test_without_the_key_tips_alone_grow() -> None:
     results, end = whole_run(load_case(CASES / "compression30.yaml", without))
     assert len(end.cracks) == 1
     assert all(event.kind != "initiation" for result in results for event in result.events)
-
-
-@pytest.mark.parametrize("step", [1, 2, 3])
-def test_a_run_goes_on_to_the_same_bits_with_cracks_that_have_started(step: int) -> None:
-    case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.unload_between_steps=false"])
-    whole, end = whole_run(case)
-    kept = whole[step].checkpoint
-    assert kept is not None
-    arrays = {name: array.copy() for name, array in kept.arrays.items()}
-    stored = Checkpoint(kept.step, json.loads(json.dumps(kept.values)), arrays)
-    rest, other = whole_run(case, stored)
-    assert len(whole[-1].cracks) > 1
-    assert max(result.energy.error for result in whole) < 1e-6
-    for one, again in zip(whole[step:], rest, strict=True):
-        np.testing.assert_array_equal(one.contact.slip, again.contact.slip)
-        np.testing.assert_array_equal([tip.K_I for tip in one.tips], [tip.K_I for tip in again.tips])
-        assert [path.name for path in one.cracks] == [path.name for path in again.cracks]
-    for path, again in zip(end.cracks, other.cracks, strict=True):
-        np.testing.assert_array_equal(path.points, again.points)
-        np.testing.assert_array_equal(path.steps, again.steps)
-    assert packed(restored(case, stored)).values == stored.values
 
 
 def test_steps_are_not_told_to_be_in_vain_where_cracks_may_start(tmp_path: Path) -> None:

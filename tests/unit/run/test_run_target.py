@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -21,7 +20,7 @@ from crackgrow.run.checkpoint import beginning, restored
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loading import LoadsInTurn, load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.result import Checkpoint, StepResult
+from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from tests.unit.run.test_run_starting import SQUARE, plate
 
@@ -88,29 +87,6 @@ def test_cells_by_hand_have_no_error_and_the_run_says_so() -> None:
     step = next(grow(case("compression30", "standard", "numerics.spacing=3")))
     assert all(math.isnan(tip.K_I_error) and math.isnan(tip.K_error_expected) for tip in step.tips)
     assert [caution.cause for caution in step.cautions].count(Cause.UNMEASURED) == 1
-
-
-@pytest.mark.parametrize(
-    "settings",
-    [
-        ("growth.steps=2",),
-        ("growth.steps=2", "growth.unload_between_steps=false", "cracks.flaw.contact.friction=0.3"),
-        ("growth.steps=2", "numerics.goal=slip"),
-        SHEARED,
-    ],
-)
-def test_a_run_that_was_broken_off_goes_on_to_the_same_bits(settings: tuple[str, ...]) -> None:
-    aim = case("compression30", "3 %", *settings)
-    whole = list(grow(aim))
-    kept = whole[1].checkpoint
-    assert kept is not None
-    again = Checkpoint(kept.step, json.loads(json.dumps(kept.values)), kept.arrays)
-    rest = list(grow(aim, again))
-    columns = ("K_I", "K_II", "K_I_error", "K_II_error", "kink_error_deg", "cell_size")
-    for here, there in zip(rest, whole[1:], strict=True):
-        values = [[getattr(tip, name) for tip in step.tips for name in columns] for step in (here, there)]
-        np.testing.assert_array_equal(*values)
-        assert (here.factorizations, here.slip_error) == (there.factorizations, there.slip_error)
 
 
 def test_cracks_that_start_meet_the_target() -> None:

@@ -25,10 +25,6 @@ def test_straight_open_crack(angle_deg: float) -> None:
     assert pytest.approx(np.array([c * c, s * c]) * np.sqrt(np.pi), abs=1e-10) == [K_I, K_II]
 
 
-def test_stress_along_a_crack_does_nothing() -> None:
-    assert stress_intensities(straight(0.0, 20), 0.0, -3.0, 0.0) == pytest.approx((0.0, 0.0), abs=1e-12)
-
-
 def test_a_crack_of_three_pieces_in_a_line() -> None:
     """A straight crack along the pressure whose middle slides without load: lateral tension opens the rest."""
     flaw, wing = np.array([[0.0, -0.5], [0.0, 0.5]]), np.array([[0.0, 0.5], [0.0, 2.0]])

@@ -1,7 +1,5 @@
 """Contact problems made at random: whether each is solved, or is a limit state that linear programming confirms.
 
-    python -m tests.stability.contact_report [NUMBER]
-
 Faces between two half planes have points that lie evenly or graded, alone or as the joints between loose blocks in a
 row; other problems have a compliance at random. Friction is 0 to 5, some points are bonded, some dilate, some have
 slipped before.
@@ -9,8 +7,6 @@ slipped before.
 
 from __future__ import annotations
 
-import sys
-from collections import Counter
 from dataclasses import dataclass
 
 import numpy as np
@@ -140,23 +136,3 @@ def ended(drawn: Drawn) -> tuple[str, int]:
     if complementarity_residual(drawn.problem, found.unknowns) > EXACT:
         return "wrong", found.iterations
     return "solved", found.iterations
-
-
-def main(number: int) -> None:
-    ends, iterations = Counter[tuple[str, str]](), []
-    for seed in range(number):
-        one = drawn(seed)
-        end, n = ended(one)
-        ends[one.kind, end] += 1
-        if end == "solved":
-            iterations.append(n)
-        elif end != "limit state":
-            print(seed, one.kind, end, n)
-    for (kind, end), n in sorted(ends.items()):
-        print(f"{kind}: {n} {end}")
-    median, most = np.median(iterations), max(iterations)
-    print(f"iterations of Newton: median {median:g}, 99 % {np.percentile(iterations, 99):g}, most {most}")
-
-
-if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else 1000)

@@ -1,20 +1,17 @@
-"""What becomes of mutated case files: `python -m tests.stability.mutation_report [NUMBER] [FIRST]` prints the tables.
+"""What becomes of mutated case files.
 
 Every mutant is accepted, or refused with places; the JSON Schema refuses it too, or what it cannot express is counted.
 """
 
 from __future__ import annotations
 
-import collections
 import json
-import re
 import resource
 import signal
-import sys
 import tempfile
 import time
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
@@ -124,46 +121,3 @@ def verdicts(n: int, first: int = 0) -> Iterator[Verdict]:
 def peak_memory() -> float:
     """MiB that this process has had at most."""
     return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
-
-
-def beyond_schema(verdict: Verdict) -> str:
-    """In what class of faults the first one of a mutant lies that the schema misses."""
-    text = (verdict.faults or (Fault("", None, "", "none"),))[0].message
-    return re.sub(r"'[^']*'|[-+]?[0-9.]+(e[-+]?[0-9]+)?|\([^)]*\)", "_", text)[:70]
-
-
-def main() -> int:
-    """Print what came of it; 1 if a mutant broke the reader."""
-    n, first = (int(sys.argv[1]) if len(sys.argv) > 1 else 2000), (int(sys.argv[2]) if len(sys.argv) > 2 else 0)
-    before = 0.0
-    rows: dict[str, list[Verdict]] = collections.defaultdict(list)
-    with suppress(KeyboardInterrupt):  # what was judged is told
-        for count, verdict in enumerate(verdicts(n, first)):
-            rows[verdict.kind].append(verdict)
-            if count == 25:
-                before = peak_memory()
-            if verdict.broken:
-                print(f"BROKEN {verdict.number} {verdict.kind} {verdict.case}: {verdict.broken}", flush=True)
-            if verdict.accepted and not verdict.editor_accepts:
-                print(f"REFUSED BY THE SCHEMA ALONE {verdict.number} {verdict.kind} {verdict.case}", flush=True)
-    every = [verdict for found in rows.values() for verdict in found]
-    print("| kind | mutants | accepted | refused | by the schema too | wrong alone | by it too | slowest, CPU s |")
-    print("|---|---|---|---|---|---|---|---|")
-    for kind, found in (*rows.items(), ("all", every)):
-        refused = [verdict for verdict in found if not verdict.accepted]
-        alone = [verdict for verdict in refused if verdict.wrong_alone]
-        both, both_alone = (sum(not verdict.editor_accepts for verdict in some) for some in (refused, alone))
-        slowest = max(verdict.seconds for verdict in found)
-        numbers = (len(found), len(found) - len(refused), len(refused), both, len(alone), both_alone)
-        print(f"| {kind} | {' | '.join(map(str, numbers))} | {slowest:.2f} |")
-    for title, wrong_alone in (("against another one", False), ("alone", True)):
-        some = (v for v in every if not v.accepted and v.editor_accepts and v.wrong_alone is wrong_alone)
-        print(f"\nrefused by the reader and not by the schema, for a value {title}, by the first fault:")
-        for text, number in collections.Counter(map(beyond_schema, some)).most_common(40):
-            print(f"{number:6d}  {text}")
-    print(f"\nmemory: {before:.0f} MiB after 25, {peak_memory():.0f} MiB at the end")
-    return int(any(verdict.broken for verdict in every))
-
-
-if __name__ == "__main__":
-    sys.exit(main())
