@@ -106,6 +106,19 @@ def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_a
     np.testing.assert_array_equal(np.bincount(elements.rings.start, minlength=len(elements.vertices)), ends)
 
 
+def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -> None:
+    """Inside of one tile, where neither has the end of a piece."""
+    cracks = [[(3.1, 3.2), (5.2, 4.9)], [(3.2, 2.2), (4.24, 3.9)], [(2.2, 2.2), (1.7, 0.6)]]
+    elements = build.block(
+        (6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], 1.5
+    ).cover.elements
+    crossed, rim = elements.lines[0], elements.outlines
+    np.testing.assert_array_equal(crossed.points[1:, 0], crossed.points[:-1, 1])
+    np.testing.assert_allclose(crossed.s[[0, -1], [0, 1]], [0.0, np.hypot(2.1, 1.7)], atol=1e-8)
+    lengths = np.bincount(rim.side, np.hypot(*(rim.points[:, 1] - rim.points[:, 0]).T))
+    np.testing.assert_allclose(lengths, [6.0, 5.0, 6.0, 5.0], rtol=1e-8)
+
+
 @pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
 def test_every_edge_lies_between_the_elements_that_its_ends_go_round(build, support: float) -> None:
     """Each directed edge of a ring is one edge, with the ring's element on the side that it leads round."""
