@@ -17,10 +17,12 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.geometry.arrangement import as_numbers, faces_of
+from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.ragged import places
+from crackgrow.vectors import cross
 
-_ROUND_TILE = np.array([(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)])
-"""Corners of a tile, counter-clockwise, back to the first."""
+_ROUND_TILE = np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+"""Corners of a tile, counter-clockwise."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,17 +92,11 @@ def cut_tiles(
     keys, known = content.keys(), before.keys
     new = np.flatnonzero([known.get(place) != key for place, key in keys.items()])
     kept, number = _kept(content, new, before, tiles)
-    arrangements, given = _arrangements(content, new)
-    polygons, owner = faces_of(arrangements)
+    polygons, owner, extra = _parts(content, new, tiles)
     reference = _inside_points(polygons)
     body = bodies_at(regions, reference)
     inside = body >= 0
     polygons, owner, reference, body = polygons[inside], new[owner[inside]], reference[inside], body[inside]
-    points = shapely.get_coordinates(polygons)
-    around = tiles.around(points)
-    points = points[(around != around[:, :1]).any(axis=1)]
-    is_given = set(as_numbers(given).tolist())
-    extra = points[[point not in is_given for point in as_numbers(points).tolist()]]
     tile = np.concatenate([number, content.tile[owner]])
     order = np.argsort(tile, kind="stable")
     return CutTiles(
@@ -141,29 +137,65 @@ def _on_rims(around: Ints) -> tuple[Ints, Ints]:
     return point, sides[point, column]
 
 
-def _arrangements(content: Content, some: Ints) -> tuple[NDArray[np.object_], Floats]:
-    """The lines that cut some of the tiles (m,), tile by tile: their outlines, which pass through the points on their
-    rims, and the pieces inside. Also returns all corners of the outlines (n, 2)."""
-    which, row = places(content.start, some)
-    lines = content.lines[row]
-    is_point = np.all(lines[:, 0] == lines[:, 1], axis=1)
+def _parts(content: Content, some: Ints, tiles: Squares) -> tuple[NDArray[np.object_], Ints, Floats]:
+    """The parts (p,) of some of the tiles (m,), the number (p,) among these that each is of, and vertices (k, 2) of
+    parts that are on the rim of a tile, but not among the points there.
+
+    A tile that one piece crosses from rim to rim, or none, is parted there; lines that may meet are left to GEOS.
+    """
     n = len(some)
-    low = content.place[some, :2] / QUANTA
-    size = content.place[some, 2] / QUANTA
+    which, row = places(content.start, some)
+    lines, is_piece = content.lines[row], np.any(content.lines[row, 0] != content.lines[row, 1], axis=1)
+    pieces, of_piece = lines[is_piece], which[is_piece]
+    points, owner = _rims(content.place[some], lines[~is_piece, 0], which[~is_piece])
+    ends = np.full((n, 2, 2), np.nan)
+    ends[of_piece] = pieces
+    ends, step = ends[owner], np.diff(ends, axis=1)[owner, 0]
+    is_end = (points[:, None] == ends).all(axis=2).any(axis=1)
+    beside = np.abs(cross(step, points - ends[:, 0])) > ON_LINE * np.hypot(*step.T)
+    n_pieces, n_ends = np.bincount(of_piece, minlength=n), np.bincount(owner, is_end, n)
+    crossed = (n_pieces == 1) & (n_ends == 2) & (np.bincount(owner, ~beside, n) == 2)
+    simple = crossed | (n_pieces == 0)
+
+    is_end &= crossed[owner]
+    behind = np.cumsum(is_end) % 2 == 1  # of the two ends on the rim that one has been passed
+    first, second = np.flatnonzero(is_end | behind), np.flatnonzero((is_end | ~behind) & simple[owner])
+    tile = np.concatenate([owner[first], n + owner[second]])
+    rings = shapely.linearrings(
+        points[np.append(first, second)], indices=np.cumsum(np.diff(tile, prepend=tile[:1]) > 0)
+    )
+    parted = np.concatenate([np.flatnonzero(crossed), np.flatnonzero(simple)])
+
+    left, number = np.flatnonzero(~simple), np.cumsum(~simple) - 1
+    on_rim, inside = ~simple[owner], ~simple[of_piece]
+    rims = shapely.linearrings(points[on_rim], indices=number[owner[on_rim]])
+    lines = np.concatenate([rims, shapely.linestrings(pieces[inside])])
+    owner = np.concatenate([np.arange(len(left)), number[of_piece[inside]]])
+    order = np.argsort(owner, kind="stable")
+    polygons, of_polygon = faces_of(shapely.multilinestrings(lines[order], indices=owner[order]))
+    corners = shapely.get_coordinates(polygons)
+    around = tiles.around(corners)
+    corners = corners[(around != around[:, :1]).any(axis=1)]
+    extra = corners[~np.isin(as_numbers(corners), as_numbers(points[on_rim]))]
+    return np.concatenate([shapely.polygons(rings), polygons]), np.concatenate([parted, left[of_polygon]]), extra
+
+
+def _rims(place: Ints, points: Floats, owner: Ints) -> tuple[Floats, Ints]:
+    """The corners of tiles at these places (n, 3) and points on their rims (k, 2), each once, in order from the lower
+    left corner round each tile; and the tile of each.
+    """
+    low, size = place[:, :2] / QUANTA, place[:, 2] / QUANTA
     corners = low + size[:, None] * _ROUND_TILE[:, None]
-    owner = np.concatenate([np.tile(np.arange(n), 5), which[is_point]])
-    points = np.concatenate([corners.reshape(-1, 2), lines[is_point, 0]])
-    of_points = owner[5 * n :]
-    along = _round_rim(points[5 * n :], low[of_points], low[of_points] + size[of_points, None])
-    along = np.concatenate([np.repeat(np.arange(5.0), n), along])
+    along = _round_rim(points, low[owner], low[owner] + size[owner, None])
+    along = np.concatenate([np.repeat(np.arange(4.0), len(place)), along])
+    points, owner = (
+        np.concatenate([corners.reshape(-1, 2), points]),
+        np.append(np.tile(np.arange(len(place)), 4), owner),
+    )
     order = np.lexsort((along, owner))
     points, owner, along = points[order], owner[order], along[order]
     single = (np.diff(owner, prepend=-1) > 0) | (np.diff(along, prepend=-1.0) != 0.0)
-    outlines = shapely.linestrings(points[single], indices=owner[single])
-    inner = shapely.linestrings(lines[~is_point])
-    owner = np.concatenate([np.arange(n), which[~is_point]])
-    order = np.argsort(owner, kind="stable")
-    return np.asarray(shapely.multilinestrings(np.concatenate([outlines, inner])[order], indices=owner[order])), points
+    return points[single], owner[single]
 
 
 def _round_rim(points: Floats, low: Floats, high: Floats) -> Floats:

@@ -83,6 +83,11 @@ def test_a_tile_is_cut_the_same_alone_and_with_all_others(build, levels: int) ->
         alone, _ = cut_tiles(content_of(only, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
         mine = together.polygons[together.tile == tile]
         np.testing.assert_array_equal(shapely.to_wkb(alone.polygons), shapely.to_wkb(mine))
+        box = shapely.box(*lattice.tile_low[tile], *(lattice.tile_low[tile] + lattice.tile_size[tile]))
+        inside = pieces.ends[(squares.around(pieces.ends.mean(axis=1)) == tile).all(axis=1)]
+        noded = shapely.union_all([box.exterior, *shapely.linestrings(inside)], grid_size=GRID)
+        wanted = shapely.get_parts(shapely.polygonize([noded]))
+        assert shapely.equals(wanted[:, None], mine).sum(axis=0).tolist() == [1] * len(wanted)
 
 
 def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_as_well() -> None:
