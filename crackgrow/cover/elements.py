@@ -15,7 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.cover.cut_tiles import NOTHING, CutTiles, bodies_at, content_of, cut_tiles
+from crackgrow.cover.cut_tiles import CutTiles, bodies_at, cut_tiles
 from crackgrow.cover.extensions import extensions_of
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_along, edges_on_lines, edges_on_outlines
 from crackgrow.cover.junctions import sides_through_junctions
@@ -53,7 +53,6 @@ class Elements:
     outlines: OutlineEdges
     tree: shapely.STRtree  # over `polygons`
     whole_of_tile: Ints  # (tiles,) element of a whole tile, -1 elsewhere
-    cut: CutTiles  # where `polygons` come from
 
     @property
     def n(self) -> int:
@@ -67,18 +66,13 @@ class Elements:
         return np.asarray(passable & (self.body[self.edges.left] == self.body[self.edges.right]))
 
 
-def cut_elements(
-    lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry], before: Elements | None = None
-) -> Elements:
-    """Cut bodies, cracks and interfaces (lines without tips between two bodies) into manifold elements.
-
-    What the elements `before`, of the same bodies, share with them is taken over.
-    """
+def cut_elements(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry]) -> Elements:
+    """Cut bodies, cracks and interfaces (lines without tips between two bodies) into manifold elements."""
     cutting = _cutting_lines(lattice, bodies, lines)
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
     body_of_tile = bodies_at(regions, lattice.tile_low + 0.5 * lattice.tile_size[:, None])
-    touched, cut = _cut(lattice, cutting, regions, NOTHING if before is None else before.cut)
+    touched, cut = _cut(lattice, cutting, regions)
     whole = np.flatnonzero(~touched & (body_of_tile >= 0))
     vertices, rings = _rings(lattice.tiling, whole, cut.polygons)
     edges = edges_between(rings, len(vertices))
@@ -108,7 +102,6 @@ def cut_elements(
         outlines=edges_on_outlines(on_sides, vertices, edges, body),
         tree=shapely.STRtree(cut.polygons),
         whole_of_tile=whole_of_tile,
-        cut=cut,
     )
 
 
@@ -158,18 +151,16 @@ def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequ
     return _CuttingLines(pieces, start, [side for _, side in cut_sides], np.array(tips).reshape(-1, 2))
 
 
-def _cut(
-    lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon], before: CutTiles
-) -> tuple[Bools, CutTiles]:
+def _cut(lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon]) -> tuple[Bools, CutTiles]:
     """The touched tiles (tiles,) and the polygons that they are cut into.
 
     Where lines meet within rounding of a tile's side, both tiles beside it get that point, and are cut again.
     """
-    tiles = lattice.tiles.squares
     ends, points = cutting.pieces.ends, cutting.pieces.points
     while True:
-        touched = _touched(tiles, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), cutting.tips)
-        cut, extra = cut_tiles(content_of(touched, lattice, ends, points), tiles, regions, before)
+        samples = np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])])
+        touched = _touched(lattice.tiles.squares, samples, cutting.tips)
+        cut, extra = cut_tiles(lattice, touched, ends, points, regions)
         if len(extra) == 0:
             return touched, cut
         points = np.concatenate([points, extra])

@@ -10,10 +10,8 @@ from scipy.sparse.linalg import splu
 
 from crackgrow.approximation.basis import values_at
 from crackgrow.case.model import PointSupport
-from crackgrow.cover.cover import build_cover
 from crackgrow.cover.elements import locate
 from crackgrow.solid.rigid_modes import rigid_motions
-from tests.unit.cover.test_cover_before import assert_same
 from tests.unit.exact_fields import solved_under, true_error
 
 Floats = NDArray[np.float64]
@@ -66,23 +64,6 @@ def test_the_direct_solver_agrees_with_sparse_lu(build, support: float, levels: 
     u = system.solve(loads)[0]
     here, there = (rows @ some.reshape(-1, 2) for some in (u, found[:n]))
     np.testing.assert_allclose(here, there, atol=1e-9 * np.abs(there).max())
-
-
-@pytest.mark.parametrize("support", [1.5, 2.0])
-def test_a_cover_made_after_one_of_other_cells_is_the_same(build, support: float) -> None:
-    """Cells grow finer with a crack that grows, and elsewhere coarser again."""
-    path = np.array([*KINKED, (5.3, 5.1), (6.4, 5.3)])
-    plain = build.block(SIZE, support=support)
-    before = None
-    for n in range(2, len(path) + 1):
-        crack = build.crack(plain.lattice.to_lattice(path[:n]))
-        lattice = build.graded(plain.lattice, crack.points[-2:], 2 + n % 2)
-        cover = build_cover(lattice, plain.cover.bodies, [crack], before=before)
-        assert_same(cover, build_cover(lattice, plain.cover.bodies, [crack]))
-        if before is not None:
-            known = {id(polygon) for polygon in before.elements.cut.polygons}
-            assert sum(id(polygon) in known for polygon in cover.elements.cut.polygons) > 10
-        before = cover
 
 
 TIP = np.array([5.0, 4.0])

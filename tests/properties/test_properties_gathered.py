@@ -77,7 +77,7 @@ def test_a_step_of_growth_takes_over_what_it_may(build) -> None:
     first = stiffness_after(sample.cover, [sample.material], 3)
     grown = np.vstack([sample.cover.cracks[0].points, sample.cover.cracks[0].points[-1] + (1.6, 1.5)])
     cracks = [replace(sample.cover.cracks[0], points=grown), sample.cover.cracks[1]]
-    cover = build_cover(sample.lattice, sample.cover.bodies, cracks, before=sample.cover)
+    cover = build_cover(sample.lattice, sample.cover.bodies, cracks)
     assert [tip.carriers.gathered for tip in cover.tips] == [True] * 4
     later, fresh = (stiffness_after(cover, [sample.material], 3, before) for before in (first, None))
     assert later.n_integrated < 0.8 * fresh.n_integrated

@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from crackgrow.case.surface import crack_name
-from crackgrow.cover.cut_tiles import NOTHING, content_of, cut_tiles
+from crackgrow.cover.cut_tiles import cut_tiles
 from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.pieces import cut_in_pieces
@@ -75,12 +75,12 @@ def test_a_tile_is_cut_the_same_alone_and_with_all_others(build, levels: int) ->
     region = shapely.box(0.0, 0.0, *lattice.shape)
     touched = np.zeros(squares.n, dtype=bool)
     touched[squares.around(np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))] = True
-    together, extra = cut_tiles(content_of(touched, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
+    together, extra = cut_tiles(lattice, touched, pieces.ends, pieces.points, [region])
     assert len(extra) == 0
     assert shapely.area(together.polygons).sum() == pytest.approx((lattice.tile_size[touched] ** 2).sum())
     for tile in np.flatnonzero(touched):
         only = np.arange(squares.n) == tile
-        alone, _ = cut_tiles(content_of(only, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
+        alone, _ = cut_tiles(lattice, only, pieces.ends, pieces.points, [region])
         mine = together.polygons[together.tile == tile]
         np.testing.assert_array_equal(shapely.to_wkb(alone.polygons), shapely.to_wkb(mine))
         box = shapely.box(*lattice.tile_low[tile], *(lattice.tile_low[tile] + lattice.tile_size[tile]))
