@@ -15,7 +15,7 @@ import numpy as np
 
 from crackgrow.arrays import Ints
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
-from crackgrow.ragged import Ragged, by_row, distinct
+from crackgrow.ragged import Ragged, by_row, distinct, spans
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,41 +73,37 @@ def _covering(tiles: Squares, nodes: Nodes) -> Ragged:
     low, width = nodes.places - nodes.half[:, None], 2 * nodes.half
     side = np.gcd(np.gcd(low[:, 0], low[:, 1]), width)
     side &= -side
-    tile, node = [], []
-    for part in np.unique(side):
-        mine = np.flatnonzero(side == part)
-        for n in np.unique(width[mine] // part).tolist():
-            some = mine[width[mine] == n * part]
-            steps = part * np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=-1).reshape(-1, 2)
-            corners = (low[some][:, None] + steps).reshape(-1, 2)
-            owner = np.repeat(some, n * n)
-            inside = tiles.within(corners, np.full(len(corners), part))
-            none = np.flatnonzero(inside.counts == 0)
-            holding = tiles.at(corners[none])
-            there = holding >= 0
-            tile += [inside.values, holding[there]]
-            node += [owner[inside.row], owner[none[there]]]
-    keys = distinct(np.concatenate(tile) * len(width) + np.concatenate(node))
-    of_tile, of_node = np.divmod(keys, len(width))
+    across = width // side
+    owner = np.repeat(np.arange(len(width)), across**2)
+    steps = np.stack(np.divmod(spans(np.zeros_like(across), across**2), across[owner]), axis=1)
+    corners, size = low[owner] + side[owner, None] * steps, side[owner]
+    inside = tiles.within(corners, size)
+    none = np.flatnonzero(inside.counts == 0)
+    holding = tiles.at(corners[none])
+    there = holding >= 0
+    tile, node = (
+        np.concatenate(pair) for pair in ((inside.values, holding[there]), (owner[inside.row], owner[none[there]]))
+    )
+    of_tile, of_node = np.divmod(distinct(tile * len(width) + node), len(width))
     return by_row(of_tile, of_node, tiles.n)
 
 
 def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
     """Cells (m,) that edges of patches cross, and how far (m,) from their lower left corners, quanta."""
-    half, step = nodes.half, np.gcd(nodes.half, nodes.largest // 2)
+    step = np.gcd(nodes.half, nodes.largest // 2)
+    counts = 2 * nodes.half // step
+    node = np.repeat(np.arange(len(step)), counts)
+    low, width = nodes.places[node] - nodes.half[node, None], 2 * nodes.half[node]
+    along = step[node] * spans(np.zeros_like(counts), counts)
     found = []
-    for n in np.unique(2 * half // step).tolist():
-        mine = np.flatnonzero(2 * half == n * step)
-        steps = step[mine, None] * np.arange(n)
-        along = (nodes.places[mine] - half[mine, None])[:, None] + steps[:, :, None]  # (k, n, 2)
-        for axis in range(2):
-            for side in (-1, 1):
-                places = along.copy()
-                places[:, :, axis] = (nodes.places[mine, axis] + side * half[mine])[:, None]
-                places = places.reshape(-1, 2)
-                cell = cells.at(places)
-                off = places[:, axis] - cells.low[cell, axis]
-                crossed = (cell >= 0) & (off > 0)
-                found.append((cell[crossed], off[crossed]))
+    for axis in range(2):
+        for off in (0, width):
+            places = low.copy()
+            places[:, axis] += off
+            places[:, 1 - axis] += along
+            cell = cells.at(places)
+            inside = places[:, axis] - cells.low[cell, axis]
+            crossed = (cell >= 0) & (inside > 0)
+            found.append((cell[crossed], inside[crossed]))
     cell, off = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     return cell, off

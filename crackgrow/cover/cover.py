@@ -13,13 +13,12 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.regions import EdgeRegion
 from crackgrow.case.surface import SurfaceName
 from crackgrow.cover.cell_lengths import CellLengths, cell_lengths, sizes_beside
-from crackgrow.cover.crumbs import with_crumbs
 from crackgrow.cover.elements import Elements, cut_elements
 from crackgrow.cover.enrichment import Enrichment, enrichment_of, make_tips
 from crackgrow.cover.face_edges import FaceEdges, edges_of_region
 from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.patches import Patches, physical_patches, without_specks
+from crackgrow.cover.patches import Patches, physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.geometry.arrangement import on_grid
@@ -115,21 +114,17 @@ def build_cover(
     cracks: Sequence[CrackGeometry],
     interfaces: Sequence[CrackGeometry] = (),
     foundations: Sequence[Foundation] = (),
-    before: Cover | None = None,
 ) -> Cover:
     """Cover of bodies, cracks, interfaces (lines without tips) and foundations, all in lattice coordinates.
 
-    What is cut as in the cover `before` is taken over; the result is the same without it. Raises GeometryError where
-    the cover cannot represent a crack.
+    Raises GeometryError where the cover cannot represent a crack.
     """
     bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings), body.name) for body in bodies]
     lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
-    known = before.elements if before is not None and _same_bodies(before, bodies) else None
-    elements = cut_elements(lattice, bodies, lines, known)
+    elements = cut_elements(lattice, bodies, lines)
     surfaces = _surfaces(elements, bodies, lines, foundations)
-    patches = without_specks(lattice, elements, physical_patches(lattice, elements))
-    patches = with_crumbs(elements, patches, cracks)
+    patches = physical_patches(lattice, elements, cracks)
     tips = make_tips(lattice, elements, cracks, patches)
     enrichment = enrichment_of(patches.of_element, tips, elements.reference)
     touching = np.zeros(len(elements.edges.a), dtype=bool)
@@ -161,12 +156,6 @@ def _surfaces(
     along = [*zip(lines, elements.lines, strict=True)]
     along += [_on_foundation(elements, bodies, foundation) for foundation in foundations]
     return tuple(Surface(line, edges, sizes_beside(edges, elements.size)) for line, edges in along)
-
-
-def _same_bodies(before: Cover, bodies: Sequence[BodyGeometry]) -> bool:
-    """Whether a cover has the same bodies."""
-    known, wanted = ([[ring.tobytes() for ring in body.rings] for body in some] for some in (before.bodies, bodies))
-    return known == wanted
 
 
 def _on_grid(lines: Sequence[CrackGeometry]) -> list[CrackGeometry]:

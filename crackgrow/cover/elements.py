@@ -15,19 +15,18 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.cover.cut_tiles import NOTHING, CutTiles, bodies_at, content_of, cut_tiles
+from crackgrow.cover.cut_tiles import CutTiles, bodies_at, cut_tiles
 from crackgrow.cover.extensions import extensions_of
-from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_on_lines, edges_on_outlines
+from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_along, edges_on_lines, edges_on_outlines
 from crackgrow.cover.junctions import sides_through_junctions
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.numbering import Vertices, number_edges, number_vertices
 from crackgrow.cover.pieces import Pieces, cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.cover.tiling import Tiling
-from crackgrow.geometry.arrangement import Edges, Rings, ring_vertices
+from crackgrow.geometry.arrangement import Edges, Rings, as_numbers, edges_between, ring_vertices
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
-from crackgrow.ragged import starts_of
+from crackgrow.ragged import distinct, starts_of
 
 _TOUCHING = TOUCH * np.array([(-1.0, -1.0), (-1.0, 1.0), (1.0, -1.0), (1.0, 1.0)])
 
@@ -54,7 +53,6 @@ class Elements:
     outlines: OutlineEdges
     tree: shapely.STRtree  # over `polygons`
     whole_of_tile: Ints  # (tiles,) element of a whole tile, -1 elsewhere
-    cut: CutTiles  # where `polygons` come from
 
     @property
     def n(self) -> int:
@@ -68,25 +66,20 @@ class Elements:
         return np.asarray(passable & (self.body[self.edges.left] == self.body[self.edges.right]))
 
 
-def cut_elements(
-    lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry], before: Elements | None = None
-) -> Elements:
-    """Cut bodies, cracks and interfaces (lines without tips between two bodies) into manifold elements.
-
-    What the elements `before`, of the same bodies, share with them is taken over.
-    """
+def cut_elements(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry]) -> Elements:
+    """Cut bodies, cracks and interfaces (lines without tips between two bodies) into manifold elements."""
     cutting = _cutting_lines(lattice, bodies, lines)
     regions = [body.region for body in bodies]
     shapely.prepare(regions)
     body_of_tile = bodies_at(regions, lattice.tile_low + 0.5 * lattice.tile_size[:, None])
-    touched, cut = _cut(lattice, cutting, regions, NOTHING if before is None else before.cut)
+    touched, cut = _cut(lattice, cutting, regions)
     whole = np.flatnonzero(~touched & (body_of_tile >= 0))
     vertices, rings = _rings(lattice.tiling, whole, cut.polygons)
-    edges, numbers = number_edges(vertices, rings)
-    every, places = vertices.points, vertices.at(cutting.pieces.points)
-    edge = numbers.between(places[cutting.pieces.first], places[cutting.pieces.first + 1])
-    on_sides, on_lines = ([(edge[at], part) for at, part in traces] for traces in (cutting.sides, cutting.lines))
-    line_edges, is_crack = edges_on_lines(lines, on_lines, every, edges, len(whole))
+    edges = edges_between(rings, len(vertices))
+    on_sides, on_lines = cutting.traces(*edges_along(cutting.pieces, cutting.start[-1], vertices, edges))
+    line_edges = edges_on_lines(lines, on_lines, vertices, edges)
+    is_crack = np.zeros(len(edges.a), dtype=bool)
+    is_crack[np.concatenate([edge for edge, _ in on_lines] or [np.empty(0, dtype=np.int64)])] = True
     whole_of_tile = np.full(lattice.tiles.squares.n, -1, dtype=np.int64)
     whole_of_tile[whole] = np.arange(len(whole))
     body = np.concatenate([body_of_tile[whole], cut.body])
@@ -101,26 +94,28 @@ def cut_elements(
         body=body,
         polygons=cut.polygons,
         reference=np.concatenate([middles, cut.reference]),
-        vertices=every,
+        vertices=vertices,
         rings=rings,
         edges=edges,
         is_crack=is_crack,
         lines=line_edges,
-        outlines=edges_on_outlines([body.sides for body in bodies], on_sides, every, edges, body),
+        outlines=edges_on_outlines(on_sides, vertices, edges, body),
         tree=shapely.STRtree(cut.polygons),
         whole_of_tile=whole_of_tile,
-        cut=cut,
     )
 
 
-def _rings(tiling: Tiling, whole: Ints, polygons: NDArray[np.object_]) -> tuple[Vertices, Rings]:
-    """The vertices, and the rings of the `whole` tiles (n_whole,), then of the polygons that others are cut into."""
+def _rings(tiling: Tiling, whole: Ints, polygons: NDArray[np.object_]) -> tuple[Floats, Rings]:
+    """All vertices (v, 2): corners of tiles and of polygons that tiles are cut into; and the rings of the `whole` tiles
+    (n_whole,), then of these polygons.
+    """
     points, ends, polygon = ring_vertices(polygons)
-    vertices, ids = number_vertices(tiling, points)
+    numbers = distinct(np.concatenate([tiling.corners, as_numbers(points)]))
+    corner, vertex = (np.searchsorted(numbers, some) for some in (tiling.corners, as_numbers(points)))
     of_whole, place = tiling.ring.places(whole)
-    return vertices, Rings(
-        start=np.concatenate([tiling.ring.values[place], ids]),
-        end=np.concatenate([tiling.following[place], ids[ends]]),
+    return np.stack([numbers.real, numbers.imag], axis=1), Rings(
+        start=np.concatenate([corner[tiling.ring.values[place]], vertex]),
+        end=np.concatenate([corner[tiling.following[place]], vertex[ends]]),
         face=np.concatenate([of_whole, polygon + len(whole)]),
     )
 
@@ -130,9 +125,18 @@ class _CuttingLines:
     """All that cuts tiles: sides of bodies, lines, and what leads on from their tips."""
 
     pieces: Pieces
-    sides: list[tuple[Ints, Ints]]  # body by body its pieces (p,), and the sides (p,) that they lie on
-    lines: list[tuple[Ints, Ints]]  # line by line its pieces (p,), and the segments (p,) that they lie on
+    start: Ints  # (bodies + lines + 1,) numbers of the first segments of each body and line, then of the extensions
+    sides: list[Ints]  # body by body the sides that its segments lie on
     tips: Floats  # (k, 2)
+
+    def traces(self, edge: Ints, segment: Ints) -> tuple[list[tuple[Ints, Ints]], list[tuple[Ints, Ints]]]:
+        """Body by body the edges (p,) on its pieces and its sides (p,) that they lie on; line by line these and the
+        segments. From all edges (k,) on segments (k,), ascending.
+        """
+        limits = zip(pairwise(np.searchsorted(segment, self.start).tolist()), self.start[:-1], strict=True)
+        found = [(edge[i:j], segment[i:j] - first) for (i, j), first in limits]
+        n = len(self.sides)
+        return [(at, side[part]) for (at, part), side in zip(found[:n], self.sides, strict=True)], found[n:]
 
 
 def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequence[CrackGeometry]) -> _CuttingLines:
@@ -141,29 +145,22 @@ def _cutting_lines(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequ
         *(parts for parts, _ in cut_sides),
         *(np.stack([line.points[:-1], line.points[1:]], axis=1) for line in lines),
     ]
-    extensions = extensions_of(lattice, lines)
-    pieces = cut_in_pieces(np.concatenate([*segments, *extensions]), lattice.tiles.squares)
+    pieces = cut_in_pieces(np.concatenate([*segments, *extensions_of(lattice, lines)]), lattice.tiles.squares)
     start = starts_of(np.array([len(part) for part in segments], dtype=np.int64))
-    limits = pairwise(np.searchsorted(pieces.segment, start).tolist())
-    traces = [(np.arange(i, j), pieces.segment[i:j] - first) for (i, j), first in zip(limits, start[:-1], strict=True)]
-    n = len(bodies)
-    on_sides = [(at, side[part]) for (at, part), (_, side) in zip(traces[:n], cut_sides, strict=True)]
     tips = [line.seen_from(at_end)[0] for line in lines for at_end in line.tips()]
-    return _CuttingLines(pieces, on_sides, traces[n:], np.array(tips).reshape(-1, 2))
+    return _CuttingLines(pieces, start, [side for _, side in cut_sides], np.array(tips).reshape(-1, 2))
 
 
-def _cut(
-    lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon], before: CutTiles
-) -> tuple[Bools, CutTiles]:
+def _cut(lattice: Lattice, cutting: _CuttingLines, regions: Sequence[shapely.Polygon]) -> tuple[Bools, CutTiles]:
     """The touched tiles (tiles,) and the polygons that they are cut into.
 
     Where lines meet within rounding of a tile's side, both tiles beside it get that point, and are cut again.
     """
-    tiles = lattice.tiles.squares
     ends, points = cutting.pieces.ends, cutting.pieces.points
     while True:
-        touched = _touched(tiles, np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])]), cutting.tips)
-        cut, extra = cut_tiles(content_of(touched, lattice, ends, points), tiles, regions, before)
+        samples = np.concatenate([points, 0.5 * (ends[:, 0] + ends[:, 1])])
+        touched = _touched(lattice.tiles.squares, samples, cutting.tips)
+        cut, extra = cut_tiles(lattice, touched, ends, points, regions)
         if len(extra) == 0:
             return touched, cut
         points = np.concatenate([points, extra])

@@ -17,7 +17,6 @@ from crackgrow.cover.elements import Elements
 from crackgrow.cover.gathered import surroundings
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches
-from crackgrow.cover.pieces import cut_in_pieces
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.tips import (
     N_TIP_FUNCTIONS,
@@ -30,7 +29,7 @@ from crackgrow.cover.tips import (
     seen_from_tip,
     side_angle,
 )
-from crackgrow.ragged import Ragged, by_row, from_lists
+from crackgrow.ragged import Ragged, by_row
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,20 +86,22 @@ def make_tips(
 
 def enrichment_of(patches: Ragged, tips: Sequence[Tip], reference: Floats) -> Enrichment:
     """The enrichment of elements with these physical patches and reference points (elements, 2)."""
-    pairs_of_patch, order = _by_patch(from_lists([tip.patches for tip in tips]))
-    first = np.concatenate([np.empty(0, dtype=np.int64), *(tip.functions for tip in tips)])[order]
-    share = np.concatenate([np.empty(0), *(tip.carriers.shares for tip in tips)])[order]
-    acted_on = np.zeros(int(patches.values.max(initial=-1)) + 1, dtype=bool)
-    acted_on[pairs_of_patch.row] = True
-    at = np.flatnonzero(acted_on[patches.values])
-    which, entry = pairs_of_patch.places(patches.values[at])
-    at = at[which]
-    element, tip = np.searchsorted(patches.start, at, side="right") - 1, pairs_of_patch.values[entry]
-    order = np.lexsort((first[entry], tip, element))
-    at, entry, element, tip = at[order], entry[order], element[order], tip[order]
+    none = np.empty(0, dtype=np.int64)
+    patch = np.concatenate([none, *(tip.patches for tip in tips)])
+    first = np.concatenate([none, *(tip.functions for tip in tips)])
+    share = np.concatenate([np.empty(0), *(tip.carriers.shares for tip in tips)])
+    tip = np.repeat(np.arange(len(tips)), [len(tip.patches) for tip in tips])
+    carries = np.zeros(int(patches.values.max(initial=-1)) + 1, dtype=bool)
+    carries[patch] = True
+    at = np.flatnonzero(carries[patches.values])
+    at = at[np.argsort(patches.values[at], kind="stable")]
+    row, place = by_row(patches.values[at], at, len(carries)).places(patch)  # of the table: all that tips have part in
+    at, first, share, tip = at[place], first[row], share[row], tip[row]
+    element = np.searchsorted(patches.start, at, side="right") - 1
+    order = np.lexsort((at, first, element))
+    at, first, share, tip, element = at[order], first[order], share[order], tip[order], element[order]
     new_pair = _changes(element) | _changes(tip)
-    new_carrier = new_pair | _changes(first[entry])
-    pair, carrier = np.flatnonzero(new_pair), np.flatnonzero(new_carrier)
+    pair, carrier = np.flatnonzero(new_pair), np.flatnonzero(new_pair | _changes(first))
     side = np.empty(len(pair))
     for number, seen in enumerate(tips):
         mine = np.flatnonzero(tip[pair] == number)
@@ -108,22 +109,15 @@ def enrichment_of(patches: Ragged, tips: Sequence[Tip], reference: Floats) -> En
     return Enrichment(
         by_row(element[pair], tip[pair], patches.n),
         side,
-        Ragged(np.searchsorted(carrier, np.append(pair, len(at))), first[entry[carrier]]),
+        Ragged(np.searchsorted(carrier, np.append(pair, len(at))), first[carrier]),
         Ragged(np.append(carrier, len(at)), at - patches.start[element]),
-        share[entry],
+        share,
     )
 
 
 def _changes(values: Ints) -> Bools:
     """Which of `values` (n,) differ from the one before; the first does."""
     return np.append(True, values[1:] != values[:-1])[: len(values)]
-
-
-def _by_patch(patches_of_tip: Ragged) -> tuple[Ragged, Ints]:
-    """The tips of every patch, and the order that brings the patches of all tips (q,) into theirs."""
-    order = np.argsort(patches_of_tip.values, kind="stable")
-    patch = patches_of_tip.values[order]
-    return by_row(patch, patches_of_tip.row[order], int(patch.max(initial=-1)) + 1), order
 
 
 def _singular_patches(patches: Patches, beside: tuple[int, int], tip: Floats) -> Ints:
@@ -135,9 +129,8 @@ def _singular_patches(patches: Patches, beside: tuple[int, int], tip: Floats) ->
 
 def _leads_through(lattice: Lattice, elements: Elements, patches: Patches, some: Ints, segment: Floats) -> bool:
     """Whether a segment (2, 2) leads through an element with one of `some` patches."""
-    cut = elements.tree.query(shapely.linestrings(segment), predicate="intersects") + elements.n_whole
-    pieces = cut_in_pieces(segment[None], lattice.tiles.squares)
-    tiles = lattice.tiles_at(np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))
-    whole = elements.whole_of_tile[tiles[tiles >= 0]]
+    line = shapely.linestrings(segment)
+    cut = elements.tree.query(line, predicate="intersects") + elements.n_whole
+    whole = elements.whole_of_tile[lattice.tiles.squares.tree.query(line, predicate="intersects")]
     through = np.concatenate([cut, whole[whole >= 0]])
     return bool(np.isin(patches.of_element.taken(through).values, some).any())

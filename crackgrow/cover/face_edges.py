@@ -9,21 +9,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.regions import EdgeRegion
-from crackgrow.case.surface import end_word
+from crackgrow.cover.pieces import Pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.errors import GeometryError
-from crackgrow.geometry.arrangement import Edges
+from crackgrow.geometry.arrangement import Edges, as_numbers
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
-from crackgrow.geometry.tolerance import ON_LINE
-
-NEAR_BY = 2.0
-"""Spacings: edges whose middles are further from the box of a line are not on it, nor end at its corners."""
+from crackgrow.geometry.tolerance import GRID
+from crackgrow.ragged import found_in
+from crackgrow.vectors import cross
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,22 +57,59 @@ class OutlineEdges:
     edge: Ints  # (n,) number of the edge of the arrangement
 
 
-def edges_on_lines(
-    lines: Sequence[CrackGeometry], traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges, n_whole: int
-) -> tuple[tuple[FaceEdges, ...], Bools]:
-    """The edges along each crack or interface, sorted and turned along it, and which of all edges they are.
+def edges_along(pieces: Pieces, n: int, vertices: Floats, edges: Edges) -> tuple[Ints, Ints]:
+    """The edges (k,) along the pieces of the first n segments, in order, and the segments (k,) that they lie on.
 
-    `traces` are, line by line, the edges (p,) on its pieces, in order and -1 where a piece is no edge but several, and
-    the segments (p,) they lie on.
+    A piece that the extension of a tip crosses, or that passes a vertex within rounding, leads through that, and is
+    several edges; -1 stands for what is none.
     """
-    is_crack = np.zeros(len(edges.a), dtype=bool)
-    found = []
-    for line, (edge, segment) in zip(lines, traces, strict=True):
+    number = found_in(as_numbers(vertices), as_numbers(pieces.points))
+    first = pieces.first[pieces.segment < n]
+    start, end = number[first], number[first + 1]
+    edge = edges.between(start, end)
+    broken = np.flatnonzero(edge < 0).tolist()
+    chains = [_chain(int(start[k]), int(end[k]), vertices, edges) for k in broken]
+    counts = np.ones(len(edge), dtype=np.int64)
+    counts[broken] = [len(chain) for chain in chains]
+    piece = np.repeat(np.arange(len(edge)), counts)
+    edge = edge[piece]
+    if chains:
+        edge[edge < 0] = np.concatenate(chains)
+    return edge, pieces.segment[piece]
+
+
+def _chain(start: int, end: int, vertices: Floats, edges: Edges) -> Ints:
+    """The edges (k,) from one vertex to another through those within rounding of the straight way; -1 for no way.
+
+    Vertices beside the way that no edge leads to are passed by.
+    """
+    if min(start, end) < 0:  # outside of the bodies
+        return np.array([-1])
+    way = vertices[end] - vertices[start]
+    way /= np.hypot(*way)
+    along, across = (vertices - vertices[start]) @ way, cross(way, vertices - vertices[start])
+    near = np.flatnonzero((np.abs(across) < GRID) & (along > 0.0) & (along < along[end]))
+    passed = [start]
+    for vertex in (*near[np.argsort(along[near])].tolist(), end):
+        if edges.between(np.array(passed[-1:]), np.array([vertex]))[0] >= 0:
+            passed.append(vertex)
+    chain = np.array(passed if passed[-1] == end else [-1, -1])
+    return edges.between(chain[:-1], chain[1:])
+
+
+def edges_on_lines(
+    lines: Sequence[CrackGeometry], traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges
+) -> tuple[FaceEdges, ...]:
+    """The edges along each crack or interface, sorted and turned along it.
+
+    `traces` are, line by line, the edges (p,) on its pieces, in order, and the segments (p,) they lie on. Raises
+    GeometryError where a piece is no edge between two elements.
+    """
+    for line, (edge, _) in zip(lines, traces, strict=True):
         if len(edge) == 0 or not np.all((edge >= 0) & (edges.right[edge] >= 0)):
-            edge, segment = _searched(line, vertices, edges, n_whole)
-        is_crack[edge] = True
-        found.append(_along(line, edge, segment, vertices, edges))
-    return tuple(found), is_crack
+            length = f"{arc_lengths(line.points)[-1]:.6g} spacings"
+            raise GeometryError(f"'{line.name}' could not be cut along all of its {length}; use another spacing")
+    return tuple(_along(line, *trace, vertices, edges) for line, trace in zip(lines, traces, strict=True))
 
 
 def _along(line: CrackGeometry, edge: Ints, segment: Ints, vertices: Floats, edges: Edges) -> FaceEdges:
@@ -98,103 +131,27 @@ def _along(line: CrackGeometry, edge: Ints, segment: Ints, vertices: Floats, edg
     )
 
 
-def _searched(line: CrackGeometry, vertices: Floats, edges: Edges, n_whole: int) -> tuple[Ints, Ints]:
-    """Edges (n,) along a line, in order, and the segments (n,) they lie on, where pieces have been cut again."""
-    candidates = np.flatnonzero((edges.right >= n_whole) & (edges.left >= n_whole))
-    middles = 0.5 * (vertices[edges.a[candidates]] + vertices[edges.b[candidates]])
-    low, high = line.points.min(axis=0) - NEAR_BY, line.points.max(axis=0) + NEAR_BY
-    beside = np.all((middles >= low) & (middles <= high), axis=1)
-    candidates, middles = candidates[beside], shapely.points(middles[beside])
-    segments = shapely.linestrings(np.stack([line.points[:-1], line.points[1:]], axis=1))
-    segment, hit = shapely.STRtree(middles).query(segments, predicate="dwithin", distance=ON_LINE)
-    used = np.unique(np.concatenate([edges.a[candidates], edges.b[candidates]]))
-    corners = used[shapely.STRtree(shapely.points(vertices[used])).nearest(shapely.points(line.points))]
-    chain = _chain(vertices, corners, edges.a[candidates[hit]], edges.b[candidates[hit]], segment, line)
-    return candidates[hit[chain]], segment[chain]
+def edges_on_outlines(traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges, body: Ints) -> OutlineEdges:
+    """The edges along the rims of the bodies of elements (elements,), with the side that each lies on.
 
-
-def _off(vertices: Floats, crack: CrackGeometry, at_end: bool) -> str:
-    """An end of a line, and how far from it the nearest vertex is."""
-    distance = float(np.hypot(*(vertices - crack.seen_from(at_end)[0]).T).min())
-    return f"{end_word(at_end)} (the nearest vertex is {distance:.2g} spacings from it)"
-
-
-def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, crack: CrackGeometry) -> Ints:
-    """The edges (a, b), of those that lie on a `segment` of a crack within rounding, that lead along it, in order.
-
-    A lattice line closer to the crack than rounding gives more than one way; the shortest is taken. From one segment to
-    the next it leads through their common vertex only, that of their corner: a crack may come back to itself.
+    `traces` are, body by body, the edges (p,) on the pieces of its sides, -1 for what is none, and the sides (p,).
     """
-    keys = np.stack([np.concatenate([a, b]), 2 * np.tile(segment, 2) + 1])  # (vertex, 2 segment + 1), even at corners
-    for shift in (0, 1):
-        keys[1, keys[0] == corners[np.tile(segment, 2) + shift]] += 2 * shift - 1
-    used, ends = np.unique(keys, axis=1, return_inverse=True)
-    ends = ends.reshape(2, -1)
-    n = used.shape[1]
-    lengths = np.hypot(*(vertices[b] - vertices[a]).T)
-    graph = coo_array((lengths, tuple(ends)), shape=(n, n)).tocsr()
-    number = coo_array((np.arange(1, len(a) + 1), tuple(ends)), shape=(n, n)).tocsr()
-    is_end = [(used[0] == corners[corner]) & (used[1] == 2 * corner) for corner in (0, len(corners) - 1)]
-    if not all(found.any() for found in is_end):
-        missed = " and ".join(_off(vertices, crack, at_end) for at_end in (False, True))
-        raise GeometryError(
-            f"'{crack.name}' could not be cut along all of its {arc_lengths(crack.points)[-1]:.6g} spacings: no edge "
-            f"of the cut lattice ends at its {missed}; use another spacing"
-        )
-    first, last = (int(np.argmax(found)) for found in is_end)
-    length, before = dijkstra(graph, directed=False, indices=first, return_predecessors=True)
-    total = arc_lengths(crack.points)[-1]
-    if abs(length[last] - total) > 1e-6 * max(total, 1.0):
-        raise GeometryError(f"'{crack.name}' could not be cut along all of its {total:g} spacings")
-    chain = []
-    while last != first:
-        chain.append(number[before[last], last] + number[last, before[last]] - 1)
-        last = int(before[last])
-    return np.array(chain[::-1], dtype=np.int64)
-
-
-def edges_on_outlines(
-    sides: Sequence[Floats], traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges, body: Ints
-) -> OutlineEdges:
-    """The edges along the rims of the bodies (sides (n, 2, 2)), with the side that each lies on.
-
-    `traces` are, body by body, the edges (p,) on the pieces of its sides, -1 where a piece is no edge but several, and
-    the sides (p,).
-    """
-    inner = np.flatnonzero(edges.right >= 0)
-    shared = inner[body[edges.left[inner]] != body[edges.right[inner]]]
-    is_between = edges.right < 0
-    is_between[shared] = True
-    between = np.flatnonzero(is_between)
-    points = np.concatenate(
-        [
-            np.stack([vertices[edges.a[between]], vertices[edges.b[between]]], axis=1),
-            np.stack([vertices[edges.b[shared]], vertices[edges.a[shared]]], axis=1),
-        ]
-    )
-    element = np.concatenate([edges.left[between], edges.right[shared]])
+    shared = np.flatnonzero((edges.right >= 0) & (body[edges.left] != body[edges.right]))
+    between = np.flatnonzero((edges.right < 0) | np.isin(np.arange(len(edges.a)), shared))
     number = np.concatenate([between, shared])
+    start, end, element = (
+        np.concatenate([one[between], other[shared]])
+        for one, other in ((edges.a, edges.b), (edges.b, edges.a), (edges.left, edges.right))
+    )
     side = np.full(len(element), -1, dtype=np.int64)
-    known = np.full(len(edges.a), -1, dtype=np.int64)
-    for index, (ends, (edge, on_side)) in enumerate(zip(sides, traces, strict=True)):
+    for index, (edge, on_side) in enumerate(traces):
+        known = np.full(len(edges.a), -1, dtype=np.int64)
         known[edge[edge >= 0]] = on_side[edge >= 0]
         mine = body[element] == index
         side[mine] = known[number[mine]]
-        known[edge] = -1
-        _search_sides(side, np.flatnonzero(mine & (side < 0)), points, ends)
-    return OutlineEdges(points, body[element], side, element, number)
-
-
-def _search_sides(side: Ints, unknown: Ints, points: Floats, ends: Floats) -> None:
-    """Fill in the nearest of the sides with `ends` (n, 2, 2) for the `unknown` ones of edges with ends `points`."""
-    if len(unknown) == 0:
-        return
-    tree = shapely.STRtree(shapely.linestrings(ends))
-    middles = shapely.points(points[unknown].mean(axis=1))
-    (which, hit), distance = tree.query_nearest(middles, all_matches=False, return_distance=True)
-    side[unknown[which]] = hit
-    if distance.max(initial=0.0) > ON_LINE:
+    if (side < 0).any():
         raise GeometryError("an element has a side that is neither shared nor on an outline")
+    return OutlineEdges(np.stack([vertices[start], vertices[end]], axis=1), body[element], side, element, number)
 
 
 def edges_of_region(outlines: OutlineEdges, bodies: Sequence[BodyGeometry], region: EdgeRegion) -> FaceEdges:

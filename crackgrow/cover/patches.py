@@ -1,10 +1,16 @@
 """Physical patches: the connected pieces into which cracks and outlines cut the mathematical patches.
 
 A mathematical patch of whole tiles only is one physical patch. Ways are followed in the others.
+
+Crumbs are pieces of rock, cut out by cracks, that are no larger than a cell there. All functions of the lattice look
+alike on such a piece, up to what is linear: the stiffness would be singular to working precision. A crumb has three
+functions instead, round the corners of a triangle round it: of so few, moving least squares makes the barycentric
+coordinates, whatever the weights. The crumb strains uniformly.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,9 +18,10 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import QUANTA
 from crackgrow.geometry.arrangement import connected
-from crackgrow.ragged import Ragged, starts_of
+from crackgrow.ragged import Ragged, found_in, starts_of
 
 SPECK = 1e-15
 """A patch whose weight is nowhere larger than this contributes less than round-off."""
@@ -23,6 +30,12 @@ PEEK, PEEK_WEIGHT = 0.03, 1e-10
 """Nor has a patch functions whose rock is smaller than `PEEK` cells, with no larger weight times size than this.
 Such patches a kink cuts off at their edge, where it peeks over a tile line, and they nearly depend on each other: the
 compliance of contact lost its symmetry or was singular. Of 135 random kinks 2e-6 is the worst left."""
+
+LARGEST_CRUMB = 1.0
+"""Side of the box round a crumb, over that of the largest cell that it has a part of."""
+
+AROUND = np.array([(-1.0, -0.6), (1.0, -0.6), (0.0, 1.2)])
+"""Corners of a triangle round a box of side 1 about the origin."""
 
 WIDE = 4.0
 """Half width of the weights of a crumb's functions, over that of the triangle round it."""
@@ -44,42 +57,69 @@ class Patches:
         return np.where(np.arange(len(self.half)) < self.n_of_lattice, self.half, WIDE * self.half)
 
 
-def physical_patches(lattice: Lattice, elements: Elements) -> Patches:
-    """The patches of all nodes, before crumbs have theirs.
+def physical_patches(lattice: Lattice, elements: Elements, cracks: Sequence[CrackGeometry]) -> Patches:
+    """The patches of all nodes but specks, and those of crumbs; `cracks` are the first lines of the elements."""
+    patches = _connected_pieces(lattice, elements)
+    patches = _with_those(patches, _is_seen(lattice, elements, patches))
+    return _with_crumbs(elements, patches, cracks)
+
+
+def _connected_pieces(lattice: Lattice, elements: Elements) -> Patches:
+    """The patches of all nodes.
 
     Two elements of one mathematical patch belong to the same physical patch if a way inside the patch leads from one
     to the other without crossing a crack or leaving the body. Patches are numbered along the lattice, those of one node
     by their first elements.
     """
     over = lattice.tiles.over
-    plain = _uncut_nodes(lattice, elements)
     _, place = over.places(elements.tile)
     node = over.values[place]
-    cut = ~plain[node]
-    start = starts_of(over.counts[elements.tile])
-    piece = _pieces_in_patches(elements, Ragged(start, node).kept(cut))
-
-    is_first = np.diff(np.maximum.accumulate(piece), prepend=-1) > 0  # pieces are numbered in order of their first ones
-    node_of_piece = node[cut][is_first]
-    order = np.argsort(node_of_piece, kind="stable")
-    n_pieces = np.bincount(node_of_piece, minlength=plain.size)
-    first_piece = starts_of(n_pieces)
-    rank = np.empty(len(order), dtype=np.int64)
-    rank[order] = np.arange(len(order)) - first_piece[node_of_piece[order]]
-    n_patches = n_pieces + plain
-    first = starts_of(n_patches)
-    patch = first[node]
-    patch[cut] = (first[node_of_piece] + rank)[piece]
-    of_node = np.repeat(np.arange(plain.size), n_patches)
+    pairs = Ragged(starts_of(over.counts[elements.tile]), node)  # of an element and a node
+    every = np.arange(len(node))
+    first_of_node = np.empty(len(lattice.nodes.half), dtype=np.int64)
+    first_of_node[node[::-1]] = every[::-1]
+    first = first_of_node[node]  # pair of the same patch
+    cut = np.flatnonzero(_is_cut(lattice, elements)[node])
+    first[cut] = cut[_first_in_piece(elements, pairs, cut)]
+    patches = np.flatnonzero(first == every)
+    patches = patches[np.argsort(node[patches], kind="stable")]
+    number, of_node = np.empty(len(node), dtype=np.int64), node[patches]
+    number[patches] = np.arange(len(patches))
     nodes, half = lattice.node_points[of_node], lattice.nodes.half[of_node] / QUANTA
-    return Patches(Ragged(start, patch), nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
+    return Patches(Ragged(pairs.start, number[first]), nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
 
 
-def without_specks(lattice: Lattice, elements: Elements, patches: Patches) -> Patches:
-    """Leave out physical patches that would give rows of zeros, or rows that depend on others but for round-off.
+def _is_cut(lattice: Lattice, elements: Elements) -> Bools:
+    """Which nodes (n,) have patches that are not of whole tiles only.
+
+    Whole tiles beside each other belong to the same body: where bodies meet tiles are cut.
+    """
+    over, size, half = lattice.tiles.over, lattice.tiles.squares.size, lattice.nodes.half
+    whole = elements.whole_of_tile >= 0
+    area = np.bincount(over.values, np.repeat(whole * size.astype(float) ** 2, over.counts), len(half))
+    return np.asarray(area != 4.0 * half.astype(float) ** 2)
+
+
+def _first_in_piece(elements: Elements, pairs: Ragged, cut: Ints) -> Ints:
+    """The first (p,) of those of the `cut` pairs (p,) of elements and nodes that each hangs together with."""
+    is_cut = np.zeros(len(pairs.values), dtype=bool)
+    is_cut[cut] = True
+    some = pairs.kept(is_cut)
+    n_nodes = int(some.values.max(initial=0)) + 1
+    keys, mine = some.row * n_nodes + some.values, some.counts > 0
+    left, right = elements.edges.left, elements.edges.right
+    chosen = np.flatnonzero(mine[left] & mine[right] & elements.passable)
+    which, one = some.places(left[chosen])
+    other = found_in(keys, right[chosen][which] * n_nodes + some.values[one])
+    label = connected(len(keys), one[other >= 0], other[other >= 0])
+    return np.flatnonzero(np.diff(np.maximum.accumulate(label), prepend=-1) > 0)[label]
+
+
+def _is_seen(lattice: Lattice, elements: Elements, patches: Patches) -> Bools:
+    """Which physical patches (p,) give no rows of zeros, nor rows that depend on others but for round-off.
 
     The weight of a patch grows as the cube of the depth inside of the patch, per axis. Patches that hold a whole tile
-    are none of them: a tile is no smaller than an eighth of the cells of a node.
+    are all seen: a tile is no smaller than an eighth of the cells of a node.
     """
     of_element, nodes, skipped = patches.of_element, patches.nodes, elements.n_whole
     sure = np.zeros(len(nodes), dtype=bool)
@@ -91,16 +131,23 @@ def without_specks(lattice: Lattice, elements: Elements, patches: Patches) -> Pa
     which, place = unsure.places(owner)
     used = unsure.values[place]
     from_node = (points[which] - nodes[used]) / patches.half[used, None]
-    low, high = np.full((2, 2, len(nodes)), np.inf)
-    high, deepest = -high, np.zeros(len(nodes))
-    np.maximum.at(deepest, used, np.prod(np.maximum(1.0 - np.abs(from_node), 0.0), axis=1) ** 3)
+    weight = np.zeros(len(nodes))
+    np.maximum.at(weight, used, np.prod(np.maximum(1.0 - np.abs(from_node), 0.0), axis=1) ** 3)
+    low, high = _boxes(from_node, used, len(nodes))
+    size = lattice.support * np.maximum(high - low, 0.0).max(axis=1)  # cells
+    return np.asarray(sure | ((weight > SPECK) & ((weight * size > PEEK_WEIGHT) | (size > PEEK))))
+
+
+def _boxes(points: Floats, owner: Ints, n: int) -> tuple[Floats, Floats]:
+    """Lower left and upper right corners (n, 2) of the boxes round the points (k, 2) of each of n owners."""
+    low, high = np.full((n, 2), np.inf), np.full((n, 2), -np.inf)
     for axis in range(2):
-        np.minimum.at(low[axis], used, from_node[:, axis])
-        np.maximum.at(high[axis], used, from_node[:, axis])
-    return with_those(patches, sure | _is_kept(deepest, lattice.support * (high - low).max(axis=0, initial=0.0)))
+        np.minimum.at(low[:, axis], owner, points[:, axis])
+        np.maximum.at(high[:, axis], owner, points[:, axis])
+    return low, high
 
 
-def with_those(patches: Patches, kept: Bools) -> Patches:
+def _with_those(patches: Patches, kept: Bools) -> Patches:
     """The patches `kept` (p,) alone, under new numbers."""
     if kept.all():
         return patches
@@ -115,32 +162,32 @@ def with_those(patches: Patches, kept: Bools) -> Patches:
     )
 
 
-def _is_kept(weight: Floats, size: Floats) -> Bools:
-    """Whether patches with these largest weights, and sizes in cells, are no specks."""
-    return np.asarray((weight > SPECK) & ((weight * size > PEEK_WEIGHT) | (size > PEEK)))
+def _with_crumbs(elements: Elements, patches: Patches, cracks: Sequence[CrackGeometry]) -> Patches:
+    """The patches, those of crumbs replaced by three each.
 
-
-def _uncut_nodes(lattice: Lattice, elements: Elements) -> Bools:
-    """Which nodes (n,) have patches of whole tiles only.
-
-    Whole tiles beside each other belong to the same body: where bodies meet tiles are cut.
+    A piece that holds a tip is no crumb: linear functions don't see a tip.
     """
-    over, size = lattice.tiles.over, lattice.tiles.squares.size
-    whole = elements.whole_of_tile >= 0
-    half = lattice.nodes.half
-    area = np.bincount(over.values, np.repeat(whole * size.astype(float) ** 2, over.counts), len(half))
-    return np.asarray(area == 4.0 * half.astype(float) ** 2)
-
-
-def _pieces_in_patches(elements: Elements, cut: Ragged) -> Ints:
-    """Connected piece (p,) of each of the pairs (p,) of an element and a node, ascending, whose patch is `cut`."""
-    n_nodes = int(cut.values.max(initial=0)) + 1
-    keys = cut.row * n_nodes + cut.values
-    mine = cut.counts > 0
-    left, right = elements.edges.left, elements.edges.right
-    chosen = np.flatnonzero(mine[left] & mine[right] & elements.passable)
-    which, one = cut.places(left[chosen])
-    wanted = right[chosen][which] * n_nodes + cut.values[one]
-    other = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
-    joined = keys[other] == wanted if len(keys) else np.zeros(0, dtype=bool)
-    return connected(len(keys), one[joined], other[joined])
+    edges, links = elements.edges, np.flatnonzero(elements.passable)
+    label = connected(elements.n, edges.left[links], edges.right[links])
+    n = int(label.max(initial=-1)) + 1
+    low, high = _boxes(elements.vertices[elements.rings.start], label[elements.rings.face], n)
+    size, cell = (high - low).max(axis=1), np.zeros(n)
+    np.maximum.at(cell, label, elements.size)
+    small = size <= LARGEST_CRUMB * cell
+    for crack, beside in zip(cracks, elements.lines, strict=False):
+        small[label[[beside.beside(at_end)[0] for at_end in crack.tips()]]] = False
+    if not small.any():
+        return patches
+    inside, number = small[label], np.cumsum(small) - 1
+    kept = np.ones(len(patches.nodes), dtype=bool)
+    kept[patches.of_element.values[np.repeat(inside, patches.of_element.counts)]] = False
+    rest = _with_those(patches, kept)
+    counts = np.where(inside, 3, rest.of_element.counts)
+    start, linear = starts_of(counts), np.repeat(inside, counts)
+    values = np.empty(start[-1], dtype=np.int64)
+    values[~linear] = rest.of_element.values
+    values[linear] = (rest.n_of_lattice + 3 * number[label[inside], None] + np.arange(3)).ravel()
+    corners = 0.5 * (low + high)[small, None] + AROUND * size[small, None, None]
+    nodes = np.concatenate([rest.nodes, corners.reshape(-1, 2)])
+    half = np.concatenate([rest.half, np.repeat(np.ptp(corners[:, :, 0], axis=1) / 2.0, 3)])
+    return Patches(Ragged(start, values), nodes, half, rest.n_of_lattice, inside)

@@ -7,8 +7,10 @@ Places are whole numbers of a quantum. Along the Morton curve all squares inside
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
@@ -24,7 +26,7 @@ _HALVINGS = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F
 _EVERY_OTHER = 0x5555555555555555
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Squares:
     """The squares, by their lower left corners from left to right and upwards."""
 
@@ -37,6 +39,12 @@ class Squares:
     def n(self) -> int:
         """Number of squares."""
         return len(self.size)
+
+    @cached_property
+    def tree(self) -> shapely.STRtree:
+        """Over the squares, spacings."""
+        low, high = self.low / QUANTA, (self.low + self.size[:, None]) / QUANTA
+        return shapely.STRtree(shapely.box(*low.T, *high.T))
 
     @property
     def corners(self) -> Ints:

@@ -21,11 +21,9 @@ from crackgrow.geometry.tolerance import TOUCH
 N_TIP_FUNCTIONS = 4
 """Tip functions on a singular patch, paper eq. (1)."""
 
-SHORT_FADE = 1.5
-"""Sides of cells: tip functions that fade out sooner see too little of their patches to tell all of them apart."""
-
 NEAR = 0.5
-"""Sides of cells on top of the fade: of so short functions only those of nodes this near to the tip are kept."""
+"""Sides of cells on top of the fade: functions of nodes that are farther from the tip than both see too little of
+their patches to be told apart."""
 
 POINT_FADE = 0.25
 """Sides of cells: where they fade out sooner, the patches are as good as constant, and one node's are kept."""
@@ -148,11 +146,9 @@ def carrying_nodes(tip: TipView, nodes: Floats, size: float) -> Bools:
     patches the tip functions would depend on each other, at a fade of half a spacing to working precision.
     """
     distance = np.abs(nodes - tip.point).max(axis=1, initial=0.0)
-    if tip.fade >= SHORT_FADE * size:
-        return np.ones(len(nodes), dtype=bool)
-    if tip.fade >= POINT_FADE * size:
-        return np.asarray(distance < tip.fade + NEAR * size)
-    return np.asarray(np.arange(len(nodes)) == np.argmin(distance))
+    if tip.fade < POINT_FADE * size:
+        return np.asarray(np.arange(len(nodes)) == np.argmin(distance))
+    return np.asarray(distance < tip.fade + NEAR * size)
 
 
 def tip_angle(tip: TipView, points: Floats, reference: Floats) -> tuple[Floats, Floats]:

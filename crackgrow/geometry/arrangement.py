@@ -14,16 +14,26 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.geometry.tolerance import GRID
+from crackgrow.ragged import distinct, found_in
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Edges:
-    """Undirected edges between faces; `left` sees the edge from vertex `a` to vertex `b` counter-clockwise."""
+    """Undirected edges between faces, in the order of their vertices.
+
+    `left` sees the edge from vertex `a` to vertex `b` counter-clockwise.
+    """
 
     a: Ints  # (n,) vertex ids
     b: Ints  # (n,)
     left: Ints  # (n,) face on the left of a -> b
     right: Ints  # (n,) face on the right, -1 where there is none
+    keys: Ints  # (n,) the lower vertex times n_vertices plus the higher one, ascending
+    n_vertices: int
+
+    def between(self, start: Ints, end: Ints) -> Ints:
+        """Numbers (n,) of the edges between vertices `start` and `end` (n,), either way round; -1 for none."""
+        return found_in(self.keys, np.minimum(start, end) * self.n_vertices + np.maximum(start, end))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -97,20 +107,16 @@ def connected(n: int, first: Ints, second: Ints) -> Ints:
     return np.asarray((np.cumsum(root == np.arange(n)) - 1)[root])
 
 
-def edges_between(rings: Rings) -> Edges:
-    """Pair directed edges into undirected ones."""
+def edges_between(rings: Rings, n_vertices: int) -> Edges:
+    """Pair directed edges into undirected ones; each of these has one face on a side at most."""
     start, end, face = rings.start, rings.end, rings.face
-    low, high = np.minimum(start, end), np.maximum(start, end)
-    forward = start < end
-    key = low * (int(high.max(initial=0)) + 1) + high
-    _, first, inverse = np.unique(key, return_index=True, return_inverse=True)
-    n = len(first)
-    left = np.full(n, -1, dtype=np.int64)
-    right = np.full(n, -1, dtype=np.int64)
-    left[inverse[forward]] = face[forward]
-    right[inverse[~forward]] = face[~forward]
-    a, b = low[first], high[first]
+    key = np.minimum(start, end) * n_vertices + np.maximum(start, end)
+    keys = distinct(key)
+    a, b = np.divmod(keys, n_vertices)
+    left, right = np.full((2, len(keys)), -1, dtype=np.int64)
+    forward, place = start < end, np.searchsorted(keys, key)
+    left[place[forward]], right[place[~forward]] = face[forward], face[~forward]
     turn = left < 0  # only a right face: turn the edge round, so that `left` always exists
-    a[turn], b[turn] = b[turn].copy(), a[turn].copy()
+    a[turn], b[turn] = b[turn], a[turn]
     left[turn], right[turn] = right[turn], -1
-    return Edges(a, b, left, right)
+    return Edges(a, b, left, right, keys, n_vertices)

@@ -20,13 +20,13 @@ from crackgrow.solid.supports import Constraints, constraints, tied
 
 
 def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
-    """The cover of a scene with its cracks, as far as it can with parts of the one before.
+    """The cover of a scene with its cracks, on the lattice of the one before where cells are the same.
 
     Raises GeometryError where it can't be made.
     """
     cracks = _geometries(scene, growing)
     lattice = graded(scene.at_start, cracks, None if before is None else before.lattice)
-    return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations, before)
+    return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
 
 
 def cells_of(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Squares:

@@ -7,7 +7,7 @@ import pytest
 import shapely
 
 from crackgrow.case.surface import crack_name
-from crackgrow.cover.cut_tiles import NOTHING, content_of, cut_tiles
+from crackgrow.cover.cut_tiles import cut_tiles
 from crackgrow.cover.elements import cut_elements
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.pieces import cut_in_pieces
@@ -75,14 +75,19 @@ def test_a_tile_is_cut_the_same_alone_and_with_all_others(build, levels: int) ->
     region = shapely.box(0.0, 0.0, *lattice.shape)
     touched = np.zeros(squares.n, dtype=bool)
     touched[squares.around(np.concatenate([pieces.points, pieces.ends.mean(axis=1)]))] = True
-    together, extra = cut_tiles(content_of(touched, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
+    together, extra = cut_tiles(lattice, touched, pieces.ends, pieces.points, [region])
     assert len(extra) == 0
     assert shapely.area(together.polygons).sum() == pytest.approx((lattice.tile_size[touched] ** 2).sum())
     for tile in np.flatnonzero(touched):
         only = np.arange(squares.n) == tile
-        alone, _ = cut_tiles(content_of(only, lattice, pieces.ends, pieces.points), squares, [region], NOTHING)
+        alone, _ = cut_tiles(lattice, only, pieces.ends, pieces.points, [region])
         mine = together.polygons[together.tile == tile]
         np.testing.assert_array_equal(shapely.to_wkb(alone.polygons), shapely.to_wkb(mine))
+        box = shapely.box(*lattice.tile_low[tile], *(lattice.tile_low[tile] + lattice.tile_size[tile]))
+        inside = pieces.ends[(squares.around(pieces.ends.mean(axis=1)) == tile).all(axis=1)]
+        noded = shapely.union_all([box.exterior, *shapely.linestrings(inside)], grid_size=GRID)
+        wanted = shapely.get_parts(shapely.polygonize([noded]))
+        assert shapely.equals(wanted[:, None], mine).sum(axis=0).tolist() == [1] * len(wanted)
 
 
 def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_as_well() -> None:
@@ -104,6 +109,19 @@ def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_a
     assert np.hypot(*(rim[:, 1] - rim[:, 0]).T).sum() == pytest.approx(26.0, rel=1e-8)
     ends = np.bincount(elements.rings.end, minlength=len(elements.vertices))
     np.testing.assert_array_equal(np.bincount(elements.rings.start, minlength=len(elements.vertices)), ends)
+
+
+def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -> None:
+    """Inside of one tile, where neither has the end of a piece."""
+    cracks = [[(3.1, 3.2), (5.2, 4.9)], [(3.2, 2.2), (4.24, 3.9)], [(2.2, 2.2), (1.7, 0.6)]]
+    elements = build.block(
+        (6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], 1.5
+    ).cover.elements
+    crossed, rim = elements.lines[0], elements.outlines
+    np.testing.assert_array_equal(crossed.points[1:, 0], crossed.points[:-1, 1])
+    np.testing.assert_allclose(crossed.s[[0, -1], [0, 1]], [0.0, np.hypot(2.1, 1.7)], atol=1e-8)
+    lengths = np.bincount(rim.side, np.hypot(*(rim.points[:, 1] - rim.points[:, 0]).T))
+    np.testing.assert_allclose(lengths, [6.0, 5.0, 6.0, 5.0], rtol=1e-8)
 
 
 @pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])

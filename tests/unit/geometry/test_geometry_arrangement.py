@@ -24,7 +24,7 @@ def arrangement(*parts: list[list[float]]):
     polygons = faces(lines(*parts))
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
-    return polygons, points, ids, edges_between(Rings(ids, ids[end], face))
+    return polygons, points, ids, edges_between(Rings(ids, ids[end], face), len(points))
 
 
 def test_two_crossing_lines_cut_a_rectangle_in_four_faces() -> None:
@@ -56,7 +56,7 @@ def test_random_lines_leave_no_gap_and_no_overlap() -> None:
     polygons = faces([*lines(FRAME), *through])
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
-    edges = edges_between(Rings(ids, ids[end], face))
+    edges = edges_between(Rings(ids, ids[end], face), len(points))
     assert shapely.area(polygons).sum() == pytest.approx(12.0, rel=1e-8)  # snapping moves the rim by 1e-9
     assert len(polygons) == len(edges.a) - len(np.unique(ids)) + 1
 
@@ -84,6 +84,10 @@ def test_edges_pair_the_face_on_the_left_with_the_face_on_the_right() -> None:
     outside = (middle - 1e-3 * normal)[~inner]
     assert not shapely.contains_xy(shapely.Polygon(FRAME), outside).any()
     assert np.hypot(*(b - a)[~inner].T).sum() == pytest.approx(14.0, rel=1e-9)
+    for start, end in ((edges.a, edges.b), (edges.b, edges.a)):
+        np.testing.assert_array_equal(edges.between(start, end), np.arange(len(edges.a)))
+    corners = np.array([np.flatnonzero((place == corner).all(axis=1))[0] for corner in ((0, 0), (4, 3), (0, 3))])
+    assert edges.between(np.append(corners[:2], -1), corners[[1, 2, 2]]).tolist() == [-1, -1, -1]
 
 
 def test_rings_of_a_face_with_a_hole_close_on_themselves() -> None:
