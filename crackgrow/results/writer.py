@@ -13,7 +13,7 @@ from crackgrow.case import dump_case
 from crackgrow.case.changes import changes_of
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
-from crackgrow.results import tables
+from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
@@ -261,8 +261,6 @@ class RunWriter:
 
     def _write_frames(self, result: StepResult) -> float:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
-        from crackgrow.results import vtk_frames  # here: a run without frames needs no VTK
-
         began = time.perf_counter()
         if result.frame is not None:
             name = frame_name(result.step)
@@ -271,7 +269,7 @@ class RunWriter:
             self._list_series("frames")
         if result.faces:
             name = cracks_name(result.step)
-            vtk_frames.write_cracks(self.folder / name, result)
+            vtk_frames.write_cracks(self.folder / name, result.faces)
             self._series["cracks"].append((result.step, name))
             self._list_series("cracks")
         return time.perf_counter() - began
@@ -282,8 +280,6 @@ class RunWriter:
         if not self._series[kind]:
             remove_files([path])
             return
-        from crackgrow.results import vtk_frames  # as above
-
         vtk_frames.write_series(path, self._series[kind])
 
     def _draw(self, last: StepResult, cracks: Sequence[CrackPath]) -> None:
