@@ -7,9 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
@@ -17,6 +17,9 @@ from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_direct
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.quadrature.rules import gauss, on_edges_with_tips
 from crackgrow.ragged import starts_of
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 STRETCH_KINK = np.deg2rad(10.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
@@ -107,9 +110,7 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     ends = {surface: stretch_ends(cover, surface) for surface in touching}
     x, w = gauss(GAUSS_POINTS)
     for surface in touching:
-        path = cover.surfaces[surface].line.points
-        bent = np.concatenate([[True], np.abs(kink_angles(path)) > STRAIGHT, [True]])
-        corners = arc_lengths(path)[bent]
+        corners = _corners(cover, surface)
         size = np.repeat(np.diff(corners) / GAUSS_PARTS, GAUSS_PARTS)
         start = np.concatenate([corners[:1], corners[0] + np.cumsum(size)[:-1]])
         s = (start[:, None] + size[:, None] * x).ravel()
@@ -118,6 +119,17 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
         stretch = np.searchsorted(ends[surface][1:-1], s, side="right")
         parts.append((points_at(cover, surface, s), (size[:, None] * w).ravel(), functions, s, stretch))
     return joined_faces(cover, ends, parts)
+
+
+def n_gauss_points(cover: Cover, surface: int) -> int:
+    """How many contact points `gauss_faces` has on a surface."""
+    return (len(_corners(cover, surface)) - 1) * GAUSS_PARTS * GAUSS_POINTS
+
+
+def _corners(cover: Cover, surface: int) -> Floats:
+    """Arc lengths (m + 1,) of the ends of the m straight stretches of a surface."""
+    path = cover.surfaces[surface].line.points
+    return np.asarray(arc_lengths(path)[np.concatenate([[True], np.abs(kink_angles(path)) > STRAIGHT, [True]])])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -198,7 +210,7 @@ def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
 def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> ContactFaces:
     """All surfaces' contact points as one set."""
     if not parts:
-        return _NO_FACES
+        return ContactFaces(_NO_POINTS, _NO_NUMBERS, _all_functions((), [], []), _NO_POINTS, _NO_IDS, {})
     points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
     return ContactFaces(
         points=joined(points),
@@ -212,6 +224,10 @@ def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> Co
 
 def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> csr_array:
     """N_k (contact points, integration points) of all surfaces, which have so many of both."""
+    from scipy.sparse import csr_array  # here: who counts contact points alone needs none of it
+
+    if not parts:
+        return csr_array((0, 0))
     counts = [len(part.value) for part in parts]
     row, column = (
         np.concatenate(numbers) + np.repeat(starts_of(np.array(of_each))[:-1], counts)
@@ -237,4 +253,3 @@ def joined(parts: Sequence[FacePoints]) -> FacePoints:
 
 _NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)
 _NO_POINTS = FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS)
-_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, csr_array((0, 0)), _NO_POINTS, _NO_IDS, {})

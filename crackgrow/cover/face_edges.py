@@ -10,8 +10,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.regions import EdgeRegion
@@ -125,6 +123,9 @@ def _chain(vertices: Floats, corners: Ints, a: Ints, b: Ints, segment: Ints, cra
     A lattice line closer to the crack than rounding gives more than one way; the shortest is taken. From one segment to
     the next it leads through their common vertex only, that of their corner: a crack may come back to itself.
     """
+    from scipy.sparse import coo_array  # here: loading SciPy takes longer than many a check of a case
+    from scipy.sparse.csgraph import dijkstra
+
     keys = np.stack([np.concatenate([a, b]), 2 * np.tile(segment, 2) + 1])  # (vertex, 2 segment + 1), even at corners
     for shift in (0, 1):
         keys[1, keys[0] == corners[np.tile(segment, 2) + shift]] += 2 * shift - 1

@@ -15,7 +15,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
-from scipy.spatial import KDTree
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.elements import Elements
@@ -38,7 +37,7 @@ class Surroundings:
     """What tips have round them."""
 
     patches: Patches
-    nodes: KDTree  # of the patches of the lattice
+    nodes: Floats  # (n, 2) of the patches of the lattice
     edges: shapely.STRtree  # on lines and outlines
     line: Ints  # (edges,) number of the line that each lies on, or `OUTLINE`
 
@@ -51,7 +50,7 @@ class Surroundings:
         near = self.edges.query(shapely.Point(points[0]), predicate="dwithin", distance=RADIUS * size)
         if (self.line[near] != crack).any() or np.hypot(*(points[1] - points[0])) < STRAIGHT * size:
             return None
-        mine = np.sort(np.array(self.nodes.query_ball_point(points[0], RADIUS * size), dtype=np.int64))
+        mine = np.flatnonzero(np.hypot(*(self.nodes - points[0]).T) <= RADIUS * size)
         off = self.patches.nodes[mine] - points[0]
         distance = np.hypot(*off.T)
         reach = float((distance + np.sqrt(2.0) * self.patches.half[mine]).max())
@@ -68,4 +67,4 @@ def surroundings(elements: Elements, patches: Patches) -> Surroundings:
     ends = [*(line.points for line in elements.lines), elements.outlines.points]
     line = np.repeat([*range(len(elements.lines)), OUTLINE], [len(some) for some in ends])
     edges = shapely.STRtree(shapely.linestrings(np.concatenate(ends)))
-    return Surroundings(patches, KDTree(patches.nodes[: patches.n_of_lattice]), edges, line)
+    return Surroundings(patches, patches.nodes[: patches.n_of_lattice], edges, line)

@@ -125,7 +125,7 @@ def _write(path: Path, kind: str, sizes: Mapping[str, int], parts: Mapping[str, 
 
 
 def _stresses(stress: Floats, zz: Floats) -> Data:
-    """Stress (n, 3) Pa: xx, yy, xy with its component zz (n,) as a tensor (n, 6), and the principal ones in the plane."""
+    """Stress (n, 3) Pa: xx, yy, xy with its component zz (n,) as a tensor (n, 6), and its principal stresses."""
     xx, yy, xy = stress.T
     zero = np.zeros_like(xx)
     sigma_1, sigma_3 = principal_stresses(stress)

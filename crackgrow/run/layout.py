@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array, vstack
 
 from crackgrow.accuracy.features import graded, graded_cells
-from crackgrow.contact.faces import ContactFaces, gauss_faces
-from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.mortar import mortar_faces
+from crackgrow.contact.faces import ContactFaces, gauss_faces, n_gauss_points
+from crackgrow.contact.mortar import mortar_faces, n_mortar_nodes
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import Squares
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PART
 from crackgrow.run.scene import Scene
-from crackgrow.solid.supports import Constraints, constraints, tied
+from crackgrow.solid.supports import Constraints, constraints, n_constraints, tied
 
 
 def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
@@ -76,5 +74,28 @@ def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
     if not bonded:
         return held
+    from scipy.sparse import csr_array, vstack  # here: who counts conditions alone needs neither it nor the basis
+
+    from crackgrow.contact.jump import contact_operators
+
     faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=scene.grading.quartered)
     return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
+
+
+def counts_of(scene: Scene, cover: Cover) -> tuple[list[int], int]:
+    """The numbers of contact points of each surface, as `contact_faces` has them, and of rows of `constraints_of`."""
+    settings, nested = scene.case.numerics.contact, scene.grading.quartered
+    n_points, n_bonded = [], 0
+    for index, law in enumerate(scene.laws):
+        by_gauss = settings.discretization == "gauss" and not law.bonded
+        held = law.bonded or law.contact is not None
+        n = (
+            0
+            if not held
+            else n_gauss_points(cover, index)
+            if by_gauss
+            else n_mortar_nodes(cover, index, settings.spacing, nested=nested)
+        )
+        n_points.append(0 if law.bonded else n)
+        n_bonded += 2 * n if law.bonded else 0
+    return n_points, n_constraints(cover, scene.case.supports) + n_bonded

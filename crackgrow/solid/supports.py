@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, vstack
 
-from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Component, ContactSupport, EdgeSupport, PointSupport, Support
 from crackgrow.case.units import place_text
@@ -24,6 +23,9 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.vectors import outward_normals
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 CLOSE = 0.25
 """Cells: an edge that is closer to a side of its cells has next to nothing of the nodes on the other side."""
@@ -45,12 +47,11 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
 
     Raises GeometryError for a support outside of its body.
     """
-    names = {body.name for body in cover.bodies}
-    prescribing = [
-        (n, support)
-        for n, support in enumerate(supports)
-        if not isinstance(support, ContactSupport) and held_body(support) in names
-    ]
+    from scipy.sparse import csr_array, vstack  # here: who counts conditions alone needs neither it nor the basis
+
+    from crackgrow.approximation.basis import of_component
+
+    prescribing = _prescribing(cover, supports)
     if not prescribing:
         none = np.empty(0, dtype=np.int64)
         return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
@@ -71,8 +72,30 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
     return Constraints(matrix, given_at, owners, axis, np.full(len(axis), -1))
 
 
+def n_constraints(cover: Cover, supports: Sequence[Support]) -> int:
+    """How many conditions `constraints` has."""
+    held = [support for _, support in _prescribing(cover, supports)]
+    edges = points_along(cover, [cover.edges_on(one.region) for one in held if not isinstance(one, PointSupport)])
+    averages = (_n_pieces(edge, cover.lattice.spacing) + 1 for edge in edges)
+    n_averages = [1 if isinstance(one, PointSupport) else next(averages) for one in held]
+    components = [sum(component is not None for component in one.displacement) for one in held]
+    return sum(n * k for n, k in zip(n_averages, components, strict=True))
+
+
+def _prescribing(cover: Cover, supports: Sequence[Support]) -> list[tuple[int, PointSupport | EdgeSupport]]:
+    """The supports that prescribe displacements of bodies that are there, with their numbers."""
+    names = {body.name for body in cover.bodies}
+    return [
+        (n, support)
+        for n, support in enumerate(supports)
+        if not isinstance(support, ContactSupport) and held_body(support) in names
+    ]
+
+
 def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraints:
     """The constraints with further `rows` (k, n_dofs), of bonded surfaces (k,), that are held at zero."""
+    from scipy.sparse import csr_array, vstack  # as above
+
     none = np.full(len(surface), -1)
     return Constraints(
         csr_array(vstack([constraints.matrix, rows], format="csr")),
@@ -180,6 +203,10 @@ def _averages(cover: Cover, supports: Sequence[PointSupport | EdgeSupport]) -> l
 
 def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     """The averages (rows, n_functions) of the values of all functions."""
+    from scipy.sparse import block_diag, csr_array  # as above
+
+    from crackgrow.approximation.basis import values_at
+
     points, elements = (np.concatenate([getattr(a, name) for a in averages]) for name in ("points", "elements"))
     return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).values())
 
@@ -190,12 +217,21 @@ def _at_point(cover: Cover, support: PointSupport) -> _Averages:
     if element[0] < 0:
         there = place_text(support.point + cover.lattice.map_origin)
         raise GeometryError(f"the support at {there} lies outside of body '{support.body}'")
+    from scipy.sparse import csr_array  # as above
+
     return _Averages(csr_array(np.ones((1, 1))), at, element)
+
+
+def _n_pieces(edge: EdgePoints, spacing: float) -> int:
+    """Into how many pieces, no shorter than cells are there, an edge is divided."""
+    return max(1, int((edge.lengths / edge.sizes).sum() / spacing))
 
 
 def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     """Averages weighted with hat functions whose nodes are about one cell apart, as large as cells are there."""
-    n_pieces = max(1, int((edge.lengths / edge.sizes).sum() / spacing))
+    from scipy.sparse import csr_array  # as above
+
+    n_pieces = _n_pieces(edge, spacing)
     along = edge.stretched - edge.stretched.min()
     position = along / along.max() * n_pieces
     left = np.minimum(position.astype(np.int64), n_pieces - 1)

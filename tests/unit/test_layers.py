@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import crackgrow.direct
+from tests.report_runs import make_run
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
@@ -142,6 +143,30 @@ from crackgrow.cli import main
 with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
     main({words})
 assert told.getvalue()
+sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+COMPRESSION = str(ROOT.parent / "cases" / "compression30.yaml")
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["check", COMPRESSION], ["explain", "friction"], ["list"], ["report", "FOLDER"]], ids=" ".join
+)
+def test_only_what_solves_loads_scipy_and_the_compiler(words: list[str], tmp_path: Path) -> None:
+    """Numba and SciPy take as long to load as all of the rest of a check; without words: the package alone."""
+    heavy = ("numba", "llvmlite", "scipy", "pandas", "matplotlib", "PIL", "pyvista", "vtkmodules")
+    if "FOLDER" in words:
+        make_run(tmp_path, ["growth.steps=0"])
+        words = ["report", str(tmp_path)]
+    code = f"""
+import contextlib, io, sys
+import crackgrow
+from crackgrow.cli import main
+with contextlib.redirect_stdout(io.StringIO()):
+    assert not {words} or main({words}) == 0
 sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
