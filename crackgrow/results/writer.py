@@ -14,7 +14,7 @@ from crackgrow.case.changes import changes_of
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results import tables, vtk_frames
-from crackgrow.results.atomic import remove_files, write_text
+from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
 from crackgrow.results.leftovers import check_folder, earlier_files, remove_frames, remove_half_written
@@ -219,7 +219,7 @@ class RunWriter:
         if self.case.output.report:
             from crackgrow.results.report import write_report  # as above
 
-            write_report(self.folder)
+            write_report(self.folder, self.case)
 
     def _write_checkpoint(self, result: StepResult) -> None:
         if result.checkpoint is None:
@@ -287,7 +287,11 @@ class RunWriter:
 
         folder = self.folder / "figures"
         figures.draw_paths(folder / "path.png", self.case, cracks)
-        self._draw_sigma_1("sigma_1_last.png", last)
+        first = folder / "sigma_1_first.png"
+        if len(self._tally.steps) == 1 and first.is_file():
+            write_bytes(folder / "sigma_1_last.png", first.read_bytes())
+        else:
+            self._draw_sigma_1("sigma_1_last.png", last)
         if any(face.crack in last.contact.crack for face in last.faces):
             figures.draw_contact(folder / "contact.png", self.case, last)
         if len({point.factor for point in self._curve}) > 1:
