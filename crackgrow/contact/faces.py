@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -51,16 +52,23 @@ class FacePoints:
     minus: Ints  # (n,) element on the minus face, -1 for a rigid foundation
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ContactFaces:
     """The contact points of the surfaces whose faces can touch."""
 
     points: FacePoints  # n integration points
     lengths: Floats  # (n,) their integration weights, spacings
-    functions: csr_array  # (contact points, n) N_k
+    values: Functions
     nodes: FacePoints  # the contact points themselves
     stretch: Ints  # (contact points,) number of the stretch on its surface
     ends: dict[int, Floats]  # surface by surface the arc lengths (m + 1,) at which its m stretches begin and end
+
+    @cached_property
+    def functions(self) -> csr_array:
+        """N_k (contact points, n)."""
+        from scipy.sparse import csr_array  # here: who counts contact points alone needs none of it
+
+        return csr_array((self.values.value, (self.values.node, self.values.point)), shape=(self.n, len(self.lengths)))
 
     @property
     def surface(self) -> Ints:
@@ -110,7 +118,9 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     ends = {surface: stretch_ends(cover, surface) for surface in touching}
     x, w = gauss(GAUSS_POINTS)
     for surface in touching:
-        corners = _corners(cover, surface)
+        path = cover.surfaces[surface].line.points
+        bent = np.concatenate([[True], np.abs(kink_angles(path)) > STRAIGHT, [True]])
+        corners = arc_lengths(path)[bent]
         size = np.repeat(np.diff(corners) / GAUSS_PARTS, GAUSS_PARTS)
         start = np.concatenate([corners[:1], corners[0] + np.cumsum(size)[:-1]])
         s = (start[:, None] + size[:, None] * x).ravel()
@@ -121,20 +131,9 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
     return joined_faces(cover, ends, parts)
 
 
-def n_gauss_points(cover: Cover, surface: int) -> int:
-    """How many contact points `gauss_faces` has on a surface."""
-    return (len(_corners(cover, surface)) - 1) * GAUSS_PARTS * GAUSS_POINTS
-
-
-def _corners(cover: Cover, surface: int) -> Floats:
-    """Arc lengths (m + 1,) of the ends of the m straight stretches of a surface."""
-    path = cover.surfaces[surface].line.points
-    return np.asarray(arc_lengths(path)[np.concatenate([[True], np.abs(kink_angles(path)) > STRAIGHT, [True]])])
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Functions:
-    """What the functions N_k of the contact points of one surface are at its integration points, where they are any."""
+    """What the functions N_k of contact points are at integration points, where they are any."""
 
     node: Ints  # (m,) number of the contact point
     point: Ints  # (m,) number of the integration point
@@ -210,31 +209,26 @@ def _on_edges(cover: Cover, surface: int, owner: Ints, s: Floats) -> FacePoints:
 def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> ContactFaces:
     """All surfaces' contact points as one set."""
     if not parts:
-        return ContactFaces(_NO_POINTS, _NO_NUMBERS, _all_functions((), [], []), _NO_POINTS, _NO_IDS, {})
+        return _NO_FACES
     points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
     return ContactFaces(
         points=joined(points),
         lengths=np.concatenate(lengths),
-        functions=_all_functions(functions, [len(s) for s in nodes], [len(some.s) for some in points]),
+        values=_all_functions(functions, [len(s) for s in nodes], [len(some.s) for some in points]),
         nodes=joined([_nodes_at(cover, *node) for node in zip(ends, nodes, stretches, ends.values(), strict=True)]),
         stretch=np.concatenate(stretches),
         ends=ends,
     )
 
 
-def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> csr_array:
-    """N_k (contact points, integration points) of all surfaces, which have so many of both."""
-    from scipy.sparse import csr_array  # here: who counts contact points alone needs none of it
-
-    if not parts:
-        return csr_array((0, 0))
+def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> Functions:
+    """N_k of all surfaces, which have so many contact points and integration points."""
     counts = [len(part.value) for part in parts]
     row, column = (
         np.concatenate(numbers) + np.repeat(starts_of(np.array(of_each))[:-1], counts)
         for numbers, of_each in (([part.node for part in parts], n_nodes), ([part.point for part in parts], n_points))
     )
-    values = np.concatenate([part.value for part in parts])
-    return csr_array((values, (row, column)), shape=(sum(n_nodes), sum(n_points)))
+    return Functions(row, column, np.concatenate([part.value for part in parts]))
 
 
 def joined(parts: Sequence[FacePoints]) -> FacePoints:
@@ -253,3 +247,4 @@ def joined(parts: Sequence[FacePoints]) -> FacePoints:
 
 _NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)
 _NO_POINTS = FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS)
+_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, Functions(_NO_IDS, _NO_IDS, _NO_NUMBERS), _NO_POINTS, _NO_IDS, {})

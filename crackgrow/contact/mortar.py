@@ -83,12 +83,6 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float, *, nested: b
     return joined_faces(cover, ends, parts)
 
 
-def n_mortar_nodes(cover: Cover, surface: int, spacing: float, *, nested: bool = False) -> int:
-    """How many contact points `mortar_faces` has on a surface."""
-    ends = stretch_ends(cover, surface, 0.5 if nested else 1.0)
-    return sum(len(nodes) for nodes in _nodes(cover, surface, (spacing, nested), ends, _passed(cover))[0])
-
-
 def _passed(cover: Cover) -> Counter[bytes]:
     """How many surfaces go on at each junction, by the bits of its place."""
     inner = (surface.line.points[1:-1][surface.line.junctions[1:-1]] for surface in cover.surfaces)
@@ -97,8 +91,14 @@ def _passed(cover: Cover) -> Counter[bytes]:
 
 def _on_surface(cover: Cover, index: int, asked: tuple[float, bool], ends: Floats, passed: Counter[bytes]) -> Part:
     """Integration points, lengths, functions, and arc lengths and stretches of the nodes of one surface."""
-    nodes, kinds = _nodes(cover, index, asked, ends, passed)
-    stretch = np.repeat(np.arange(len(nodes)), [len(of_stretch) for of_stretch in nodes])
+    along, (spacing, nested) = cover.surfaces[index].in_cells, asked
+    larger = 2.0 if nested else 1.0  # cells of the companion, over those here
+    in_cells = along.at(ends) / larger
+    kinds = _kinds(cover.surfaces[index], ends, in_cells, passed)
+    limits = enumerate(pairwise(in_cells.tolist()))
+    places = [_places(*stretch, spacing, kinds[number], nested=nested) for number, stretch in limits]
+    nodes = [along.place(larger * there) for there in places]
+    stretch = np.repeat(np.arange(len(nodes)), [len(places) for places in nodes])
     s = np.concatenate(nodes)
     points, lengths = integration_points(cover, index, np.concatenate([ends[1:-1], s]))
     stretch_of_point = np.searchsorted(ends[1:-1], points.s, side="right")
@@ -115,19 +115,6 @@ def _on_surface(cover: Cover, index: int, asked: tuple[float, bool], ends: Float
         value=np.concatenate([1.0 - x, x[between]]),
     )
     return points, lengths, functions, s, stretch
-
-
-def _nodes(
-    cover: Cover, index: int, asked: tuple[float, bool], ends: Floats, passed: Counter[bytes]
-) -> tuple[list[Floats], Ints]:
-    """Arc lengths of the nodes of a surface, stretch by stretch, and what both ends (m, 2) of the stretches are."""
-    along, (spacing, nested) = cover.surfaces[index].in_cells, asked
-    larger = 2.0 if nested else 1.0  # cells of the companion, over those here
-    in_cells = along.at(ends) / larger
-    kinds = _kinds(cover.surfaces[index], ends, in_cells, passed)
-    limits = enumerate(pairwise(in_cells.tolist()))
-    places = [_places(*stretch, spacing, kinds[number], nested=nested) for number, stretch in limits]
-    return [along.place(larger * there) for there in places], kinds
 
 
 def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[bytes]) -> Ints:

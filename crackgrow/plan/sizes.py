@@ -12,7 +12,7 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.run.caution import Caution
-from crackgrow.run.layout import counts_of, cover_of
+from crackgrow.run.layout import contact_faces, cover_of, n_constraints_of
 from crackgrow.run.scene import make_scene
 from crackgrow.run.scene_cautions import settings_cautions, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
@@ -67,7 +67,8 @@ def sizes_of(case: Case) -> Sizes:
     """Make the cover of step 0 and count. Raises GeometryError where it can't be made."""
     scene = make_scene(case)
     cover = cover_of(scene, tuple(map(GrowingCrack.given, case.cracks)))
-    n_points, n_multipliers = counts_of(scene, cover)
+    faces = contact_faces(scene, cover)
+    n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
     surfaces = tuple(
         SurfacePlan(str(surface.name), n, law.bonded, law.contact is not None, _rough(law))
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
@@ -84,8 +85,8 @@ def sizes_of(case: Case) -> Sizes:
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,
         n_products=int((cover.functions_on(np.arange(cover.elements.n)).counts ** 2).sum()),
-        n_contact=sum(n_points),
-        n_multipliers=n_multipliers,
+        n_contact=len(faces.surface),
+        n_multipliers=n_constraints_of(scene, cover),
         surfaces=surfaces,
         cautions=tuple(known),
         n_gathered=sum(tip.carriers.gathered for tip in cover.tips),

@@ -6,8 +6,8 @@ import numpy as np
 import shapely
 
 from crackgrow.accuracy.features import graded, graded_cells
-from crackgrow.contact.faces import ContactFaces, gauss_faces, n_gauss_points
-from crackgrow.contact.mortar import mortar_faces, n_mortar_nodes
+from crackgrow.contact.faces import ContactFaces, gauss_faces
+from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import Squares
@@ -70,32 +70,22 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     """The supports, and bonded interfaces: no gap and no slip there, averaged at mortar nodes."""
-    held = constraints(cover, scene.case.supports)
-    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
-    if not bonded:
+    held, faces = constraints(cover, scene.case.supports), _bonded_faces(scene, cover)
+    if not len(faces.surface):
         return held
     from scipy.sparse import csr_array, vstack  # here: who counts conditions alone needs neither it nor the basis
 
     from crackgrow.contact.jump import contact_operators
 
-    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=scene.grading.quartered)
     return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
 
 
-def counts_of(scene: Scene, cover: Cover) -> tuple[list[int], int]:
-    """The numbers of contact points of each surface, as `contact_faces` has them, and of rows of `constraints_of`."""
-    settings, nested = scene.case.numerics.contact, scene.grading.quartered
-    n_points, n_bonded = [], 0
-    for index, law in enumerate(scene.laws):
-        by_gauss = settings.discretization == "gauss" and not law.bonded
-        held = law.bonded or law.contact is not None
-        n = (
-            0
-            if not held
-            else n_gauss_points(cover, index)
-            if by_gauss
-            else n_mortar_nodes(cover, index, settings.spacing, nested=nested)
-        )
-        n_points.append(0 if law.bonded else n)
-        n_bonded += 2 * n if law.bonded else 0
-    return n_points, n_constraints(cover, scene.case.supports) + n_bonded
+def n_constraints_of(scene: Scene, cover: Cover) -> int:
+    """How many rows `constraints_of` has."""
+    return n_constraints(cover, scene.case.supports) + 2 * len(_bonded_faces(scene, cover).surface)
+
+
+def _bonded_faces(scene: Scene, cover: Cover) -> ContactFaces:
+    """Mortar nodes along bonded interfaces."""
+    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    return mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=scene.grading.quartered)

@@ -75,11 +75,8 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
 def n_constraints(cover: Cover, supports: Sequence[Support]) -> int:
     """How many conditions `constraints` has."""
     held = [support for _, support in _prescribing(cover, supports)]
-    edges = points_along(cover, [cover.edges_on(one.region) for one in held if not isinstance(one, PointSupport)])
-    averages = (_n_pieces(edge, cover.lattice.spacing) + 1 for edge in edges)
-    n_averages = [1 if isinstance(one, PointSupport) else next(averages) for one in held]
-    components = [sum(component is not None for component in one.displacement) for one in held]
-    return sum(n * k for n, k in zip(n_averages, components, strict=True))
+    components = (sum(component is not None for component in support.displacement) for support in held)
+    return sum(average.n * n for average, n in zip(_averages(cover, held), components, strict=True))
 
 
 def _prescribing(cover: Cover, supports: Sequence[Support]) -> list[tuple[int, PointSupport | EdgeSupport]]:
@@ -175,14 +172,19 @@ def held_body(support: Support) -> str:
 class _Averages:
     """Averages of values at points."""
 
-    shares: csr_array  # (n, p) of each point in each average
+    n: int  # of averages
+    row: Ints  # (w,) average, point and weight of that in it
+    column: Ints  # (w,)
+    weight: Floats  # (w,)
     points: Floats  # (p, 2) lattice coordinates
     elements: Ints  # (p,)
 
     @property
-    def n(self) -> int:
-        """Number of averages."""
-        return int(self.shares.shape[0])
+    def shares(self) -> csr_array:
+        """The weight of each point in each average (n, p)."""
+        from scipy.sparse import csr_array  # as above
+
+        return csr_array((self.weight, (self.row, self.column)), shape=(self.n, len(self.points)))
 
 
 def _prescribed(displacement: Component, average: _Averages, places: Floats) -> Floats:
@@ -217,21 +219,13 @@ def _at_point(cover: Cover, support: PointSupport) -> _Averages:
     if element[0] < 0:
         there = place_text(support.point + cover.lattice.map_origin)
         raise GeometryError(f"the support at {there} lies outside of body '{support.body}'")
-    from scipy.sparse import csr_array  # as above
-
-    return _Averages(csr_array(np.ones((1, 1))), at, element)
-
-
-def _n_pieces(edge: EdgePoints, spacing: float) -> int:
-    """Into how many pieces, no shorter than cells are there, an edge is divided."""
-    return max(1, int((edge.lengths / edge.sizes).sum() / spacing))
+    first = np.zeros(1, dtype=np.int64)
+    return _Averages(1, first, first, np.ones(1), at, element)
 
 
 def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     """Averages weighted with hat functions whose nodes are about one cell apart, as large as cells are there."""
-    from scipy.sparse import csr_array  # as above
-
-    n_pieces = _n_pieces(edge, spacing)
+    n_pieces = max(1, int((edge.lengths / edge.sizes).sum() / spacing))
     along = edge.stretched - edge.stretched.min()
     position = along / along.max() * n_pieces
     left = np.minimum(position.astype(np.int64), n_pieces - 1)
@@ -239,5 +233,4 @@ def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)
     weights = np.concatenate([(1.0 - share) * edge.lengths, share * edge.lengths])
     weights /= np.bincount(rows, weights, minlength=n_pieces + 1)[rows]
-    shares = csr_array((weights, (rows, points)), shape=(n_pieces + 1, len(left)))
-    return _Averages(shares, edge.points, edge.elements)
+    return _Averages(n_pieces + 1, rows, points, weights, edge.points, edge.elements)
