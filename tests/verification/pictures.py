@@ -12,7 +12,7 @@ from matplotlib.collections import LineCollection, PolyCollection
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from crackgrow.results.displaced import boundary_edges
+from crackgrow.results.drawn_frame import boundary_edges
 from crackgrow.run.result import Frame
 from tests.verification.rows import block, closed_crack, confined, convergence, history, interface, path
 from tests.verification.solutions import table
