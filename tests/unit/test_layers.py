@@ -123,7 +123,17 @@ def test_importing_the_package_and_the_command_line_is_cheap() -> None:
 
 def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
     """With frames, figures and report, as it writes them by default."""
-    heavy = ("pyvista", "vtkmodules", "pandas", "scipy.optimize", "scipy.stats", "matplotlib.pyplot", "dask")
+    heavy = (
+        "pyvista",
+        "vtkmodules",
+        "pandas",
+        "scipy.optimize",
+        "scipy.spatial",
+        "scipy.special",
+        "scipy.stats",
+        "matplotlib.pyplot",
+        "dask",
+    )
     arguments = ["run", str(ROOT.parent / "cases" / "compression30.yaml"), "--out", str(tmp_path), "--quiet"]
     arguments += ["--set", "growth.steps=0", "--set", "numerics.spacing=3"]
     code = f"import sys, crackgrow.cli; crackgrow.cli.main({arguments})"
