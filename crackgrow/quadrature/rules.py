@@ -31,10 +31,10 @@ def triangle(n: int) -> tuple[Floats, Floats]:
 
     Exact to degree 2 n - 1 (Stroud 1971, section 2.4): Gauss-Jacobi across, Gauss along.
     """
-    k = np.arange(float(n))  # nodes and weights are eigenvalues and vectors of the recurrence (Golub, Welsch 1969)
-    diagonal, beside = -1.0 / ((2.0 * k + 1.0) * (2.0 * k + 3.0)), np.sqrt(k * (k + 1.0)) / (2.0 * k + 1.0)
-    x, vectors = np.linalg.eigh(np.diag(diagonal) + np.diag(beside[1:], -1))  # of P_k^(1, 0); reads the lower triangle
-    across, across_weight = 0.5 * (x + 1.0), 0.5 * vectors[0] ** 2
+    from scipy.special import roots_jacobi  # here: loading SciPy takes longer than many a check of a case
+
+    x, w = roots_jacobi(n, 1.0, 0.0)
+    across, across_weight = 0.5 * (x + 1.0), 0.25 * w
     along, along_weight = gauss(n)
     points = np.stack([np.repeat(across, n), np.outer(1.0 - across, along).ravel()], axis=1)
     return _frozen(points), _frozen(np.outer(across_weight, along_weight).ravel())

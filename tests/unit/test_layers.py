@@ -129,7 +129,6 @@ def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
         "pandas",
         "scipy.optimize",
         "scipy.spatial",
-        "scipy.special",
         "scipy.stats",
         "matplotlib.pyplot",
         "dask",
