@@ -24,7 +24,7 @@ from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import load_words
 from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
-from crackgrow.results.vtk_frames import as_pyvista, specimen_grid
+from crackgrow.results.vtk_frames import as_pyvista
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.loop import Steps, solved_steps, through
@@ -150,7 +150,7 @@ class Solution(_Tables):
         >>> round(mesh.area * 1e6), float(round(mesh["displacement"][:, 1].min() * 1e3, 2))   # mm^2, mm
         (1705, -0.52)
         """
-        return as_pyvista(specimen_grid(self.frame, FIELDS))
+        return as_pyvista(self.frame, FIELDS)
 
     def displacement_at(self, points: ArrayLike) -> Floats:
         """Displacement (..., 2) m at points (..., 2) in m; nan outside of the rock.

@@ -27,7 +27,7 @@ from numba.extending import get_cython_function_address
 
 from crackgrow.arrays import Floats
 
-WITH_KERNELS: Final = ("approximation", "cover", "linear", "quadrature", "solid", "compiled.py")
+WITH_KERNELS: Final = ("approximation", "linear", "solid", "compiled.py")
 """Where kernels are."""
 
 

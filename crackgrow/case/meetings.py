@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from crackgrow.arrays import Floats
 from crackgrow.case.layout import ON_OUTLINE
@@ -27,9 +25,13 @@ def meeting_places(case: Case) -> Floats:
         return places
     points = shapely.points(places)
     same = shapely.STRtree(points).query(points, predicate="dwithin", distance=SAME_MEETING * tolerance)
-    links = coo_array((np.ones(same.shape[1]), tuple(same)), shape=(len(places), len(places)))
-    _, groups = connected_components(links, directed=False)
-    return places[np.unique(groups, return_index=True)[1]]
+    first = np.arange(len(places))  # the first place that each is known to be one with
+    while True:
+        least = first.copy()
+        np.minimum.at(least, same[0], first[same[1]])
+        if np.array_equal(least, first):
+            return places[np.unique(first)]
+        first = least
 
 
 def scene_size(case: Case) -> float:

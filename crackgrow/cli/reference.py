@@ -11,13 +11,9 @@ from textwrap import TextWrapper
 from typing import Final
 
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
-from crackgrow.results.declarations import RUN, Column, File
-from crackgrow.study.comparison_text import CSV as COMPARE
-from crackgrow.study.converge.columns import FILES as CONVERGE
-from crackgrow.study.sweep.columns import FILES as SWEEP
-from crackgrow.study.trade.columns import FILES as TRADE
+from crackgrow.results.declarations import RUN, Column, File, columns_of, declared
 
-FOLDERS: Final = {"run": RUN, "compare": (COMPARE,), "sweep": SWEEP, "converge": CONVERGE, "trade": TRADE}
+FOLDERS: Final = {"run": RUN} | {command: declared(files) for command, files in columns_of("study").items()}
 """Files by the command that writes them."""
 
 

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
@@ -17,6 +18,9 @@ from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_direct
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.quadrature.rules import gauss, on_edges_with_tips
 from crackgrow.ragged import starts_of
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 STRETCH_KINK = np.deg2rad(10.0)
 """A kink sharper than this ends a stretch: hat functions do not reach round it, since the normal turns there."""
@@ -48,16 +52,23 @@ class FacePoints:
     minus: Ints  # (n,) element on the minus face, -1 for a rigid foundation
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class ContactFaces:
     """The contact points of the surfaces whose faces can touch."""
 
     points: FacePoints  # n integration points
     lengths: Floats  # (n,) their integration weights, spacings
-    functions: csr_array  # (contact points, n) N_k
+    values: Functions
     nodes: FacePoints  # the contact points themselves
     stretch: Ints  # (contact points,) number of the stretch on its surface
     ends: dict[int, Floats]  # surface by surface the arc lengths (m + 1,) at which its m stretches begin and end
+
+    @cached_property
+    def functions(self) -> csr_array:
+        """N_k (contact points, n)."""
+        from scipy.sparse import csr_array  # here: who counts contact points alone needs none of it
+
+        return csr_array((self.values.value, (self.values.node, self.values.point)), shape=(self.n, len(self.lengths)))
 
     @property
     def surface(self) -> Ints:
@@ -122,7 +133,7 @@ def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Functions:
-    """What the functions N_k of the contact points of one surface are at its integration points, where they are any."""
+    """What the functions N_k of contact points are at integration points, where they are any."""
 
     node: Ints  # (m,) number of the contact point
     point: Ints  # (m,) number of the integration point
@@ -203,22 +214,21 @@ def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> Co
     return ContactFaces(
         points=joined(points),
         lengths=np.concatenate(lengths),
-        functions=_all_functions(functions, [len(s) for s in nodes], [len(some.s) for some in points]),
+        values=_all_functions(functions, [len(s) for s in nodes], [len(some.s) for some in points]),
         nodes=joined([_nodes_at(cover, *node) for node in zip(ends, nodes, stretches, ends.values(), strict=True)]),
         stretch=np.concatenate(stretches),
         ends=ends,
     )
 
 
-def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> csr_array:
-    """N_k (contact points, integration points) of all surfaces, which have so many of both."""
+def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> Functions:
+    """N_k of all surfaces, which have so many contact points and integration points."""
     counts = [len(part.value) for part in parts]
     row, column = (
         np.concatenate(numbers) + np.repeat(starts_of(np.array(of_each))[:-1], counts)
         for numbers, of_each in (([part.node for part in parts], n_nodes), ([part.point for part in parts], n_points))
     )
-    values = np.concatenate([part.value for part in parts])
-    return csr_array((values, (row, column)), shape=(sum(n_nodes), sum(n_points)))
+    return Functions(row, column, np.concatenate([part.value for part in parts]))
 
 
 def joined(parts: Sequence[FacePoints]) -> FacePoints:
@@ -237,4 +247,4 @@ def joined(parts: Sequence[FacePoints]) -> FacePoints:
 
 _NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)
 _NO_POINTS = FacePoints(_NO_IDS, _NO_NUMBERS, _NO_PLACES, _NO_PLACES, _NO_IDS, _NO_IDS)
-_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, csr_array((0, 0)), _NO_POINTS, _NO_IDS, {})
+_NO_FACES = ContactFaces(_NO_POINTS, _NO_NUMBERS, Functions(_NO_IDS, _NO_IDS, _NO_NUMBERS), _NO_POINTS, _NO_IDS, {})

@@ -19,15 +19,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Strength
 from crackgrow.fracture.sites import LARGEST_KINK
-from crackgrow.fracture.tip_stress import TipField
-from crackgrow.solid.recovery import principal
+from crackgrow.solid.elasticity import principal
+
+if TYPE_CHECKING:  # what reads the criteria alone needs no basis
+    from crackgrow.fracture.tip_stress import TipField
 
 AT_STRENGTH = 1e-9
 """A criticality this close below 1 is 1 but for round-off, as it is at a critical load."""

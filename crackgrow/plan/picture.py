@@ -18,13 +18,13 @@ from crackgrow.case.features import line_length
 from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
 from crackgrow.case.on_map import case_on_map
 from crackgrow.cover.squares import QUANTA
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.figures import body_path
 from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.signs import Arrow, Sign, Strokes, load_signs, support_signs
 from crackgrow.results.signs import Polygon as Shape
 from crackgrow.results.style import own_style, wrapped
-from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of
 from crackgrow.run.scene import Scene, make_scene
 
@@ -88,7 +88,7 @@ def draw_scene(path: Path, case: Case) -> None:
 
 def _draw_cells(axes: Axes, case: Case, scene: Scene) -> None:
     """The cells before anything grows, inside of the bodies."""
-    cells = cells_of(scene, beginning(scene.case).cracks)
+    cells = cells_of(scene, tuple(map(GrowingCrack.given, scene.case.cracks)))
     corners = cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
     squares = scene.lattice.to_map(corners / QUANTA)
     for body in case.bodies:

@@ -9,10 +9,10 @@ import numpy as np
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.run.caution import Caution
-from crackgrow.run.checkpoint import beginning
-from crackgrow.run.layout import constraints_of, contact_faces, cover_of
+from crackgrow.run.layout import contact_faces, cover_of, n_constraints_of
 from crackgrow.run.scene import make_scene
 from crackgrow.run.scene_cautions import settings_cautions, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
@@ -66,8 +66,8 @@ def guessed_sizes(case: Case) -> Sizes:
 def sizes_of(case: Case) -> Sizes:
     """Make the cover of step 0 and count. Raises GeometryError where it can't be made."""
     scene = make_scene(case)
-    cover = cover_of(scene, beginning(case).cracks)
-    faces, held = contact_faces(scene, cover), constraints_of(scene, cover)
+    cover = cover_of(scene, tuple(map(GrowingCrack.given, case.cracks)))
+    faces = contact_faces(scene, cover)
     n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
     surfaces = tuple(
         SurfacePlan(str(surface.name), n, law.bonded, law.contact is not None, _rough(law))
@@ -86,7 +86,7 @@ def sizes_of(case: Case) -> Sizes:
         n_elements=cover.elements.n,
         n_products=int((cover.functions_on(np.arange(cover.elements.n)).counts ** 2).sum()),
         n_contact=len(faces.surface),
-        n_multipliers=len(held.given),
+        n_multipliers=n_constraints_of(scene, cover),
         surfaces=surfaces,
         cautions=tuple(known),
         n_gathered=sum(tip.carriers.gathered for tip in cover.tips),

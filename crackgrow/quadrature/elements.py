@@ -6,7 +6,6 @@ it are halved until they are small by their distance from it.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,12 +13,11 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
-from crackgrow.geometry.arrangement import ring_vertices
+from crackgrow.geometry.arrangement import as_numbers, ring_vertices
 from crackgrow.geometry.tolerance import SAME_PART
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
-from crackgrow.ragged import places
+from crackgrow.ragged import Ragged, places
 from crackgrow.vectors import cross
 
 LARGEST = 2.0
@@ -64,17 +62,19 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     parts = [_on_tiles(cover, np.arange(n_whole), n)]
     smooth, cut = ~enriched[owner], n + MORE_POINTS_IN_CUT_TILES
     parts.append(_on_corners(corners[smooth], owner[smooth], cut))
-    tips, acting = np.array([tip.point for tip in cover.tips]).reshape(-1, 2), cover.enrichment.tips
-    nearest = NEAREST * cover.elements.size
-    corners, owner, sizes = _split(corners[~smooth], owner[~smooth], tips, acting.start, acting.values, nearest)
-    at_tip, near = np.isinf(sizes), np.isfinite(sizes) & (sizes > FAR)
-    points, weights = on_tip_triangles(corners[at_tip], cut + MORE_POINTS_AT_TIPS + more)
-    sides = corners[at_tip, 1:] - corners[at_tip, :1]
-    exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
-    parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
-    parts.append(_on_corners(corners[near], owner[near], cut + more))
-    far = ~(at_tip | near)
-    parts.append(_on_corners(corners[far], owner[far], n))
+    corners, owner = corners[~smooth], owner[~smooth]
+    if len(corners):
+        tips = np.array([tip.point for tip in cover.tips])
+        at_tip, corners, owner = _tip_first(corners, owner, tips)
+        points, weights = on_tip_triangles(corners[at_tip], cut + MORE_POINTS_AT_TIPS + more)
+        sides = corners[at_tip, 1:] - corners[at_tip, :1]
+        exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
+        parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))
+        nearest = NEAREST * cover.elements.size
+        corners, owner, size = _halved(corners[~at_tip], owner[~at_tip], tips, cover.enrichment.tips, nearest)
+        near = size > FAR
+        parts.append(_on_corners(corners[near], owner[near], cut + more))
+        parts.append(_on_corners(corners[~near], owner[~near], n))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
     return ElementPoints(points[order], weights[order], element[order])
@@ -168,68 +168,69 @@ def _flat(points: Floats, weights: Floats, owner: Ints) -> tuple[Floats, Floats,
     return points.reshape(-1, 2), weights.ravel(), np.repeat(owner, points.shape[1])
 
 
-@kernel
-def _split(
-    corners: Floats, owner: Ints, tips: Floats, start: Ints, acting: Ints, nearest: Floats
-) -> tuple[Floats, Ints, Floats]:
-    """Split triangles (t, 3, 2) of elements (t,) until all are small by their distance from the tips that act on them.
+def _tip_first(corners: Floats, owner: Ints, tips: Floats) -> tuple[Bools, Floats, Ints]:
+    """Which triangles (t, 3, 2) have a tip as a corner, all of them with that corner in front, and their element (t,).
 
-    A triangle with a tip as a corner is turned so that it comes first, one with several is halved between two. Others
-    are halved across their longest side, which keeps needles, that a crack close to a lattice line leaves, from being
-    cut lengthwise. Where two sides are the longest all three are halved, but not of `THIN` triangles: each part would
-    be as thin, and two of its sides the longest. Those smaller than `nearest` (elements,) are left. The tips of element
-    e are acting[start[e] : start[e + 1]]. Returns triangles, their elements, and how large each is by its distance from
-    a tip, infinitely where it begins with one.
+    Those with a tip at several corners are halved between two of them.
     """
-    room = 2 * len(owner) + 8
-    found, of, begins, n = np.empty((room, 3, 2)), np.empty(room, np.int64), np.empty(room), 0
-    waiting, part, middle, sides, is_tip = (
-        np.empty((64, 3, 2)),
-        np.empty((3, 2)),
-        np.empty((3, 2)),
-        np.empty(3),
-        np.empty(3, np.bool_),
-    )
-    for first, e in enumerate(owner):
-        waiting[0], left = corners[first], 1
-        while left:
-            left -= 1
-            part[:] = waiting[left]
-            distance, is_tip[:] = np.inf, False
-            for i in range(3):
-                sides[i] = math.hypot(part[(i + 1) % 3, 0] - part[i, 0], part[(i + 1) % 3, 1] - part[i, 1])
-                middle[i] = 0.5 * (part[i] + part[(i + 1) % 3])
-            for tip in tips[acting[start[e] : start[e + 1]]]:
-                for i in range(3):
-                    is_tip[i] |= part[i, 0] == tip[0] and part[i, 1] == tip[1]
-                    step_x, step_y = part[(i + 1) % 3, 0] - part[i, 0], part[(i + 1) % 3, 1] - part[i, 1]
-                    x, y = tip[0] - part[i, 0], tip[1] - part[i, 1]
-                    along = (x * step_x + y * step_y) / max(sides[i] * sides[i], 1e-300)
-                    along = min(max(along, 0.0), 1.0)
-                    distance = min(distance, math.hypot(x - along * step_x, y - along * step_y))
-            largest, n_tips, turn = sides.max(), is_tip.sum(), np.argmax(is_tip)
-            if n_tips == 1 or (n_tips == 0 and (largest <= LARGEST * distance or largest <= nearest[e])):
-                if n == len(of):
-                    found, of, begins = np.concatenate((found, found)), np.append(of, of), np.append(begins, begins)
-                for i in range(3):
-                    found[n, i] = part[(turn + i) % 3]
-                of[n], begins[n] = e, np.inf if n_tips == 1 else largest / distance
-                n += 1
-                continue
-            if left + 4 > len(waiting):
-                waiting = np.concatenate((waiting, waiting))
-            base = np.argmax(sides) if n_tips == 0 else turn if is_tip[(turn + 1) % 3] else 2  # a tip, then another
-            second = max(sides[(base + 1) % 3], sides[(base + 2) % 3])
-            a, b, c = part[base], part[(base + 1) % 3], part[(base + 2) % 3]
-            ab, bc, ca = middle[base], middle[(base + 1) % 3], middle[(base + 2) % 3]
-            if n_tips == 0 and second >= (1.0 - SAME_PART) * largest and sides.min() > THIN * largest:
-                waiting[left, 0], waiting[left, 1], waiting[left, 2] = a, ab, ca
-                waiting[left + 1, 0], waiting[left + 1, 1], waiting[left + 1, 2] = ab, b, bc
-                waiting[left + 2, 0], waiting[left + 2, 1], waiting[left + 2, 2] = ca, bc, c
-                waiting[left + 3, 0], waiting[left + 3, 1], waiting[left + 3, 2] = bc, ca, ab
-                left += 4
-            else:
-                waiting[left, 0], waiting[left, 1], waiting[left, 2] = a, ab, c
-                waiting[left + 1, 0], waiting[left + 1, 1], waiting[left + 1, 2] = ab, b, c
-                left += 2
-    return found[:n], of[:n], begins[:n]
+    numbers = as_numbers(tips)
+    while True:
+        is_tip = np.isin(as_numbers(corners), numbers)
+        several = is_tip.sum(axis=1) > 1
+        if not several.any():
+            return np.asarray(is_tip.any(axis=1)), _turned(corners, np.argmax(is_tip, axis=1)), owner
+        between = is_tip[several] & np.roll(is_tip[several], -1, axis=1)
+        halves = _halves(_turned(corners[several], np.argmax(between, axis=1)))
+        corners = np.concatenate([corners[~several], *halves])
+        owner = np.concatenate([owner[~several], *[owner[several]] * len(halves)])
+
+
+def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest: Floats) -> tuple[Floats, Ints, Floats]:
+    """Halve triangles across their longest side until all are small by their distance from their tips.
+
+    Returns them, their elements, and how large each is by its distance. Those smaller than `nearest` (elements,) are
+    left. Halving the longest side keeps needles, which a crack close to a lattice line leaves, from being cut lengthwise.
+    Where two sides are the longest, all three are halved; not so of `THIN` ones: each part would be as thin, and two of
+    its sides the longest.
+    """
+    done_corners, done_owner, done_size = [np.empty((0, 3, 2))], [np.empty(0, dtype=np.int64)], [np.empty(0)]
+    while len(corners):
+        sides, longest, second = _longest(corners)
+        size = sides.max(axis=1)
+        distance = np.full(len(corners), np.inf)
+        which, pair = acting.places(owner)
+        np.minimum.at(distance, which, _distance(corners[which], tips[acting.values[pair]]))
+        large = (size > LARGEST * distance) & (size > nearest[owner])
+        done_corners.append(corners[~large])
+        done_owner.append(owner[~large])
+        done_size.append(size[~large] / distance[~large])
+        alike = _alike(sides, longest, second) & (sides.min(axis=1) > THIN * size)
+        in_two, in_four = large & ~alike, large & alike
+        halves, quarters = _halves(_turned(corners, longest)[in_two]), _quarters(corners[in_four])
+        corners = np.concatenate([*halves, *quarters])
+        owner = np.concatenate([*[owner[in_two]] * len(halves), *[owner[in_four]] * len(quarters)])
+    return np.concatenate(done_corners), np.concatenate(done_owner), np.concatenate(done_size)
+
+
+def _halves(corners: Floats) -> tuple[Floats, ...]:
+    """Two parts of triangles (t, 3, 2) whose first side is halved."""
+    a, b, c = corners.transpose(1, 0, 2)
+    middle = 0.5 * (a + b)
+    return np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)
+
+
+def _quarters(corners: Floats) -> tuple[Floats, ...]:
+    """Four parts of triangles (t, 3, 2), of their shape."""
+    middles = 0.5 * (corners + np.roll(corners, -1, axis=1))
+    a, b, c = corners.transpose(1, 0, 2)
+    ab, bc, ca = middles.transpose(1, 0, 2)
+    return tuple(np.stack(part, axis=1) for part in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab)))
+
+
+def _distance(corners: Floats, point: Floats) -> Floats:
+    """Distances (t,) of points (t, 2) outside from triangles (t, 3, 2)."""
+    start, point = corners, point[:, None]
+    step = np.roll(corners, -1, axis=1) - start
+    tau = np.sum((point - start) * step, axis=2) / np.maximum(np.sum(step * step, axis=2), 1e-300)
+    nearest = start + np.clip(tau, 0.0, 1.0)[:, :, None] * step
+    return np.asarray(np.sqrt(np.min(np.sum((nearest - point) ** 2, axis=2), axis=1)))

@@ -7,13 +7,11 @@ tip, and points are drawn to a tip at their end.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.quadrature.elements import LARGEST
@@ -96,8 +94,7 @@ def points_on_edges(
     smooth = np.flatnonzero(acting.counts == 0)
     parts = [_flat(smooth, np.zeros(len(smooth)), np.ones(len(smooth)), *on_edges(len(smooth), n))]
     if len(smooth) < len(ends):
-        tips = np.array([tip.point for tip in cover.tips])
-        owner, start, size, tip_at_start, tip_at_end = _split(ends, acting.start, acting.values, tips)
+        owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, acting)
         parts.append(_flat(owner, start, size, *on_edges_with_tips(tip_at_start, tip_at_end, n)))
     edge, position, share = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(edge, kind="stable")
@@ -129,48 +126,35 @@ def _flat(owner: Ints, start: Floats, size: Floats, x: Floats, w: Floats) -> tup
     return np.repeat(owner, x.shape[1]), position.ravel(), (size[:, None] * w).ravel()
 
 
-@kernel
-def _split(ends: Floats, acting_at: Ints, acting: Ints, tips: Floats) -> tuple[Ints, Floats, Floats, Bools, Bools]:
-    """Halve edges (m, 2, 2) that tip functions act on until all pieces are short by their distance from the tips.
+def _halved(cover: Cover, ends: Floats, acting: Ragged) -> tuple[Ints, Floats, Floats, Bools, Bools]:
+    """Halve the edges (m, 2, 2) that tip functions act on until all pieces are short by their distance from the tips.
 
-    The tips of edge i are acting[acting_at[i] : acting_at[i + 1]]. Returns edge, start and size (as fractions of the
-    edge) and whether a tip is at the start or at the end.
+    Returns edge, start and size (as fractions of the edge) and whether a tip is at the start or at the end.
     """
-    room = 2 * len(acting) + 8
-    owner, start, size, at_tip = np.empty(room, np.int64), np.empty(room), np.empty(room), np.empty((2, room), np.bool_)
-    n, waiting = 0, np.empty((64, 2))
-    for edge in range(len(ends)):
-        if acting_at[edge] == acting_at[edge + 1]:
-            continue
-        waiting[0, 0], waiting[0, 1], left = 0.0, 1.0, 1
-        whole_x, whole_y = ends[edge, 1, 0] - ends[edge, 0, 0], ends[edge, 1, 1] - ends[edge, 0, 1]
-        while left:
-            left -= 1
-            begin, part = waiting[left, 0], waiting[left, 1]
-            step_x, step_y, nearest, at_start, at_end = part * whole_x, part * whole_y, np.inf, False, False
-            length = math.hypot(step_x, step_y)
-            for tip in tips[acting[acting_at[edge] : acting_at[edge + 1]]]:
-                x, y = tip[0] - ends[edge, 0, 0] - begin * whole_x, tip[1] - ends[edge, 0, 1] - begin * whole_y
-                if math.hypot(x, y) < ON_LINE:
-                    at_start = True
-                elif math.hypot(x - step_x, y - step_y) < ON_LINE:
-                    at_end = True
-                else:
-                    along = min(max((x * step_x + y * step_y) / (length * length), 0.0), 1.0)
-                    nearest = min(nearest, math.hypot(x - along * step_x, y - along * step_y))
-            if length > LARGEST * nearest and length > SHORTEST:
-                if left + 2 > len(waiting):
-                    waiting = np.concatenate((waiting, waiting))
-                waiting[left, 0], waiting[left + 1, 0] = begin + 0.5 * part, begin
-                waiting[left, 1] = waiting[left + 1, 1] = 0.5 * part
-                left += 2
-                continue
-            if n == len(owner):
-                owner, start, size = np.append(owner, owner), np.append(start, start), np.append(size, size)
-                at_tip = np.concatenate((at_tip, at_tip), axis=1)
-            owner[n], start[n], size[n], at_tip[0, n], at_tip[1, n] = edge, begin, part, at_start, at_end
-            n += 1
-    return owner[:n], start[:n], size[:n], at_tip[0, :n], at_tip[1, :n]
+    tips = np.array([tip.point for tip in cover.tips])
+    owner = np.flatnonzero(acting.counts > 0)
+    start, size = np.zeros(len(owner)), np.ones(len(owner))
+    done = []
+    while len(owner):
+        whole = (ends[:, 1] - ends[:, 0])[owner]
+        first, step = ends[owner, 0] + start[:, None] * whole, size[:, None] * whole
+        length = _norm(step)
+        piece, pair = acting.places(owner)
+        offset, along = tips[acting.values[pair]] - first[piece], step[piece]
+        share = np.clip(np.sum(offset * along, axis=1) / length[piece] ** 2, 0.0, 1.0)
+        distance = _norm(offset - share[:, None] * along)
+        at_start, at_end = _norm(offset) < ON_LINE, _norm(offset - along) < ON_LINE
+        nearest = np.full(len(owner), np.inf)
+        np.minimum.at(nearest, piece, np.where(at_start | at_end, np.inf, distance))
+        large = (length > LARGEST * nearest) & (length > SHORTEST)
+        tip_at = np.zeros((2, len(owner)), dtype=bool)
+        tip_at[0, piece[at_start]], tip_at[1, piece[at_end]] = True, True
+        done.append((owner[~large], start[~large], size[~large], *tip_at[:, ~large]))
+        half = 0.5 * size[large]
+        owner = np.tile(owner[large], 2)
+        start, size = np.concatenate([start[large], start[large] + half]), np.tile(half, 2)
+    owner, start, size, tip_at_start, tip_at_end = (np.concatenate(arrays) for arrays in zip(*done, strict=True))
+    return owner, start, size, tip_at_start, tip_at_end
 
 
 def _norm(vectors: Floats) -> Floats:

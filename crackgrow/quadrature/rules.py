@@ -5,7 +5,6 @@ from __future__ import annotations
 from functools import cache
 
 import numpy as np
-from scipy.special import roots_jacobi
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.vectors import cross
@@ -32,6 +31,8 @@ def triangle(n: int) -> tuple[Floats, Floats]:
 
     Exact to degree 2 n - 1 (Stroud 1971, section 2.4): Gauss-Jacobi across, Gauss along.
     """
+    from scipy.special import roots_jacobi  # here: loading SciPy takes longer than many a check of a case
+
     x, w = roots_jacobi(n, 1.0, 0.0)
     across, across_weight = 0.5 * (x + 1.0), 0.25 * w
     along, along_weight = gauss(n)

@@ -1,4 +1,4 @@
-"""A frame of a run with one of its fields, as arrays that pictures are drawn from."""
+"""A frame of a run with one of its fields, as arrays that pictures are drawn from: displaced, with open faces."""
 
 from __future__ import annotations
 
@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.results.folder import FolderError, RunFolder
@@ -17,6 +20,12 @@ if TYPE_CHECKING:
 
 VTK_TRIANGLE, VTK_QUAD = 5, 9  # kinds of cells
 COMPONENTS = ("stress_xx", "stress_yy", "stress_zz", "stress_xy")  # as they come in a frame's stress
+INCHES = 6.5  # of the longer side of a picture whose size fits the specimen: text is in proportion to that
+DISPLACED_SHARE = 0.04  # of the specimen's size: how far the most displaced point is drawn from its place
+LARGEST_STRAIN = 0.15  # that is drawn: beyond it holes lose their shape
+STRAIN_PERCENTILE = 98.0  # of the length of all sides of cells: what is left lies at tips
+LINE = 0.8  # points, width of outlines and faces
+TOGETHER = LINE / (72 * INCHES)  # of the size: faces that touch are drawn as far apart, or in each other, at most
 
 
 def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
@@ -38,6 +47,10 @@ class DrawnFrame:
     displacement: Floats  # (n, 2) m
     values: Floats  # (n,) by point, or (t + q,) by cell; SI units
     by_point: bool
+
+
+Displaced = Frame | DrawnFrame
+"""A mesh of triangles (t, 3) and quads (q, 4) whose points (n, 2) m are displaced."""
 
 
 def drawn_frame(run: RunFolder, step: int, field: str, mesh: pyvista.UnstructuredGrid | None = None) -> DrawnFrame:
@@ -97,3 +110,112 @@ def _fields(grid: pyvista.UnstructuredGrid) -> dict[str, tuple[bool, Floats]]:
         for name, values in fields.items():
             found.setdefault(name, (by_point, np.asarray(values, dtype=float)))
     return found
+
+
+def displayed_magnification(frame: Displaced) -> float:
+    """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
+
+    It is less where LARGEST_STRAIN would be drawn, or faces that touch be parted, but 1 at least.
+    """
+    largest = np.linalg.norm(off_mean(frame), axis=1).max()
+    size = np.ptp(frame.points, axis=0).max()
+    if not largest > 0:
+        return 1.0
+    strain = max(_usual_strain(frame, sides) for sides in (np.concatenate(_all_sides(frame)), boundary_edges(frame)))
+    together = _magnification_together(frame, TOGETHER * size)
+    visible = min(DISPLACED_SHARE * size / largest, LARGEST_STRAIN / max(strain, 1e-300), together)
+    return max(float(f"{visible:.1e}"), 1.0)
+
+
+def _magnification_together(frame: Displaced, apart: float) -> float:
+    """The largest factor w of displacements with which faces that touch are drawn at most `apart` (m) from each other.
+
+    Drawn are a jump w d and a face that has turned with the displacements u along it, so that the opening is
+    w d.n + w^2 d.n', n' = rot(du/ds): its second part is none of the rock's, and may be as large as the first.
+    """
+    upper, lower = face_pairs(frame)
+    along, turned = (np.diff(field[upper], axis=1) for field in (frame.points, frame.displacement))
+    jump = frame.displacement[lower] - frame.displacement[upper]
+    length = np.linalg.norm(along, axis=2)
+    opening, false = ((jump[..., 0] * t[..., 1] - jump[..., 1] * t[..., 0]) / length for t in (along, turned))
+    real, false = np.maximum(opening, 0.0), np.maximum(np.abs(false), 1e-300)
+    return float(np.min((real + np.sqrt(real**2 + 4.0 * false * apart)) / (2.0 * false), initial=np.inf))
+
+
+def _usual_strain(frame: Displaced, sides: NDArray[np.int64]) -> float:
+    """Size of the strain along sides of cells, given by their ends (n, 2), that little of their length exceeds."""
+    x, u = (values[sides[:, 1]] - values[sides[:, 0]] for values in (frame.points, frame.displacement))
+    squares = (x * x).sum(axis=1)
+    kept = squares > 0.0
+    strains = np.abs((x * u).sum(axis=1)[kept]) / squares[kept]
+    return float(percentiles(strains, np.sqrt(squares[kept]), STRAIN_PERCENTILE)) if len(strains) else 0.0
+
+
+def boundary_edges(frame: Displaced) -> NDArray[np.int64]:
+    """Edges (n, 2) that one cell alone has, with rock on their left: the outline and both faces of the cracks."""
+    sides = np.concatenate(_all_sides(frame))
+    keys = sides.min(axis=1) * len(frame.points) + sides.max(axis=1)
+    _, first, counts = np.unique(keys, return_index=True, return_counts=True)
+    return np.asarray(sides[first[counts == 1]])
+
+
+def face_pairs(frame: Displaced) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Edges (n, 2) of faces that have others at the same place: those of rock above, and of rock below, end by end."""
+    edges = boundary_edges(frame)
+    x, y = np.diff(frame.points[edges], axis=1)[:, 0].T
+    above = (x > 0.0) | ((x == 0.0) & (y > 0.0))
+    edges = np.where(above[:, None], edges, edges[:, ::-1])
+    _, place = np.unique(frame.points[edges].reshape(-1, 4), axis=0, return_inverse=True)
+    _, upper, lower = np.intersect1d(place[above], place[~above], return_indices=True)
+    return edges[above][upper], edges[~above][lower]
+
+
+def above(frame: Displaced) -> NDArray[np.bool_]:
+    """Points (n,) that are nearer to an upper face than to a lower one, through the rock.
+
+    Cells there are drawn last: where a picture has two faces in each other, one side covers the other.
+    """
+    n, sides = len(frame.points), np.concatenate(_all_sides(frame))
+    lengths = np.linalg.norm(np.diff(frame.points[sides], axis=1)[:, 0], axis=1)
+    ways = csr_array((np.maximum(lengths, 1e-300), sides.T), shape=(n, n))
+    upper, lower = map(np.unique, face_pairs(frame))
+    faces = np.setdiff1d(upper, lower), np.setdiff1d(lower, upper)
+    if not (len(faces[0]) and len(faces[1])):
+        return np.zeros(n, dtype=bool)
+    to_upper, to_lower = (dijkstra(ways, directed=False, indices=face, min_only=True) for face in faces)
+    return np.asarray(to_upper < to_lower)
+
+
+def _all_sides(frame: Displaced) -> list[NDArray[np.int64]]:
+    """Ends (n, 2) of the sides of triangles and of quads, a side of two cells twice."""
+    return [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in cell_groups(frame)]
+
+
+def cell_groups(frame: Displaced) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
+
+
+def off_mean(frame: Displaced) -> Floats:
+    """Displacement (n, 2) m less its mean over the specimen."""
+    return np.asarray(frame.displacement - np.average(frame.displacement, axis=0, weights=areas(frame, by_point=True)))
+
+
+def areas(frame: Displaced, *, by_point: bool) -> Floats:
+    """Area m^2 of each cell (c,), or that each point (n,) stands for: equal parts of those of its cells."""
+    groups = cell_groups(frame)
+    of_cells = [areas_of(frame.points, cells) for cells in groups]
+    if not by_point:
+        return np.concatenate(of_cells)
+    corners = np.concatenate([cells.ravel() for cells in groups])
+    parts = [np.repeat(some / cells.shape[1], cells.shape[1]) for some, cells in zip(of_cells, groups, strict=True)]
+    return np.asarray(np.bincount(corners, np.concatenate(parts), len(frame.points)), dtype=float)
+
+
+def areas_of(points: Floats, cells: NDArray[np.int64]) -> Floats:
+    """Areas (c,) of cells with corners (c, k) among points (n, 2)."""
+    x, y = points[cells].transpose(2, 0, 1)
+    return np.asarray(0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)))
+
+
+def percentiles(values: Floats, weights: Floats, percentiles: float | tuple[float, float]) -> Floats:
+    return np.asarray(np.percentile(values, percentiles, weights=weights, method="inverted_cdf"))

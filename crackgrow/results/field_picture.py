@@ -23,20 +23,22 @@ from crackgrow.arrays import Floats
 from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
 from crackgrow.errors import CaseError
-from crackgrow.results.displaced import (
+from crackgrow.results.drawn_frame import (
     INCHES,
     LINE,
     Displaced,
+    DrawnFrame,
     above,
     areas,
     areas_of,
     boundary_edges,
     cell_groups,
     displayed_magnification,
+    field_kind,
+    field_unit,
     off_mean,
     percentiles,
 )
-from crackgrow.results.drawn_frame import DrawnFrame, field_kind, field_unit
 from crackgrow.results.placing import with_bar
 from crackgrow.results.style import own_style
 from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of

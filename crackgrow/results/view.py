@@ -10,8 +10,7 @@ from typing import Any
 import pyvista
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.displaced import areas, displayed_magnification
-from crackgrow.results.drawn_frame import drawn_frame
+from crackgrow.results.drawn_frame import areas, displayed_magnification, drawn_frame
 from crackgrow.results.field_picture import colours_of
 from crackgrow.results.folder import open_run
 from crackgrow.results.units import factor_text

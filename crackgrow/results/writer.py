@@ -13,8 +13,8 @@ from crackgrow.case import dump_case
 from crackgrow.case.changes import changes_of
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
-from crackgrow.results import tables
-from crackgrow.results.atomic import remove_files, write_text
+from crackgrow.results import tables, vtk_frames
+from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
 from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
 from crackgrow.results.leftovers import check_folder, earlier_files, remove_frames, remove_half_written
@@ -219,7 +219,7 @@ class RunWriter:
         if self.case.output.report:
             from crackgrow.results.report import write_report  # as above
 
-            write_report(self.folder)
+            write_report(self.folder, self.case)
 
     def _write_checkpoint(self, result: StepResult) -> None:
         if result.checkpoint is None:
@@ -261,8 +261,6 @@ class RunWriter:
 
     def _write_frames(self, result: StepResult) -> float:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
-        from crackgrow.results import vtk_frames  # here: a run without frames needs no VTK
-
         began = time.perf_counter()
         if result.frame is not None:
             name = frame_name(result.step)
@@ -271,7 +269,7 @@ class RunWriter:
             self._list_series("frames")
         if result.faces:
             name = cracks_name(result.step)
-            vtk_frames.write_cracks(self.folder / name, result)
+            vtk_frames.write_cracks(self.folder / name, result.faces)
             self._series["cracks"].append((result.step, name))
             self._list_series("cracks")
         return time.perf_counter() - began
@@ -282,8 +280,6 @@ class RunWriter:
         if not self._series[kind]:
             remove_files([path])
             return
-        from crackgrow.results import vtk_frames  # as above
-
         vtk_frames.write_series(path, self._series[kind])
 
     def _draw(self, last: StepResult, cracks: Sequence[CrackPath]) -> None:
@@ -291,7 +287,11 @@ class RunWriter:
 
         folder = self.folder / "figures"
         figures.draw_paths(folder / "path.png", self.case, cracks)
-        self._draw_sigma_1("sigma_1_last.png", last)
+        first = folder / "sigma_1_first.png"
+        if len(self._tally.steps) == 1 and first.is_file():
+            write_bytes(folder / "sigma_1_last.png", first.read_bytes())
+        else:
+            self._draw_sigma_1("sigma_1_last.png", last)
         if any(face.crack in last.contact.crack for face in last.faces):
             figures.draw_contact(folder / "contact.png", self.case, last)
         if len({point.factor for point in self._curve}) > 1:

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import shapely
-from scipy.sparse import csr_array, vstack
 
 from crackgrow.accuracy.features import graded, graded_cells
 from crackgrow.contact.faces import ContactFaces, gauss_faces
-from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.shapes import CrackGeometry
@@ -16,7 +14,7 @@ from crackgrow.cover.squares import Squares
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PART
 from crackgrow.run.scene import Scene
-from crackgrow.solid.supports import Constraints, constraints, tied
+from crackgrow.solid.supports import Constraints, constraints, n_constraints, tied
 
 
 def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
@@ -72,9 +70,22 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     """The supports, and bonded interfaces: no gap and no slip there, averaged at mortar nodes."""
-    held = constraints(cover, scene.case.supports)
-    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
-    if not bonded:
+    held, faces = constraints(cover, scene.case.supports), _bonded_faces(scene, cover)
+    if not len(faces.surface):
         return held
-    faces = mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=scene.grading.quartered)
+    from scipy.sparse import csr_array, vstack  # here: who counts conditions alone needs neither it nor the basis
+
+    from crackgrow.contact.jump import contact_operators
+
     return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
+
+
+def n_constraints_of(scene: Scene, cover: Cover) -> int:
+    """How many rows `constraints_of` has."""
+    return n_constraints(cover, scene.case.supports) + 2 * len(_bonded_faces(scene, cover).surface)
+
+
+def _bonded_faces(scene: Scene, cover: Cover) -> ContactFaces:
+    """Mortar nodes along bonded interfaces."""
+    bonded = [index for index, law in enumerate(scene.laws) if law.bonded]
+    return mortar_faces(cover, bonded, scene.case.numerics.contact.spacing, nested=scene.grading.quartered)

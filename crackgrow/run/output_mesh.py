@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.spatial import KDTree
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
@@ -105,14 +104,13 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
 
     So triangles stay about as slender as they are (Rivara 1984).
     """
-    tree, size = KDTree([tip.point for tip in tips]), np.array([tip.size for tip in tips])
-    near = _too_long(cells.vertices[_sides_of(cells.quads)], tree, size).any(axis=1)
+    near = _too_long(cells.vertices[_sides_of(cells.quads)], tips).any(axis=1)
     cells = _fanned(elements, cells, cells.whole[near])
     while True:
         ends = _sides_of(cells.triangles)
         keys, first, side = np.unique(cells.keys(ends), return_index=True, return_inverse=True)
         ends, side = ends.reshape(-1, 2)[first], side.reshape(-1, 3)
-        halved = _too_long(cells.vertices[ends], tree, size)
+        halved = _too_long(cells.vertices[ends], tips)
         if not halved.any():
             return cells
         longest = np.argmax(_lengths(cells.vertices[ends])[side], axis=1)
@@ -189,11 +187,17 @@ def _with_nodes(cells: _Cells) -> OutputMesh:
     )
 
 
-def _too_long(ends: Floats, tips: KDTree, size: Floats) -> Bools:
+def _too_long(ends: Floats, tips: Sequence[Tip]) -> Bools:
     """Which sides between points (..., 2, 2) are too long for their distance from a tip."""
-    length = _lengths(ends)
-    distance, tip = tips.query(0.5 * (ends[..., 0, :] + ends[..., 1, :]))
-    return np.asarray(length > np.maximum(LONGEST * distance, SHORTEST * size[tip]))
+    length, middle = _lengths(ends).ravel(), ends.mean(axis=-2).reshape(-1, 2)
+    reach, order = length.max(initial=0.0) / LONGEST, np.argsort(middle[:, 0])
+    x, found = middle[order, 0], np.zeros(len(length), dtype=bool)
+    for tip in tips:
+        first, last = np.searchsorted(x, tip.point[0] + np.array([-reach, reach]))
+        near = order[first:last]
+        distance = np.hypot(*(middle[near] - tip.point).T)
+        found[near] |= length[near] > np.maximum(LONGEST * distance, SHORTEST * tip.size)
+    return found.reshape(ends.shape[:-2])
 
 
 def _lengths(ends: Floats) -> Floats:

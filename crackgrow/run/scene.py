@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import shapely
@@ -35,10 +35,12 @@ from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
-from crackgrow.fracture.stress_intensity import BodyForce
 from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
+
+if TYPE_CHECKING:
+    from crackgrow.fracture.stress_intensity import BodyForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -34,7 +34,8 @@ from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.run.unsaid import free_edges
-from crackgrow.solid.loads import load_vector
+from crackgrow.solid.loads import point_forces
+from crackgrow.vectors import cross
 
 MOST_MOVED = 8
 """Of more points that were moved only the number is told."""
@@ -227,23 +228,19 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
         return
     for held in (True, False):
         loads = [load for load in case.loads if load.held == held]
-        stress = _forces(case, cover, [load for load in loads if isinstance(load, InSituStress)])
-        weight = _forces(case, cover, [load for load in loads if isinstance(load, Gravity)])
-        others = _forces(case, cover, [load for load in loads if not isinstance(load, InSituStress | Gravity)])
-        size = float(np.hypot(*stress.T).sum() + np.hypot(*others.T).sum())
-        left = min(_unbalanced(cover, stress + others), _unbalanced(cover, stress + others + weight))
+        stress, stress_size = _resultant(case, cover, [load for load in loads if isinstance(load, InSituStress)])
+        weight, _ = _resultant(case, cover, [load for load in loads if isinstance(load, Gravity)])
+        others, size = _resultant(case, cover, [x for x in loads if not isinstance(x, InSituStress | Gravity)])
+        size += stress_size
+        left = min(max(np.hypot(x, y), abs(turn)) for x, y, turn in (stress + others, stress + others + weight))
         if left > Cause.UNBALANCED.limit * size:
             what = f"{left:.3g} N/m of the loads ({100.0 * left / size:.2g} %)"
             yield Cause.UNBALANCED.at(size=left / size, what=what)
 
 
-def _forces(case: Case, cover: Cover, loads: Sequence[Load]) -> Floats:
-    """Loads (n, 2) in N/m on the patches' own functions, which add up to one everywhere."""
-    return load_vector(cover, case.bodies, loads, case.numerics.quadrature).reshape(-1, 2)[: len(cover.patches.nodes)]
-
-
-def _unbalanced(cover: Cover, forces: Floats) -> float:
-    """The resultant (N/m) of forces (n, 2) on the patches, or what their moment is over the size of the scene."""
-    arms = cover.patches.nodes - cover.patches.nodes.mean(axis=0)
-    turning = float((arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]).sum())
-    return max(float(np.hypot(*forces.sum(axis=0))), abs(turning) / float(np.ptp(cover.patches.nodes, axis=0).max()))
+def _resultant(case: Case, cover: Cover, loads: Sequence[Load]) -> tuple[Floats, float]:
+    """Force along x and y and moment over the size of the scene (3,), N/m, of loads; and the sum of their sizes."""
+    points, _, forces = point_forces(cover, case.bodies, loads, case.numerics.quadrature)
+    nodes = cover.patches.nodes
+    moment = cross(points - nodes.mean(axis=0), forces).sum() / np.ptp(nodes, axis=0).max()
+    return np.append(forces.sum(axis=0), moment), float(np.hypot(*forces.T).sum())

@@ -7,7 +7,6 @@ from functools import partial
 
 import numpy as np
 
-from crackgrow.approximation.basis import values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case import model
 from crackgrow.case.units import place_text
@@ -29,47 +28,63 @@ def load_vector(cover: Cover, bodies: Sequence[model.Body], loads: Sequence[mode
 
     `n` Gauss points per direction, as for the stiffness.
     """
-    f = _edge_tractions(cover, [load for load in loads if isinstance(load, model.EdgeTraction | model.EdgePressure)])
+    from crackgrow.approximation.basis import values_at  # here: who asks for the forces alone needs no basis
+
+    points, elements, forces = point_forces(cover, bodies, loads, n)
+    if not len(points):
+        return np.zeros(cover.n_dofs)
+    return np.asarray(values_at(cover, points, elements).rows.T @ forces).ravel()
+
+
+Forces = tuple[Floats, Ints, Floats]
+"""Points (n, 2) in lattice coordinates, elements (n,) that they lie in, and forces (n, 2) N/m on the rock there."""
+
+
+def point_forces(cover: Cover, bodies: Sequence[model.Body], loads: Sequence[model.Load], n: int) -> Forces:
+    """The loads, all but those on crack faces, as forces at the points of their integrals."""
+    parts = _edge_tractions(
+        cover, [load for load in loads if isinstance(load, model.EdgeTraction | model.EdgePressure)]
+    )
     for load in loads:
         if isinstance(load, model.Gravity):
             body = body_index(bodies, load.body)
             density = bodies[body].material.density
             assert density is not None  # the case was checked
-            f += _body_forces(cover, body, n, density * np.asarray(load.acceleration))
+            parts.append(_body_forces(cover, body, n, density * np.asarray(load.acceleration)))
         elif isinstance(load, model.InSituStress):
             body, stress = body_index(bodies, load.body), InSitu().plus(load, 1.0)
-            f -= _rim_tractions(cover, body, stress)
+            points, elements, forces = _rim_tractions(cover, body, stress)
+            parts.append((points, elements, -forces))
             if stress.varying:
-                f += _body_forces(cover, body, n, partial(stress.divergence, spacing=cover.lattice.spacing))
+                parts.append(_body_forces(cover, body, n, partial(stress.divergence, spacing=cover.lattice.spacing)))
         elif isinstance(load, model.FarField):
-            f += _rim_tractions(cover, body_index(bodies, load.body), InSitu().plus(load, 1.0), load.region)
+            parts.append(_rim_tractions(cover, body_index(bodies, load.body), InSitu().plus(load, 1.0), load.region))
         elif isinstance(load, model.PointForce):
-            f += _at_point(cover, body_index(bodies, load.body), load)
-    return f.ravel()
+            parts.append(_at_point(cover, body_index(bodies, load.body), load))
+    parts.append((np.empty((0, 2)), np.empty(0, dtype=np.int64), np.empty((0, 2))))
+    points, elements, forces = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    return points, elements, forces
 
 
-def _at_point(cover: Cover, body: int, load: model.PointForce) -> Floats:
-    """Work (n_functions, 2) N/m of a force at a point. Raises GeometryError where no rock of the body is."""
+def _at_point(cover: Cover, body: int, load: model.PointForce) -> Forces:
+    """A force at a point. Raises GeometryError where no rock of the body is."""
     at = cover.lattice.to_lattice(load.point[None])
     element = locate(cover.lattice, cover.elements, at, body)
     if element[0] < 0:
         raise GeometryError(
             f"the force at {place_text(load.point + cover.lattice.map_origin)} lies outside of body '{load.body}'"
         )
-    return np.asarray(values_at(cover, at, element).rows.T @ np.asarray(load.force)[None])
+    return at, element, np.array([load.force], dtype=float)
 
 
-def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> Floats:
-    """Integral of phi t (n_functions, 2) N/m of all tractions and pressures along edges."""
-    if not loads:
-        return np.zeros((cover.n_functions, 2))
+def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> list[Forces]:
+    """Tractions and pressures along edges, load by load."""
     edges = points_along(cover, [_fine_enough(cover, load, cover.edges_on(load.region)) for load in loads])
-    points, elements = (np.concatenate(arrays) for arrays in zip(*((e.points, e.elements) for e in edges), strict=True))
-    forces = []
+    found = []
     for edge, load in zip(edges, loads, strict=True):
-        places = cover.lattice.to_metres(edge.points)
-        forces.append(edge.lengths[:, None] * load.traction_at(places, edge.outward))
-    return np.asarray(values_at(cover, points, elements).rows.T @ np.concatenate(forces))
+        traction = load.traction_at(cover.lattice.to_metres(edge.points), edge.outward)
+        found.append((edge.points, edge.elements, edge.lengths[:, None] * traction))
+    return found
 
 
 def _fine_enough(cover: Cover, load: model.EdgeLoad, edges: FaceEdges) -> FaceEdges:
@@ -83,8 +98,8 @@ def _fine_enough(cover: Cover, load: model.EdgeLoad, edges: FaceEdges) -> FaceEd
     return edges if len(edge) == len(edges.edge) else edges.parts(edge, limits)
 
 
-def _rim_tractions(cover: Cover, body: int, stress: InSitu, region: model.EdgeRegion | None = None) -> Floats:
-    """Integral of phi sigma n (n_functions, 2) N/m along the rim of a body, or a region of it.
+def _rim_tractions(cover: Cover, body: int, stress: InSitu, region: model.EdgeRegion | None = None) -> Forces:
+    """Tractions sigma n along the rim of a body, or a region of it.
 
     By the divergence theorem this, with the crack faces' part and less the integral of phi div sigma, is the integral
     of B' sigma. On the rim it cancels tractions that balance the stress exactly, inside so does the divergence weight.
@@ -100,14 +115,12 @@ def _rim_tractions(cover: Cover, body: int, stress: InSitu, region: model.EdgeRe
     edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[mine])
     outward = outward_normals(ends[:, 1] - ends[:, 0])
     traction = across(stress.at(cover.lattice.to_metres(points)), outward[edge])
-    forces = length[:, None] * cover.lattice.spacing * traction
-    return np.asarray(values_at(cover, points, element[edge]).rows.T @ forces)
+    return points, element[edge], length[:, None] * cover.lattice.spacing * traction
 
 
-def _body_forces(cover: Cover, body: int, n: int, force: Floats | Callable[[Floats], Floats]) -> Floats:
-    """Integral of phi b (n_functions, 2) N/m over a body, of a force b (2,) N/m^3, or (k, 2) at places (k, 2) m."""
+def _body_forces(cover: Cover, body: int, n: int, force: Floats | Callable[[Floats], Floats]) -> Forces:
+    """A force b (2,) N/m^3, or (k, 2) at places (k, 2) m, over a body."""
     lattice, at = cover.lattice, element_points(cover, n)
     mine = np.flatnonzero(cover.elements.body[at.element] == body)
     density = force(lattice.to_metres(at.points[mine])) if callable(force) else force
-    forces = at.weights[mine, None] * density * lattice.spacing**2
-    return np.asarray(values_at(cover, at.points[mine], at.element[mine]).rows.T @ forces)
+    return at.points[mine], at.element[mine], at.weights[mine, None] * density * lattice.spacing**2

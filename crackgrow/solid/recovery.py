@@ -36,11 +36,3 @@ def stress_of(materials: Sequence[PlaneElasticity], gradient: Floats, body: Ints
             mine = body == number
             stress[mine] += material.initial.more_at(places[mine])
     return np.asarray(stress)
-
-
-def principal(stress: Floats) -> tuple[Floats, Floats, Floats]:
-    """Principal stresses s1 >= s3 (n,) Pa and the angle (n,) rad of s1's axis from +x, for stresses (n, 3)."""
-    xx, yy, xy = stress.T
-    centre, half = 0.5 * (xx + yy), 0.5 * (xx - yy)
-    radius = np.hypot(half, xy)
-    return centre + radius, centre - radius, 0.5 * np.arctan2(xy, half)

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from scipy.sparse import block_diag, csr_array, vstack
 
-from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Component, ContactSupport, EdgeSupport, PointSupport, Support
 from crackgrow.case.units import place_text
@@ -24,6 +23,9 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.errors import GeometryError
 from crackgrow.quadrature.rims import points_on_outlines
 from crackgrow.vectors import outward_normals
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 CLOSE = 0.25
 """Cells: an edge that is closer to a side of its cells has next to nothing of the nodes on the other side."""
@@ -45,12 +47,11 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
 
     Raises GeometryError for a support outside of its body.
     """
-    names = {body.name for body in cover.bodies}
-    prescribing = [
-        (n, support)
-        for n, support in enumerate(supports)
-        if not isinstance(support, ContactSupport) and held_body(support) in names
-    ]
+    from scipy.sparse import csr_array, vstack  # here: who counts conditions alone needs neither it nor the basis
+
+    from crackgrow.approximation.basis import of_component
+
+    prescribing = _prescribing(cover, supports)
     if not prescribing:
         none = np.empty(0, dtype=np.int64)
         return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
@@ -71,8 +72,27 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
     return Constraints(matrix, given_at, owners, axis, np.full(len(axis), -1))
 
 
+def n_constraints(cover: Cover, supports: Sequence[Support]) -> int:
+    """How many conditions `constraints` has."""
+    held = [support for _, support in _prescribing(cover, supports)]
+    components = (sum(component is not None for component in support.displacement) for support in held)
+    return sum(average.n * n for average, n in zip(_averages(cover, held), components, strict=True))
+
+
+def _prescribing(cover: Cover, supports: Sequence[Support]) -> list[tuple[int, PointSupport | EdgeSupport]]:
+    """The supports that prescribe displacements of bodies that are there, with their numbers."""
+    names = {body.name for body in cover.bodies}
+    return [
+        (n, support)
+        for n, support in enumerate(supports)
+        if not isinstance(support, ContactSupport) and held_body(support) in names
+    ]
+
+
 def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraints:
     """The constraints with further `rows` (k, n_dofs), of bonded surfaces (k,), that are held at zero."""
+    from scipy.sparse import csr_array, vstack  # as above
+
     none = np.full(len(surface), -1)
     return Constraints(
         csr_array(vstack([constraints.matrix, rows], format="csr")),
@@ -152,14 +172,19 @@ def held_body(support: Support) -> str:
 class _Averages:
     """Averages of values at points."""
 
-    shares: csr_array  # (n, p) of each point in each average
+    n: int  # of averages
+    row: Ints  # (w,) average, point and weight of that in it
+    column: Ints  # (w,)
+    weight: Floats  # (w,)
     points: Floats  # (p, 2) lattice coordinates
     elements: Ints  # (p,)
 
     @property
-    def n(self) -> int:
-        """Number of averages."""
-        return int(self.shares.shape[0])
+    def shares(self) -> csr_array:
+        """The weight of each point in each average (n, p)."""
+        from scipy.sparse import csr_array  # as above
+
+        return csr_array((self.weight, (self.row, self.column)), shape=(self.n, len(self.points)))
 
 
 def _prescribed(displacement: Component, average: _Averages, places: Floats) -> Floats:
@@ -180,6 +205,10 @@ def _averages(cover: Cover, supports: Sequence[PointSupport | EdgeSupport]) -> l
 
 def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     """The averages (rows, n_functions) of the values of all functions."""
+    from scipy.sparse import block_diag, csr_array  # as above
+
+    from crackgrow.approximation.basis import values_at
+
     points, elements = (np.concatenate([getattr(a, name) for a in averages]) for name in ("points", "elements"))
     return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).rows)
 
@@ -190,7 +219,8 @@ def _at_point(cover: Cover, support: PointSupport) -> _Averages:
     if element[0] < 0:
         there = place_text(support.point + cover.lattice.map_origin)
         raise GeometryError(f"the support at {there} lies outside of body '{support.body}'")
-    return _Averages(csr_array(np.ones((1, 1))), at, element)
+    first = np.zeros(1, dtype=np.int64)
+    return _Averages(1, first, first, np.ones(1), at, element)
 
 
 def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
@@ -203,5 +233,4 @@ def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     rows, points = np.concatenate([left, left + 1]), np.tile(np.arange(len(left)), 2)
     weights = np.concatenate([(1.0 - share) * edge.lengths, share * edge.lengths])
     weights /= np.bincount(rows, weights, minlength=n_pieces + 1)[rows]
-    shares = csr_array((weights, (rows, points)), shape=(n_pieces + 1, len(left)))
-    return _Averages(shares, edge.points, edge.elements)
+    return _Averages(n_pieces + 1, rows, points, weights, edge.points, edge.elements)

@@ -11,6 +11,7 @@ from pathlib import Path
 import pytest
 
 import crackgrow.linear
+from tests.report_runs import make_run
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
@@ -122,7 +123,16 @@ def test_importing_the_package_and_the_command_line_is_cheap() -> None:
 
 def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
     """With frames, figures and report, as it writes them by default."""
-    heavy = ("pyvista", "pandas", "scipy.optimize", "scipy.stats", "matplotlib.pyplot", "dask")
+    heavy = (
+        "pyvista",
+        "vtkmodules",
+        "pandas",
+        "scipy.optimize",
+        "scipy.spatial",
+        "scipy.stats",
+        "matplotlib.pyplot",
+        "dask",
+    )
     arguments = ["run", str(ROOT.parent / "cases" / "compression30.yaml"), "--out", str(tmp_path), "--quiet"]
     arguments += ["--set", "growth.steps=0", "--set", "numerics.spacing=3"]
     code = f"import sys, crackgrow.cli; crackgrow.cli.main({arguments})"
@@ -142,6 +152,30 @@ from crackgrow.cli import main
 with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
     main({words})
 assert told.getvalue()
+sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
+"""
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+COMPRESSION = str(ROOT.parent / "cases" / "compression30.yaml")
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["check", COMPRESSION], ["explain", "friction"], ["list"], ["report", "FOLDER"]], ids=" ".join
+)
+def test_only_what_solves_loads_scipy_and_the_compiler(words: list[str], tmp_path: Path) -> None:
+    """Numba and SciPy take as long to load as all of the rest of a check; without words: the package alone."""
+    heavy = ("numba", "llvmlite", "scipy", "pandas", "matplotlib", "PIL", "pyvista", "vtkmodules")
+    if "FOLDER" in words:
+        make_run(tmp_path, ["growth.steps=0"])
+        words = ["report", str(tmp_path)]
+    code = f"""
+import contextlib, io, sys
+import crackgrow
+from crackgrow.cli import main
+with contextlib.redirect_stdout(io.StringIO()):
+    assert not {words} or main({words}) == 0
 sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)

@@ -17,7 +17,7 @@ from tests.conftest import PHYSICS, is_physics
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-NAMES = {"PIL": "pillow", "yaml": "pyyaml", "vtkmodules": "vtk"}  # of packages that are imported by another one
+NAMES = {"PIL": "pillow", "yaml": "pyyaml"}  # of packages that are imported by another one
 THROUGH_OTHERS = {"h5py"}  # meshio has it as an extra, and imports it whenever it reads or writes XDMF
 
 

@@ -13,6 +13,7 @@ from jinja2 import Environment
 from markupsafe import Markup
 
 from crackgrow.arrays import Floats
+from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.report.charts import charts
@@ -45,13 +46,16 @@ ESTIMATES = {
 """Numbers of the summary in the order of the table, in words."""
 
 
-def write_report(folder: Path) -> Path:
-    """Write the report of the run in `folder` beside its files, and return where it is.
+def write_report(folder: Path, case: Case | None = None) -> Path:
+    """Write the report of the run in `folder` beside its files, and return where it is; `case` is its, if it is there.
 
     Raises FolderError where the folder has no results, CaseError where its case is not of this version, OutputError.
     """
     path = folder / REPORT
-    write_text(path, page(open_run(folder)))
+    run = open_run(folder)
+    if case is not None:
+        run.case = case
+    write_text(path, page(run))
     return path
 
 

@@ -14,7 +14,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from crackgrow.results import displaced, field_picture, figures
+from crackgrow.results import drawn_frame, field_picture, figures
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.field_picture import Look
 from crackgrow.results.summary import LoadPoint
@@ -60,7 +60,7 @@ def test_sigma_1_figure_of_a_body_at_rest(tmp_path: Path) -> None:
 def test_magnification_draws_the_largest_displacement_as_four_percent(scale: float) -> None:
     frame = make_frame(scale)
     moved = frame.displacement + np.array([3.0, -1.0])  # a translation changes nothing
-    factor = displaced.displayed_magnification(replace(frame, displacement=moved))
+    factor = drawn_frame.displayed_magnification(replace(frame, displacement=moved))
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
 
@@ -74,9 +74,9 @@ def test_magnification_leaves_holes_their_shape() -> None:
     points, c = np.column_stack([x, y]), 1e-3
     closing = -c * points / np.maximum((points**2).sum(axis=1), 0.5)[:, None]
     frame = SimpleNamespace(points=points, displacement=closing, triangles=np.empty((0, 3), dtype=int), quads=quads)
-    factor = displaced.displayed_magnification(frame)
+    factor = drawn_frame.displayed_magnification(frame)
     at_corners = factor * c / 2
-    assert displaced.LARGEST_STRAIN / 2 < at_corners < displaced.LARGEST_STRAIN * 1.5
+    assert drawn_frame.LARGEST_STRAIN / 2 < at_corners < drawn_frame.LARGEST_STRAIN * 1.5
 
 
 def two_blocks(slip: float, turn: float, apart: float = 0.0) -> DrawnFrame:
@@ -97,14 +97,14 @@ def two_blocks(slip: float, turn: float, apart: float = 0.0) -> DrawnFrame:
 
 def test_magnification_keeps_faces_together_that_slip_and_turn() -> None:
     """A face that has turned by w is left by the slip w along where it was, by w^2 slip turn."""
-    factor = displaced.displayed_magnification(two_blocks(slip=0.02, turn=-0.01))
-    assert factor**2 * 0.02 * 0.01 == pytest.approx(displaced.TOGETHER * 2.0, rel=0.03)  # two digits of the factor
-    assert displaced.displayed_magnification(two_blocks(slip=0.0, turn=-0.01)) > 1.2 * factor
-    assert displaced.displayed_magnification(two_blocks(slip=0.02, turn=-0.01, apart=0.002)) > 1.05 * factor
+    factor = drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01))
+    assert factor**2 * 0.02 * 0.01 == pytest.approx(drawn_frame.TOGETHER * 2.0, rel=0.03)  # two digits of the factor
+    assert drawn_frame.displayed_magnification(two_blocks(slip=0.0, turn=-0.01)) > 1.2 * factor
+    assert drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01, apart=0.002)) > 1.05 * factor
 
 
 def test_displacements_are_never_drawn_less_than_they_are() -> None:
-    assert displaced.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0
+    assert drawn_frame.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0
 
 
 @pytest.mark.parametrize("by_point", [True, False])
@@ -202,7 +202,7 @@ def test_a_load_curve_is_in_units_that_suit_its_values(
 
 def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
     frame = make_frame()
-    edges = displaced.boundary_edges(frame)
+    edges = drawn_frame.boundary_edges(frame)
     # three inner nodes of the crack are double: four edges on either face
     assert len(edges) == 2 * (N_X + N_Y) + 2 * 4
 
@@ -222,7 +222,7 @@ def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
     assert norm.vmax == pytest.approx(1.98, rel=1e-2)
     frame = make_frame()
     for by_point in (False, True):
-        areas = displaced.areas(frame, by_point=by_point)
+        areas = drawn_frame.areas(frame, by_point=by_point)
         assert len(areas) == len(frame.point_stress if by_point else frame.stress)
         assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 

@@ -5,12 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import math
-import os
 import re
 import shutil
-import subprocess
-import sys
-from collections.abc import Sequence
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
@@ -366,24 +362,6 @@ def test_commit_is_told_where_there_is_one(
     (tmp_path / "summary.json").write_text(json.dumps(summary))
     write_report(tmp_path)
     assert f"crackgrow {summary['version']}{told} " in (tmp_path / "report.html").read_text(encoding="utf-8")
-
-
-def test_report_loads_nothing_heavy(folder: Path) -> None:
-    heavy = ("pyvista", "vtkmodules", "matplotlib", "PIL", "pandas")
-    code = (
-        "import sys; from pathlib import Path; from crackgrow.results.report import write_report; "
-        f"write_report(Path({str(folder)!r})); sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
-    )
-    done = run_python(["-c", code])
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-def run_python(arguments: Sequence[str]) -> subprocess.CompletedProcess[str]:
-    root = Path(__file__).resolve().parents[3]
-    environment = os.environ | {"PYTHONPATH": str(root)}
-    return subprocess.run(
-        [sys.executable, *arguments], capture_output=True, text=True, cwd=root, env=environment, check=False
-    )
 
 
 def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:

@@ -105,6 +105,17 @@ def test_load_curve_is_drawn_where_the_load_factor_changes(
     assert ("figures/load_curve.png" in files(tmp_path)) == is_drawn
 
 
+@pytest.mark.parametrize("n_steps", [1, 2])
+def test_a_picture_of_the_first_step_is_that_of_the_last_where_there_is_no_other(tmp_path: Path, n_steps: int) -> None:
+    writer = RunWriter(make_case(frames="none", figures=True), tmp_path)
+    writer.begin()
+    for step in range(n_steps):
+        writer.add(make_result(step))
+    writer.finish(make_end(n_steps - 1))
+    first, last = ((tmp_path / "figures" / f"sigma_1_{name}.png").read_bytes() for name in ("first", "last"))
+    assert (first == last) == (n_steps == 1)
+
+
 def test_frame_time_is_added_to_the_output_phase(tmp_path: Path) -> None:
     writer = RunWriter(make_case(), tmp_path)
     writer.begin()

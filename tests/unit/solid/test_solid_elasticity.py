@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from crackgrow.cover.elements import locate
-from crackgrow.solid.elasticity import plane_elasticity
-from crackgrow.solid.recovery import displacement_at, principal, stress_at
+from crackgrow.solid.elasticity import plane_elasticity, principal
+from crackgrow.solid.recovery import displacement_at, stress_at
 
 E, NU = 70e9, 0.3
 
