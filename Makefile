@@ -45,6 +45,10 @@ $(STAMP): .requirements.lock pyproject.toml
 	@echo "installing the pinned versions"
 	@$(PY) -m pip install --quiet --requirement .requirements.lock
 	@$(PY) -m pip install --quiet --no-deps --no-build-isolation --editable .
+	@echo "compiling the kernels: less than a minute"
+	@folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && \
+		$(PY) -m crackgrow run cases/compression30.yaml --out "$$folder/run" --quiet --set growth.steps=1 2>"$$folder/told" || \
+		{ cat "$$folder/told" >&2; exit 1; }
 	@touch $@
 
 run: case-exists $(STAMP)

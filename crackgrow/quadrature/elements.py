@@ -189,9 +189,9 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest:
     """Halve triangles across their longest side until all are small by their distance from their tips.
 
     Returns them, their elements, and how large each is by its distance. Those smaller than `nearest` (elements,) are
-    left. Halving the longest side keeps needles, which a crack close to a lattice line leaves, from being cut lengthwise.
-    Where two sides are the longest, all three are halved; not so of `THIN` ones: each part would be as thin, and two of
-    its sides the longest.
+    left. Halving the longest side keeps needles, which a crack close to a lattice line leaves, from being cut
+    lengthwise. Where two sides are the longest, all three are halved; not so of `THIN` ones: each part would be as
+    thin, and two of its sides the longest.
     """
     done_corners, done_owner, done_size = [np.empty((0, 3, 2))], [np.empty(0, dtype=np.int64)], [np.empty(0)]
     while len(corners):
@@ -203,7 +203,7 @@ def _halved(corners: Floats, owner: Ints, tips: Floats, acting: Ragged, nearest:
         large = (size > LARGEST * distance) & (size > nearest[owner])
         done_corners.append(corners[~large])
         done_owner.append(owner[~large])
-        done_size.append(size[~large] / distance[~large])
+        done_size.append(size[~large] / np.maximum(distance[~large], np.finfo(float).tiny))
         alike = _alike(sides, longest, second) & (sides.min(axis=1) > THIN * size)
         in_two, in_four = large & ~alike, large & alike
         halves, quarters = _halves(_turned(corners, longest)[in_two]), _quarters(corners[in_four])
