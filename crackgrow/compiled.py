@@ -1,8 +1,8 @@
 """Compilation of the kernels, and BLAS and LAPACK for them.
 
 A kernel is a function of numbers and arrays in plain loops. Numba compiles it once and keeps it in a folder, below
-NUMBA_CACHE_DIR if that is set, else in the package, else in the user's cache; with NUMBA_DISABLE_JIT=1 it runs as
-Python. Importing this module loads Numba: only rooms that solve may do it.
+NUMBA_CACHE_DIR if that is set, else in the package, else in the user's cache, where it can write; with
+NUMBA_DISABLE_JIT=1 it runs as Python. Importing this module loads Numba: only rooms that solve may do it.
 
 Routines of SciPy's BLAS and LAPACK take addresses and store matrices by columns; those here take arrays (C order) and
 hand over the transposes.
@@ -13,6 +13,7 @@ from __future__ import annotations
 import contextlib
 import ctypes
 import os
+import tempfile
 from collections.abc import Callable
 from hashlib import sha256
 from pathlib import Path
@@ -42,12 +43,17 @@ def _folder() -> Path:
             text = file.read_bytes()
             if b"@kernel" in text:
                 digest.update(text)
-    own = package / "__pycache__"
-    with contextlib.suppress(OSError):
-        own.mkdir(exist_ok=True)
-    users = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "crackgrow"
-    given = os.environ.get("NUMBA_CACHE_DIR")
-    return (Path(given) if given else own if os.access(own, os.W_OK) else users) / f"kernels-{digest.hexdigest()[:16]}"
+    name, places = f"kernels-{digest.hexdigest()[:16]}", [package / "__pycache__"]
+    if given := os.environ.get("NUMBA_CACHE_DIR"):
+        places.insert(0, Path(given))
+    with contextlib.suppress(RuntimeError):  # nobody's home
+        places.append(Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "crackgrow")
+    for place in places:
+        with contextlib.suppress(OSError):
+            (place / name).mkdir(parents=True, exist_ok=True)
+            tempfile.TemporaryFile(dir=place / name).close()
+            return place / name
+    return Path(tempfile.mkdtemp(prefix=name))  # for this process alone
 
 
 _FOLDER: Final = str(_folder())

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -93,13 +92,6 @@ def numbered(values: Ints, n: int) -> tuple[Ints, Ints]:
     return found, place[values]
 
 
-def alike_columns(columns: Ints) -> list[Ints]:
-    """The numbers of those of `columns` (m, n) that are equal, together."""
-    order = np.lexsort(columns)
-    changes = np.any(np.diff(columns[:, order]) != 0, axis=0)
-    return np.split(order, np.flatnonzero(changes) + 1) if len(order) else []
-
-
 def places(start: Ints, rows: Ints) -> tuple[Ints, Ints]:
     """As `Ragged.places`, for lists of anything that begin at `start` (n + 1,)."""
     counts = start[rows + 1] - start[rows]
@@ -109,10 +101,3 @@ def places(start: Ints, rows: Ints) -> tuple[Ints, Ints]:
 def by_row(row: Ints, values: Ints, n: int) -> Ragged:
     """The lists of n rows from the `row` (q,) of each value, ascending."""
     return Ragged(np.searchsorted(row, np.arange(n + 1)), values)
-
-
-def from_lists(lists: Sequence[Ints]) -> Ragged:
-    """The lists of rows one by one."""
-    none = np.empty(0, dtype=np.int64)
-    counts = np.array([len(values) for values in lists], dtype=np.int64)
-    return Ragged(starts_of(counts), np.concatenate([none, *lists]))

@@ -134,10 +134,9 @@ class Factorization:
                     kernels.gather(some.left, some.product, self._into(child), places, y, left, product)
                 kernels.reduce(factor.U, factor.V, n_placed, y, left, product)
                 reduced = Reduced(product, left)
-            below[front] = key, columns
             if len(border):
-                kept[key] = reduced
-            else:  # the last front is new wherever anything is
+                kept[key], below[front] = reduced, (key, columns)
+            else:  # nothing later is coupled to it: the end of a tree, which is new wherever anything in it is
                 total[np.ix_(columns, columns)] += reduced.product
         self.reduced = kept
         return np.asarray(np.triu(total) + np.triu(total, 1).T)

@@ -1,7 +1,8 @@
 """What a stiffness matrix has in common with the one of the configuration before.
 
 An element is known by a hash of all that it is integrated from, a function by the elements that it acts on and by its
-place on each. Where all elements of a function are as before so are its entries, under other numbers of the functions.
+place on each. Where all elements of a function are as before, and each function on them is one that it was before, its
+entries are as before, under other numbers of the functions.
 """
 
 from __future__ import annotations
@@ -101,7 +102,9 @@ def take_over(matrix: tuple[Any, ...], before: Stiffness) -> Bools:
     function = _numbers_before(
         _function_keys(*on, keys, len(of[0]) - 1), _function_keys(*known, before.keys, len(of_known[0]) - 1)
     )
-    _copy(*on, *of, *known, _numbers_before(keys, before.keys), function, (start, column, block), lower)
+    element = _numbers_before(keys, before.keys)
+    _leave_split(*on, *of, *known, element, function)
+    _copy(*on, *of, *known, element, function, (start, column, block), lower)
     return np.asarray(function < 0)
 
 
@@ -124,6 +127,32 @@ def _function_keys(at: Ints, function: Ints, keys: Keys, n: int) -> Keys:
             _mix(own, np.uint64(p - at[e]))
             found[function[p]] += own
     return found
+
+
+@kernel
+def _leave_split(
+    at: Ints, function: Ints, of: Ints, element: Ints, at_known: Ints, known: Ints, element_before: Ints, before: Ints
+) -> None:
+    """Put `before` (n,) at -1 where functions that one meets on its elements were one before, or are one now.
+
+    A patch can fall in two, or two can join, far from the elements that it has in common with another one.
+    """
+    n_known = known.max() + 1 if len(known) else 0
+    seen, was = np.full(len(before), -1), np.empty(len(before), np.int64)
+    seen_known, became = np.full(n_known, -1), np.empty(n_known, np.int64)
+    for i in range(len(before)):
+        if before[i] < 0:
+            continue
+        for e in element[of[i] : of[i + 1]]:
+            there = at_known[element_before[e]]
+            for p in range(at[e], at[e + 1]):
+                j, other = function[p], known[there + p - at[e]]
+                if seen[j] != i:
+                    seen[j], was[j] = i, other
+                if seen_known[other] != i:
+                    seen_known[other], became[other] = i, j
+                if was[j] != other or became[other] != j:
+                    before[i] = -1
 
 
 @kernel

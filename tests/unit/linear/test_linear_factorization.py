@@ -6,7 +6,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from scipy.sparse import block_array, csc_array, csr_array, vstack
+from scipy.sparse import block_array, block_diag, csc_array, csr_array, vstack
 from scipy.sparse.linalg import splu
 
 from crackgrow.linear import ConstrainedSystem, symmetric
@@ -99,6 +99,19 @@ def test_compliance_is_that_of_solutions(n: int) -> None:
     parts = csr_array((np.full(2, 0.5), [4, 4], [0, 2]), shape=(1, matrix.shape[0]))
     whole = csr_array(([1.0], [4], [0, 1]), shape=(1, matrix.shape[0]))
     np.testing.assert_array_equal(system.compliance(parts), system.compliance(whole))
+
+
+def test_separate_pieces_are_solved_and_condensed_each_by_itself() -> None:
+    """Their fronts have nothing later that they are coupled to."""
+    (one, nodes), (other, _) = lattice(9, 1), lattice(9, 2)
+    matrix = csc_array(block_diag([one, other], format="csc"))
+    system = ConstrainedSystem(matrix, csr_array((0, matrix.shape[0])), boxes_at(np.concatenate([nodes, nodes + 100])))
+    dense, rng = matrix.toarray(), np.random.default_rng(3)
+    loads = rng.normal(size=len(dense))
+    np.testing.assert_allclose(dense @ system.solve(loads)[0], loads, atol=1e-10)
+    rows = csr_array(rng.normal(size=(12, len(dense))) * (rng.uniform(size=(12, len(dense))) < 0.1))
+    expected = rows @ np.linalg.solve(dense, rows.toarray().T)
+    np.testing.assert_allclose(system.compliance(rows), expected, atol=1e-10 * np.abs(expected).max())
 
 
 def test_compliance_never_holds_all_right_hand_sides_at_once() -> None:
