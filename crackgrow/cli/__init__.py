@@ -16,8 +16,8 @@ from crackgrow.limits import allowed
 
 LEAST: Final = (
     ("NOFILE", 10, "open files", 1, "ulimit -n"),
-    ("AS", 400 * 2**20, "KiB of addresses", 2**10, "ulimit -v"),
-    ("DATA", 200 * 2**20, "KiB of data", 2**10, "ulimit -d"),
+    ("AS", 600 * 2**20, "KiB of addresses", 2**10, "ulimit -v"),
+    ("DATA", 250 * 2**20, "KiB of data", 2**10, "ulimit -d"),
 )
 """Limits of the system: the least with which the program and its libraries load, in words, unit, how to set it."""
 

@@ -31,7 +31,8 @@ THIN = 1e-4
 halved matters by the area, which is nothing."""
 
 MORE_POINTS_WHERE_FADING = 1
-"""Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II."""
+"""Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II; of
+cracks no longer than three cells the compliance is 3 % off where whole tiles take no more, 0.1 % where they do."""
 
 FAR = 0.5
 """Triangles no larger than this part of their distance from a tip take as few points as whole tiles: 1e-5 of K."""
@@ -59,8 +60,11 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     corners, owner = _triangles(cover.elements.polygons)
     owner += n_whole
     more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
-    parts = [_on_tiles(cover, np.arange(n_whole), n)]
-    smooth, cut = ~enriched[owner], n + MORE_POINTS_IN_CUT_TILES
+    cut = n + MORE_POINTS_IN_CUT_TILES
+    far = cut + more if more else n
+    parts = [_on_tiles(cover, np.flatnonzero(~enriched[:n_whole]), n)]
+    parts.append(_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), far))
+    smooth = ~enriched[owner]
     parts.append(_on_corners(corners[smooth], owner[smooth], cut))
     corners, owner = corners[~smooth], owner[~smooth]
     if len(corners):
@@ -74,7 +78,7 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
         corners, owner, size = _halved(corners[~at_tip], owner[~at_tip], tips, cover.enrichment.tips, nearest)
         near = size > FAR
         parts.append(_on_corners(corners[near], owner[near], cut + more))
-        parts.append(_on_corners(corners[~near], owner[~near], n))
+        parts.append(_on_corners(corners[~near], owner[~near], far))
     points, weights, element = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
     order = np.argsort(element, kind="stable")
     return ElementPoints(points[order], weights[order], element[order])
