@@ -14,7 +14,7 @@ import crackgrow.direct
 
 ROOT = Path(__file__).resolve().parents[2] / "crackgrow"
 LAYERS = (
-    "errors", "arrays", "ragged", "blas", "limits", "vectors", "compiled", "case", "geometry", "cover", "approximation",
+    "errors", "arrays", "ragged", "blas", "limits", "vectors", "case", "geometry", "cover", "approximation",
     "quadrature", "direct", "solid", "contact", "fracture", "accuracy", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (
