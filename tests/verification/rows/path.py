@@ -59,7 +59,7 @@ ROWS = [
         0.0,
         "independent code",
         CODE,
-        0.15,
+        0.1,
         partial(deviation, *IMPLICIT, "growth.advance=all", "growth.steps=11"),
         "at most",
     ),
