@@ -25,7 +25,7 @@ help:
 	@echo "make bench [ARGS=--quick]      speed beside an earlier commit, run in one go: tests/benchmarks/bench.csv"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make lock                      renew the pinned versions: .requirements.lock"
-	@echo "make readme [ARGS=--all]       run the commands of all READMEs, with --all the long ones too"
+	@echo "make readme                    run the commands of all READMEs"
 	@echo "make docs                      write the parts of the READMEs that are made of declarations;"
 	@echo "                               with ARGS=--pictures the pictures of README.md, too"
 	@echo "make clean | distclean         remove caches | and .venv"

@@ -48,7 +48,6 @@ MOST_STEPS = 10
 ROUND_OFF = 1e-9
 """Of the largest value: reactions that equilibrium alone decides differ by no more on any mesh, and do not count."""
 
-GOALS = ("load_factor", "slip", "reaction")
 FINER = 2, 3
 """Levels; the larger one is the truth."""
 

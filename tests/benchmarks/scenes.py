@@ -9,8 +9,6 @@ from typing import Final
 from crackgrow.case.model import Case
 from tests.benchmarks.beside import Scene
 
-NO_FILES = ("output.frames=none", "output.figures=false")
-
 FRINGE = 4.0
 """Spacings that the lattice of two unknowns per node has, per direction, more than the plate."""
 

@@ -1,6 +1,6 @@
 """Run the commands of all READMEs, in their order, in a copy of the checkout. Exit code 1: one of them fails.
 
-python -m tests.readme.run [--all] [--only FILE ...]
+python -m tests.readme.run [--only FILE ...]
 """
 
 from __future__ import annotations
@@ -37,9 +37,6 @@ NEEDS_A_WINDOW = (
 )
 """Never run: the program is none of ours, and waits for its user."""
 
-LONG: tuple[str, ...] = ()
-"""Minutes each: only with --all."""
-
 EXIT_CODES = {"crackgrow converge cases/compression30.yaml --steps 4": 4}
 """Of commands that are meant to end otherwise than with 0."""
 
@@ -57,15 +54,13 @@ NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the commands; returns the exit code."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--all", action="store_true", help="the long ones too")
     parser.add_argument("--only", nargs="+", choices=READMES, metavar="FILE", help="the commands of these alone")
     arguments = parser.parse_args(argv)
-    left_out = NEEDS_A_WINDOW if arguments.all else (*NEEDS_A_WINDOW, *LONG)
     failed, n_run = 0, 0
     with tempfile.TemporaryDirectory() as name, ExitStack() as beside:
         folder = checkout(Path(name))
         for command in all_commands(arguments.only or READMES):
-            if command.text in left_out:
+            if command.text in NEEDS_A_WINDOW:
                 print(f"{command.place}: left out: {command.text}", flush=True)
                 continue
             if command.text.endswith(BESIDE):

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.readme.commands import Command, commands
-from tests.readme.run import EXIT_CODES, LONG, NEEDS_A_WINDOW, READMES, ROOT, all_commands, fault_of, run_beside
+from tests.readme.run import EXIT_CODES, NEEDS_A_WINDOW, READMES, ROOT, all_commands, fault_of, run_beside
 
 
 def test_indented_lines_are_shell_commands() -> None:
@@ -62,7 +62,7 @@ def test_command_beside_others_runs_until_they_are_done(tmp_path: Path) -> None:
 
 def test_lists_name_commands_of_the_readmes() -> None:
     shown = {command.text for command in all_commands()}
-    assert {*NEEDS_A_WINDOW, *LONG, *EXIT_CODES} - shown == set()
+    assert {*NEEDS_A_WINDOW, *EXIT_CODES} - shown == set()
 
 
 def test_every_readme_is_run() -> None:
@@ -74,4 +74,4 @@ def test_every_readme_is_run() -> None:
 def test_most_commands_are_run() -> None:
     shown = all_commands()
     assert {"make run CASE=compression30"} <= {command.text for command in shown}
-    assert len(shown) > 2 * len({*NEEDS_A_WINDOW, *LONG})
+    assert len(shown) > 2 * len(NEEDS_A_WINDOW)

@@ -7,20 +7,8 @@ from pathlib import Path
 import numpy as np
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from tests.verification.rows import confined
-
-Floats = NDArray[np.float64]
-
-FOUND = {"marker": "o", "markersize": 3.5, "linewidth": 1.0, "color": "tab:red"}
-REFERENCE = {"linewidth": 2.5, "color": "0.75", "zorder": 1}
-
-
-def draw_all(folder: Path) -> None:
-    """Write every picture as PNG into a folder."""
-    folder.mkdir(parents=True, exist_ok=True)
-    draw_confined_wings(folder / "confined_wings.png")
 
 
 def draw_confined_wings(place: Path) -> None:
@@ -28,7 +16,9 @@ def draw_confined_wings(place: Path) -> None:
 
     Beside them the lengths at arrest over the pressure; bars: by elements in an infinite plate.
     """
-    figure, ((curves, arrests, *_),) = _panels(1, 2)
+    figure = Figure(figsize=(8.4, 3.4), dpi=110, layout="constrained")
+    FigureCanvasAgg(figure)
+    curves, arrests = figure.subplots(1, 2)
     lengths, toughness = np.linspace(0.0, 14e-3, 200), confined.TOUGHNESS
     for percent, colour in zip(confined.STEPS, ("tab:green", "tab:blue", "tab:red", "tab:purple"), strict=True):
         model, wing = confined.model(percent), confined.wing_at(percent)
@@ -48,19 +38,9 @@ def draw_confined_wings(place: Path) -> None:
     pressures = np.linspace(1.0, 11.0, 100)
     modelled = np.array([confined.model(percent).arrest_length(toughness) for percent in pressures])
     arrests.fill_between(pressures, 0.8e3 * modelled, 1.2e3 * modelled, color="0.9", label="within 20 %")
-    arrests.plot(pressures, 1e3 * modelled, label="model", **REFERENCE)
+    arrests.plot(pressures, 1e3 * modelled, label="model", linewidth=2.5, color="0.75", zorder=1)
     arrests.set(
         xlabel="lateral pressure / axial stress [%]", ylabel="length at arrest [mm]", xlim=(0, 11), ylim=(0, 20)
     )
     arrests.legend(fontsize=7)
-    _save(place, figure)
-
-
-def _panels(n_rows: int, n_columns: int) -> tuple[Figure, NDArray[np.object_]]:
-    figure = Figure(figsize=(4.2 * n_columns, 3.4 * n_rows), dpi=110, layout="constrained")
-    FigureCanvasAgg(figure)
-    return figure, figure.subplots(n_rows, n_columns, squeeze=False)
-
-
-def _save(place: Path, figure: Figure) -> None:
     figure.savefig(place)

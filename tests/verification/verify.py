@@ -38,7 +38,6 @@ SUBJECTS = (
 """Modules of tests.verification.rows, in the table's order; a solved case is kept within its subject."""
 
 LONGEST_FIRST = ("automatic_cells", "confined", "wide_plate", "convergence", "open_crack", "path", "history", "block")
-PICTURES = "pictures"  # a subject of its own: it draws, and has no rows
 HEADER = ("case", "quantity", "reference", "its kind", "value", "error", "tolerance", "pass")
 FAILED = 1
 
@@ -69,8 +68,10 @@ def outcomes_of(subject: str) -> list[Outcome]:
 
 
 def draw(folder: Path) -> None:
-    """Draw the pictures."""
-    importlib.import_module(f"tests.verification.{PICTURES}").draw_all(folder)
+    """Draw the picture."""
+    from tests.verification.pictures import draw_confined_wings  # only now: it loads matplotlib
+
+    draw_confined_wings(folder / "confined_wings.png")
 
 
 def report(outcomes: Sequence[Outcome], folder: Path) -> int:
