@@ -1,16 +1,15 @@
 """A solution of the contact problem where Newton goes round in circles: the state followed from one that is known.
 
-Where all points are pressed and none is sheared all of them stick, whatever friction is. From there the free jumps and
-the pulls turn into those of the problem, by a share `left` of 1 to 0, and the state follows: on one active set it is
-linear, which ends where the first point leaves its branch, and goes on with the next one (Katzenelson 1965). Where no
-state lies ahead the branch leads back, and `left` grows for a while (Eaves 1976). Nothing else is a state at the
-beginning if supports hold the rock and faces do not dilate: so the way does not come back to it, and, since the rock
-resists, ends at a solution. With loose pieces it may end where contact lets them go.
+Where all points are pressed and none is sheared all of them stick, whatever friction is. From there the free jumps turn
+into those of the problem, by a share `left` of 1 to 0, and the state follows: on one active set it is linear, which
+ends where the first point leaves its branch, and goes on with the next one (Katzenelson 1965). Where no state lies
+ahead the branch leads back, and `left` grows for a while (Eaves 1976). Nothing else is a state at the beginning if
+supports hold the rock and faces do not dilate: so the way does not come back to it, and, since the rock resists, ends
+at a solution.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Final
 
@@ -19,8 +18,7 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import ActiveSet
 from crackgrow.contact.equations import solve_active, towards
-from crackgrow.contact.loose import split
-from crackgrow.contact.problem import ContactProblem, Motions
+from crackgrow.contact.problem import ContactProblem
 
 MOST_EVENTS: Final = 200
 """Changes of branch after which the way is given up: of 984 problems at random it takes 131 at most."""
@@ -33,9 +31,11 @@ GOLDEN: Final = 0.6180339887498949
 
 
 def followed(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
-    """Unknowns (2 n + l,) with their active set and the number of linear solves; None where no way leads there."""
+    """Tractions (2 n,) with their active set and the number of linear solves; None where no way leads there.
+
+    Supports hold all of the rock.
+    """
     n, m = problem.n_points, problem.free.size
-    problem, whole = _with_what_is_seen(problem)
     begin, x, active = _pressed(problem)
     lacks, left, entered = begin.free - problem.free, 1.0, -1
     for event in range(1, MOST_EVENTS + 1):
@@ -48,7 +48,7 @@ def followed(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
         share = np.divide(np.maximum(room, 0.0), -rate, out=np.full(4 * n, np.inf), where=falls)
         first = int(np.argmin(share)) if n else 0
         if less < 0.0 and (n == 0 or -left / less <= share[first]):
-            return whole(x - left / less * way), active, event
+            return x - left / less * way, active, event
         if share[first] == np.inf:
             break
         x, left = x + share[first] * way, left + share[first] * less
@@ -56,32 +56,22 @@ def followed(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
     return None
 
 
-def _with_what_is_seen(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats], Floats]]:
-    """The problem with those motions alone that points see, and what its unknowns are as those of the whole."""
-    if problem.motions is None:
-        return problem, np.array
-    m, seen = problem.free.size, split(problem.motions.jump)[0]
-    B, F, pull = problem.motions.jump @ seen.T, seen @ problem.motions.force, seen @ problem.motions.pull
-    return replace(problem, motions=Motions(B, F, pull)), lambda x: np.append(x[:m], seen.T @ x[m:])
-
-
 def _pressed(problem: ContactProblem) -> tuple[ContactProblem, Floats, ActiveSet]:
-    """The problem whose points all stick under a pressure, its unknowns and active set.
+    """The problem whose points all stick under a pressure, its tractions and active set.
 
     The pressure is of the size of the tractions that there were if all points stuck under the loads.
     """
-    n, m = problem.n_points, problem.free.size
-    x, motions = np.zeros(m + problem.n_motions), problem.motions
+    n = problem.n_points
+    x = np.zeros(2 * n)
     none = np.zeros(n, dtype=np.int64)
-    stuck = np.abs(solve_active(problem, ActiveSet(np.ones(n, dtype=bool), none, none))[:m])
+    stuck = np.abs(solve_active(problem, ActiveSet(np.ones(n, dtype=bool), none, none)))
     pressure = float(stuck.mean()) if stuck.any() else 1.0
     x[:n] = -pressure * (1.0 + UNLIKE * (GOLDEN * np.arange(n) % 1.0))
-    free = problem.compliance @ x[:m]
+    free = problem.compliance @ x
     free[:n] += problem.dilation * np.abs(problem.slipped)
     sense = np.where(problem.slipped < 0.0, -1, 1)
     active = ActiveSet(np.ones(n, dtype=bool), np.where(_bare(problem), 1, 0), sense)
-    begin = replace(problem, free=free, motions=motions and replace(motions, pull=motions.force @ x[:m]))
-    return begin, x, active
+    return replace(problem, free=free), x, active
 
 
 def _bare(problem: ContactProblem) -> Bools:

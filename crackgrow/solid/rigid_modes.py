@@ -17,6 +17,7 @@ from crackgrow.case.units import place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
+from crackgrow.geometry.tolerance import ROUND_OFF
 from crackgrow.linear import SymmetricMatrix
 
 HOLDS_NOTHING = 1e-8
@@ -94,8 +95,14 @@ class RigidMotions:
         return np.asarray(self.of_pieces @ (self.free.T @ amplitudes))
 
     def along(self, loads: Floats) -> Floats:
-        """What `loads` (n_dofs,) do on each motion, (l,) N/m."""
-        return np.asarray(self.free @ (self.of_pieces.T @ loads))
+        """What `loads` (n_dofs,) do on each motion, (l,) N/m.
+
+        It is nothing where it is the round-off of its terms: the sign of that, for loads that balance by themselves,
+        would press a piece on its contact, or pull it off.
+        """
+        along = self.free @ (self.of_pieces.T @ loads)
+        terms = np.abs(self.free) @ (abs(self.of_pieces).T @ np.abs(loads))
+        return np.where(np.abs(along) > ROUND_OFF * terms, along, 0.0)
 
     def of_piece(self, piece: FreePiece, amplitudes: Floats) -> Floats:
         """Translation in x and y and rotation (3,) of one piece in motions by `amplitudes` (l,)."""

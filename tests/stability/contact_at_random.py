@@ -7,7 +7,7 @@ slipped before.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -67,6 +67,8 @@ def drawn(seed: int) -> Drawn:
         motions = Motions(seen, (seen * np.tile(weights, 2)[:, None]).T, pull)
         if rng.random() < 0.5:  # supports let them turn far
             A = A + 10.0 ** rng.uniform(0.0, 3.0) * jump @ motions.force
+        if rng.random() < 0.3:  # nothing presses them, or pulls at them
+            motions = replace(motions, pull=np.zeros(len(pull)))
     problem = ContactProblem(A, A @ tractions, friction, cohesion, dilation, slipped, motions)
     name = f"{kind}{', graded' if graded else ''}"
     return Drawn(name, problem, weights)

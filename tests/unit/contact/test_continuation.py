@@ -11,6 +11,7 @@ import pytest
 from crackgrow.contact.continuation import followed
 from crackgrow.contact.coulomb import OPEN, SLIP, ActiveSet, complementarity_residual
 from crackgrow.contact.equations import solve_active
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, Motions
 from tests.contact_problems import crack_problem, smooth
 
@@ -79,15 +80,25 @@ def rocking(friction: float, pull: tuple[float, float, float]) -> ContactProblem
 def test_a_block_turns_about_a_corner_until_it_lies_on_the_other() -> None:
     """Off both its points, or on one alone, it is free to move: there the unknowns change and the loads do not."""
     problem = replace(rocking(2.0, (-1.0, 0.2, 0.4)), free=np.array([0.7, -0.2, 0.0, 0.3]))
-    found = followed(problem)
-    assert found is not None
-    assert complementarity_residual(problem, found[0]) < 1e-12
+    found = solve_by_newton(problem)
+    assert found.status == "solved"
+    assert complementarity_residual(problem, found.unknowns) < 1e-12
 
 
 @pytest.mark.parametrize("pull", [(1.0, 0.0, 0.0), (-1.0, 0.0, 1.3), (-1.0, 0.6, 0.0)])
-def test_no_way_leads_to_loads_that_contact_does_not_hold(pull: tuple[float, float, float]) -> None:
+def test_what_contact_does_not_hold_has_no_state(pull: tuple[float, float, float]) -> None:
     """Lifted off, tipped over, and dragged along."""
-    assert followed(rocking(0.5, pull)) is None
+    assert solve_by_newton(rocking(0.5, pull)).status == "limit"
+
+
+@pytest.mark.parametrize("gaps", [(0.7, -0.2), (-0.3, -0.3), (0.5, 0.4)])
+def test_a_block_that_nothing_presses_lies_somewhere_without_tractions(gaps: tuple[float, float]) -> None:
+    """Its place is not determined; that nothing acts between its faces is."""
+    problem = replace(rocking(0.5, (0.0, 0.0, 0.0)), free=np.array([*gaps, 0.3, -0.1]))
+    found = solve_by_newton(problem)
+    assert found.status == "solved"
+    assert np.abs(found.traction).max() < 1e-12
+    assert complementarity_residual(problem, found.unknowns) < 1e-12
 
 
 def test_no_way_leads_to_an_overlap_without_cure() -> None:

@@ -7,8 +7,11 @@ import re
 import numpy as np
 import pytest
 
-from crackgrow.case.model import EdgeSupport, PointSupport
+from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.errors import FreePieceError
+from crackgrow.solid.loads import load_vector
+from crackgrow.solid.rigid_modes import free_motions
+from crackgrow.solid.supports import constraints
 from tests.conftest import Build, Sample
 
 LOWER, UPPER = (2.0, 1.0), (8.0, 6.0)
@@ -57,3 +60,18 @@ def test_piece_that_cracks_cut_off_is_named_with_its_place(build: type[Build]) -
     piece = r"the piece of body 'rock' round \(5 m, 5.* m\)"
     with pytest.raises(FreePieceError, match=f"{piece} is free to move: translation in x and translation in y and rot"):
         sample.system([EdgeSupport(build.edge("bottom"), (0.0, 0.0))])
+
+
+def test_loads_that_balance_by_themselves_pull_at_no_motion(build: type[Build]) -> None:
+    """Tractions of a uniform stress sum to nothing but for round-off, whose sign would press a piece on its contact."""
+    sample = body(build)
+    free = free_motions(sample.cover, constraints(sample.cover, ()).matrix)
+    tractions = {"bottom": (-0.3, 1.0), "top": (0.3, -1.0), "left": (2.0, -0.3), "right": (-2.0, 0.3)}
+
+    def pull(some: dict[str, tuple[float, float]]) -> np.ndarray:
+        loads = tuple(EdgeTraction(build.edge(edge), traction) for edge, traction in some.items())
+        return free.along(load_vector(sample.cover, (sample.body,), loads, 3))
+
+    assert not pull(tractions).any()
+    tractions["top"] = (0.3, -1.0 - 1e-9)
+    assert pull(tractions).any()
