@@ -64,7 +64,9 @@ def kernel(function: Callable[..., Any]) -> Callable[..., Any]:
     fast = {"contract", "reassoc", "nsz", "arcp"}
     before, config.CACHE_DIR = config.CACHE_DIR, _FOLDER  # type: ignore[attr-defined]
     try:
-        compiled: Callable[..., Any] = numba.njit(cache=True, error_model="numpy", nogil=True, fastmath=fast)(function)
+        compiled: Callable[..., Any] = numba.njit(
+            cache=True, error_model="numpy", nogil=True, fastmath=fast, forceinline=True
+        )(function)
     finally:
         config.CACHE_DIR = before  # type: ignore[attr-defined]
     return compiled
