@@ -110,7 +110,10 @@ def table() -> dict[str, Rows]:
 
 
 def differences(old: Rows, new: Rows) -> list[tuple[float, str]]:
-    """What differs between the rows of a scene, the largest first: by how much of its size, and in words."""
+    """What differs between the rows of a scene, the largest first: by how much of its size, and in words.
+
+    The kink of a tip with a small K is known less well, by as much as that is smaller than the largest.
+    """
     largest = {"kink": 1.0}  # rad
     for (*_, quantity), value in old.items():
         kind = SIZES.get(quantity, quantity)
@@ -122,6 +125,8 @@ def differences(old: Rows, new: Rows) -> list[tuple[float, str]]:
             found.append((np.inf, f"{', '.join(key)}: {before} -> {after}"))
         elif before != after:
             size = largest[SIZES.get(key[-1], key[-1])] or abs(after)
+            if key[-1] == "kink" and (K := np.hypot(*(old.get((*key[:-1], mode), 0.0) for mode in ("K_I", "K_II")))):
+                size *= largest["K"] / K
             found.append((abs(after - before) / size, f"{', '.join(key)}: {before!r} -> {after!r}"))
     return sorted(found, reverse=True)
 
