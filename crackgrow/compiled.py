@@ -26,7 +26,7 @@ from numba import types
 from numba.core import config, event
 from numba.extending import get_cython_function_address
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 
 WITH_KERNELS: Final = ("approximation", "linear", "solid", "compiled.py")
 """Where kernels are."""
@@ -106,6 +106,7 @@ _dsyrk = _routine("dsyrk", 10, "blas")
 _dgemm = _routine("dgemm", 13, "blas")
 _dtrsm = _routine("dtrsm", 11, "blas")
 _dpotrf = _routine("dpotrf", 5, "lapack")
+_dpstrf = _routine("dpstrf", 9, "lapack")
 
 
 @kernel
@@ -169,3 +170,31 @@ def cholesky(matrix: Floats) -> int:
     _dpotrf(flags.ctypes.data, n, matrix.ctypes.data, n + 4, n + 8)
     flags[0] = 0
     return int(sizes[2])
+
+
+@kernel
+def dependent_of(matrix: Floats, least: float) -> Ints:
+    """Return the rows of a symmetric `matrix` (n, n) whose pivots are at most `least`; replace its upper triangle.
+
+    The largest pivot is taken first (Higham 1990): what is left is as small as its largest one.
+    """
+    n = len(matrix)
+    if n == 0:
+        return np.zeros(0, np.int64)
+    flags, sizes = np.array([76], np.uint8), np.array([n, matrix.strides[0] // 8, 0, 0], np.int32)
+    pivots, work = np.zeros(n, np.int32), np.zeros(2 * n + 1)
+    work[2 * n] = least
+    size, number = sizes.ctypes.data, work.ctypes.data
+    _dpstrf(
+        flags.ctypes.data,
+        size,
+        matrix.ctypes.data,
+        size + 4,
+        pivots.ctypes.data,
+        size + 8,
+        number + 16 * n,
+        number,
+        size + 12,
+    )
+    flags[0], work[0] = 0, 0.0
+    return pivots[sizes[2] :].astype(np.int64) - 1

@@ -67,6 +67,7 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
     balance = np.linalg.pinv(motions.force @ motions.jump, rcond=UNSEEN, hermitian=True)
     soft = SOFT * float(np.median(problem.scale)) * balance  # (l, l) m per N/m
     held = replace(problem, compliance=problem.compliance + motions.jump @ soft @ motions.force, motions=None)
+    best, least = found, as_far(problem)
     for _ in range(MOST_SPRINGS):
         still = x[m:] + soft @ motions.pull
         held = replace(held, free=problem.free + motions.jump @ still)
@@ -77,13 +78,17 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
         if there.status != "solved":
             break
         x = np.append(there.traction, still - soft @ (motions.force @ there.traction))
-        if missed(problem, x, problem.jump(x)) <= as_far(problem):
-            return replace(there, iterations=iterations, motion=x[m:])
+        left = missed(problem, x, problem.jump(x))
+        if left <= least:
+            best, least = replace(there, motion=x[m:]), left
+        if left <= ROUND_OFF:
+            break
         there = _stepped(problem, x)
         iterations += there.iterations
         if there.status == "solved":
-            return replace(there, iterations=iterations)
-    return replace(found, iterations=iterations)
+            best = there
+            break
+    return replace(best, iterations=iterations)
 
 
 def _stepped(problem: ContactProblem, x: Floats) -> ContactSolution:

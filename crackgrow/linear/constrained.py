@@ -1,7 +1,7 @@
 """The linear solve K u + C' m = f, C u = g: a stiffness, positive semidefinite, with linear constraints.
 
 One factorization serves many loads. The forces that its solution leaves unbalanced are solved for in turn, until they
-are round-off: that takes away the effect of pivots that were replaced.
+are round-off.
 """
 
 from __future__ import annotations

@@ -10,17 +10,19 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.compiled import add_product, add_square, cholesky, kernel, solve_upper
+from crackgrow.compiled import add_product, add_square, cholesky, dependent_of, kernel, solve_upper
 
 ROUND_OFF = 1e-13
 """Of its entry on the diagonal: a pivot below is what round-off has left of zero. So it is with slivers of rock between
 a crack and an outline, or with many functions on little rock, which then depend on each other, and with constraints
 that repeat others."""
 
-SMALL = 1e-9
-"""Of its entry on the diagonal: no pivot of a front in which one is round-off stays smaller. Along what moves no rock
-the solution stays small instead of arbitrary. At 1e-12 such a wedge, with pivots of 7e-15 to 4e-10, left a pivot of
--1e-6 and wrong loads; from 1e-9 to 1e-8 loads are the same to 1e-4, with residuals of 1e-10."""
+DEPENDENT = 1e-11
+"""Of its entry on the diagonal, when the largest pivots come first: a smaller pivot is that of a function that depends
+on others, or of a constraint that repeats others."""
+
+STIFF = 1e100
+"""Times its entry on the diagonal: what is held like this does not move."""
 
 
 @kernel
@@ -103,31 +105,62 @@ def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
 def eliminate(U: Floats, V: Floats, C: Floats, size: Floats, n_placed: int, careful: bool) -> bool:
     """Replace U and V by the rows of L', C by what is left; `size` (n_placed,) are of the diagonal of functions.
 
-    False, with nothing of use, where a pivot is round-off and it is not `careful`: then such pivots are replaced
-    (static pivoting: Li, Demmel 1998), column by column; what round-off has left beside them is dropped, for it would
-    grow from one replaced pivot to the next. Whoever solves takes the effect away by refinement.
+    False, with nothing of use, where a pivot is round-off. If it is `careful` functions that depend on others are held
+    at zero before, as multipliers of constraints that repeat others always are: what the others give is the solution.
     """
-    p = len(U)
-    own, beside = U[:n_placed, :n_placed], U[:n_placed, n_placed:]
+    p, k = len(U), n_placed
+    own, beside = U[:k, :k], U[:k, k:]
     if careful:
-        _one_by_one(U, V, size, 0, n_placed, 1.0)
-    else:
-        if cholesky(own) != 0:
+        for i in _hold(own, size[:k]):
+            beside[i] = 0.0
+            V[i] = 0.0
+    if not _is_factorized(own, size[:k]):
+        return False
+    solve_upper(own, V[:k], True)
+    solve_upper(own, beside, True)
+    if p > k:
+        between, after = U[k:, k:], V[k:]
+        add_square(beside, between, -1.0)
+        add_product(beside, V[:k], after, -1.0, True)
+        for row in range(p - k):  # D is -1
+            for column in range(row, p - k):
+                between[row, column] *= -1.0
+            after[row] *= -1.0
+        met = np.diag(between).copy()
+        for i in _hold(between, met):
+            after[i] = 0.0
+        if not _is_factorized(between, met):
             return False
-        for k in range(n_placed):
-            if U[k, k] * U[k, k] < ROUND_OFF * size[k]:
-                return False
-        solve_upper(own, V[:n_placed], True)
-        solve_upper(own, beside, True)
-    if p > n_placed:
-        add_square(beside, U[n_placed:, n_placed:], -1.0)
-        add_product(beside, V[:n_placed], V[n_placed:], -1.0, True)
-        between = np.empty(p - n_placed)
-        for k in range(n_placed, p):
-            between[k - n_placed] = -U[k, k]
-        _one_by_one(U, V, between, n_placed, p, -1.0)
+        solve_upper(between, after, True)
     take_off(V, C, n_placed)
     return True
+
+
+@kernel
+def _is_factorized(matrix: Floats, size: Floats) -> bool:
+    """Replace the upper triangle by its Cholesky factor; False where a pivot is round-off of its `size`."""
+    if cholesky(matrix) != 0:
+        return False
+    return not np.any(np.diag(matrix) ** 2 < ROUND_OFF * size)
+
+
+@kernel
+def _hold(matrix: Floats, size: Floats) -> Ints:
+    """Hold the unknowns of a matrix (n, n) that depend on others, of the `size` (n,) on the diagonal; return which."""
+    n, scaled = len(size), np.empty(matrix.shape)
+    scale = np.ones(n)
+    for i in range(n):
+        if size[i] > 0.0:
+            scale[i] = 1.0 / np.sqrt(size[i])
+    for i in range(n):
+        for j in range(i, n):
+            scaled[i, j] = scale[i] * matrix[i, j] * scale[j]
+    held: Ints = dependent_of(scaled, DEPENDENT)
+    for i in held:
+        matrix[:i, i] = 0.0
+        matrix[i] = 0.0
+        matrix[i, i] = STIFF * (size[i] if size[i] > 0.0 else 1.0)
+    return held
 
 
 @kernel
@@ -135,26 +168,6 @@ def take_off(V: Floats, C: Floats, n_placed: int) -> None:
     """C - V' D V."""
     add_square(V[:n_placed], C, -1.0)
     add_square(V[n_placed:], C, 1.0)
-
-
-@kernel
-def _one_by_one(U: Floats, V: Floats, size: Floats, begin: int, end: int, sign: float) -> None:
-    """Rows `begin` to `end` of U and V, with D = `sign`; `size` (end - begin,) are what pivots are compared with."""
-    for k in range(begin, end):
-        row, beyond = U[k, k:], V[k]
-        for j in range(begin, k):
-            factor = sign * U[j, k]
-            if factor != 0.0:
-                row -= factor * U[j, k:]
-                beyond -= factor * V[j]
-        pivot, least = sign * row[0], size[k - begin]
-        if not pivot >= ROUND_OFF * least:
-            row[:] = 0.0
-            beyond[:] = 0.0
-        pivot = max(pivot, SMALL * least) if least > 0.0 else 1.0
-        row[0] = sign * pivot
-        row *= sign / np.sqrt(pivot)
-        beyond *= sign / np.sqrt(pivot)
 
 
 @kernel

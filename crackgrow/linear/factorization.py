@@ -221,7 +221,8 @@ class Factorization:
         U, V, C = self._assembled(front, found)
         if not kernels.eliminate(U, V, C, size, n_placed, False):
             U, V, C = self._assembled(front, found)
-            kernels.eliminate(U, V, C, size, n_placed, True)
+            if not kernels.eliminate(U, V, C, size, n_placed, True):
+                raise SolveError("the stiffness matrix is not positive definite: the system is too ill conditioned")
         self.n_eliminated += 1
         return Factor(U, V, C.ravel())
 

@@ -5,8 +5,7 @@ cuts off there all of them see the same part, and some combination of them vanis
 between a crack and an outline: on what is thinner than some thousandth of a cell functions look alike but for what is
 linear. All are small there, far smaller than the functions of whole patches, so they are told by the stiffness between
 small functions alone. What depends on others takes part in no field that the others don't give: held at zero it changes
-nothing. Left to the factorization it would be a pivot that is replaced, or is not, by the order of the unknowns, and
-what bends the sliver would be stiffened with it.
+nothing. Left to the factorization it would be held, or not, by the order of the unknowns.
 """
 
 from __future__ import annotations
@@ -19,16 +18,12 @@ from scipy.sparse import csc_array, csr_array, tril
 from scipy.sparse.csgraph import connected_components
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.linear import SymmetricMatrix
+from crackgrow.linear import DEPENDENT, SymmetricMatrix
 from crackgrow.ragged import numbered, starts_of
 
 SMALL = 1e-3
 """Functions with less than this part of the largest stiffness of those that they meet see a corner of their patch
 alone."""
-
-DEPENDENT = 1e-8
-"""Pivots below this part of the entry on the diagonal are those of functions that depend on others. At 1e-11 and 1e-9
-reactions of a ragged outline that is held were off by 1e-5; K of twenty scenes is the same to 1e-6 at all three."""
 
 
 def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
