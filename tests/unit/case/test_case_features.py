@@ -12,7 +12,7 @@ import shapely
 
 import crackgrow
 from crackgrow.arrays import Floats
-from crackgrow.case.features import Kind, Length, feature_lengths, part_lengths
+from crackgrow.case.features import Kind, feature_lengths, part_lengths
 from crackgrow.case.model import EdgeRegion
 from tests.unit.case.scenes import MATERIAL, load
 
@@ -186,12 +186,6 @@ def test_spacing_that_is_too_fine_tells_what_forces_it_and_a_way_out(tmp_path: P
     assert "give a spacing by hand, of 0.021 m or more, or a smaller body" in fault.message
     load(tmp_path, scene, "numerics.spacing=0.021")
     assert load(tmp_path, scene).numerics.spacing == 4.0  # small cells at the hole alone
-
-
-def test_lengths_are_of_the_kinds_that_presets_know():
-    kinds = {length.kind for length in feature_lengths(_Body([_Ring(np.array(BOX)), _Ring(circle(360))]))}
-    assert kinds == {"feature", "bridge"}
-    assert Length("load", 1.0, "strip").metres == 1.0
 
 
 def test_a_part_that_leads_past_the_first_corner_tells_where_it_is():

@@ -141,23 +141,6 @@ def test_every_key_is_described_and_every_quantity_tells_its_units():
     assert len(criterion["enum"]) == len(criterion["enumDescriptions"]) == 3
 
 
-def test_what_is_met_more_than_once_is_a_definition_and_nothing_else_is():
-    text = json.dumps(SCHEMA)
-    used = {name: text.count(f'"#/definitions/{name}"') for name in SCHEMA["definitions"]}
-    assert [name for name, times in used.items() if times < 2] == []
-    parts: list[str] = []
-
-    def gather(value: Any) -> None:
-        if isinstance(value, dict):
-            parts.append(json.dumps(value, sort_keys=True))
-        for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
-            gather(inner)
-
-    gather(SCHEMA)
-    twice = {part for part in parts if parts.count(part) > 1}
-    assert max(map(len, twice)) < 260  # characters
-
-
 def test_beside_a_reference_there_is_nothing_that_draft_7_passes_over():
     def alone(value: Any) -> bool:
         if isinstance(value, dict):

@@ -227,21 +227,6 @@ def test_a_mesh_is_made_once_and_only_where_somebody_wants_it(
     assert sorted(made) == wanted
 
 
-@pytest.mark.parametrize("name", ["paths.csv", "case.yaml", "block.pvd", "frames/step_0003.vtu"])
-def test_files_that_no_run_has_written_are_not_replaced(name: str, tmp_path: Path) -> None:
-    (tmp_path / name).parent.mkdir(exist_ok=True)
-    (tmp_path / name).write_text("mine")
-    (tmp_path / "notes.txt").write_text("mine too")
-    for foreign in (None, '{"name": "of another program"}'):
-        if foreign is not None:
-            (tmp_path / "summary.json").write_text(foreign)
-        before = files(tmp_path)
-        with pytest.raises(OccupiedError, match=r"would be replaced, and nothing in .* shows that a run wrote it"):
-            RunWriter(make_case(), tmp_path).begin()
-        assert files(tmp_path) == before
-        assert (tmp_path / name).read_text() == "mine"
-
-
 @pytest.mark.parametrize("left", [None, ""])
 def test_a_folder_that_has_lost_its_summary_is_still_a_run_s(left: str | None, tmp_path: Path) -> None:
     """As a loss of power may leave it: the log tells."""

@@ -18,7 +18,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.cautions import _overlapping, cautions, ripples
+from crackgrow.run.cautions import _overlapping, ripples
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import misfits
 from crackgrow.run.result import StepResult
@@ -287,18 +287,6 @@ def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> 
     sawing = told_of(Cause.SAWING, last)
     assert len(sawing) == told
     assert all("use growth.direction: implicit" in caution.words for caution in sawing)
-
-
-@pytest.mark.parametrize(("missed", "told"), [(0.02, 1), (1e-5, 0)])
-def test_energies_that_miss_each_other_are_told_with_the_size(missed: float, told: int) -> None:
-    scene = make_scene(load_case(CASES / "compression30.yaml", ["numerics.spacing=3"]))
-    solved = solve_first(scene)
-    state = replace(solved.state, energy=replace(solved.state.energy, error=missed))
-    faces = first_step("compression30", "numerics.spacing=3").faces
-    found = cautions(replace(solved, state=state), faces, [], 1)
-    words = [caution.words for caution in found if caution.cause is Cause.ENERGY]
-    assert len(words) == told
-    assert all("miss each other by 2 % of the largest" in text for text in words)
 
 
 def test_pressed_faces_that_stand_apart_are_told() -> None:

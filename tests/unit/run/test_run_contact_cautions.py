@@ -10,7 +10,6 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.cautions import ripples
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from tests.solving import solve_step
@@ -22,10 +21,6 @@ CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
 def flaw(*overrides: str) -> StepSolution:
     case = load_case(CASE, ["numerics.spacing=3", "growth.steps=0", *overrides])
     return solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
-
-
-def test_nothing_is_said_of_the_flaw() -> None:
-    assert not list(ripples(flaw("cracks.flaw.contact.friction=0.3")))
 
 
 def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:

@@ -38,9 +38,3 @@ def test_faces_that_growth_has_made_have_no_cohesion() -> None:
     assert set(solution.outcome.points.state[~new].tolist()) == {STICK}
     weights = solution.contact.weights[~new]
     assert np.abs(solution.outcome.points.tangential[~new] @ weights) > SHEAR * weights.sum()  # and more at its ends
-
-
-def test_seconds_are_given_phase_by_phase() -> None:
-    seconds = solve("numerics.spacing=3").seconds
-    assert set(seconds) == {"cover", "assembly", "factorize", "contact", "criterion"}
-    assert min(seconds.values()) > 0.0
