@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.errors import CaseError
 from crackgrow.run.result import History, StepResult
 from tests.whole_run import whole_run
 
@@ -142,25 +141,3 @@ def test_brittle_joints_are_as_without_a_length(tmp_path: Path) -> None:
     """A length that is next to nothing beside the elastic slip is none: the force falls at once."""
     found = steps(tmp_path, STIFF.replace("weakening_length: 0.002,", "weakening_length: 1e-7,"))
     assert force(found[-1].history)[1][-1] == pytest.approx(WIDTH * RESIDUAL, rel=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("edits", "words"),
-    [
-        ([("weakening_length: 0.002", "weakening_length: 0")], "wanted: a length > 0"),
-        ([("weakening_length: 0.002", "weakening_length: -1 mm")], "out of range"),
-        ([("weakening_length: 0.002", "weakening_length: 1 MPa")], "has a unit of stress"),
-        ([("residual_friction: 0.6, cohesion: 5e5", "cohesion: 0")], "nothing weakens"),
-        ([("residual_friction: 0.6, cohesion: 5e5", "cohesion: 5e5, cohesion_after_slip: kept")], "nothing weakens"),
-    ],
-)
-def test_faults_of_a_weakening_length(edits: list[tuple[str, str]], words: str, tmp_path: Path) -> None:
-    text = STIFF
-    for old, new in edits:
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    with pytest.raises(CaseError) as caught:
-        steps(tmp_path, text)
-    (fault,) = caught.value.faults
-    assert fault.key == "supports.0.contact.weakening_length"
-    assert words in fault.message

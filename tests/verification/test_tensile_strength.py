@@ -9,7 +9,6 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.run.result import StepResult
-from tests.scenes import fault_of
 from tests.whole_run import whole_run
 
 VEIN = Path(__file__).parents[2] / "cases" / "vein_in_tension.yaml"
@@ -115,17 +114,3 @@ def test_points_open_one_after_the_other(tmp_path: Path) -> None:
     assert result.energy.released == pytest.approx(released, rel=0.03)
     assert pull(result, "supports.1.force_y")[-1] == pytest.approx(0.5 * 1e6 * 0.05, rel=0.06)
     assert result.energy.error < 1e-8
-
-
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ("tension=5 MPa", "above the apex of the shear strength, cohesion / friction = 4.2857"),
-        ("tension=-1 MPa", "out of range"),
-        ("tension=1 mm", "has a unit of length"),
-    ],
-)
-def test_faults_of_a_tensile_strength(change: str, words: str) -> None:
-    fault = fault_of(VEIN, f"interfaces.0.contact.{change}")
-    assert fault.key == "interfaces.0.contact.tension"
-    assert words in fault.message

@@ -15,11 +15,9 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.run.result import StepResult
-from tests.scenes import fault_of
 from tests.whole_run import whole_run
 
 JOINT = Path(__file__).parents[2] / "cases" / "rough_joint_sheared.yaml"
-LAW = "supports.0.contact"
 PRESSURE, SHEAR, NORMAL, PULLED, DECAY = 2e6, 1e10, 1e12, 6e-3, 2e-3
 STEEP = np.tan(np.deg2rad(15.0))
 
@@ -121,37 +119,3 @@ def test_the_mean_dilation_is_that_of_its_integral() -> None:
         rate = (risen(slip + step) - risen(slip - step)) / (2.0 * step)
         np.testing.assert_allclose(rate, law.dilation_of(after(slip)), rtol=1e-7)
     np.testing.assert_array_equal(law.dilation_between(first, first), law.dilation_of(first))
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "words"),
-    [
-        ({"weakening_length": "1 mm"}, "decay_length", "is given beside weakening_length; wanted: one of them"),
-        ({"decay_length": "0 mm"}, "decay_length", "wanted: a length > 0"),
-        ({"residual_dilation_angle": 20}, "residual_dilation_angle", "rises; wanted: each at most the one before it"),
-        ({"residual_friction": 0.2, "dilation_angle": 35, "residual_dilation_angle": 12}, "residual_dilation_angle",
-         "would create energy"),
-        ({"wear": "{slip: [1], friction: [0.5]}"}, "wear", "is given beside decay_length"),
-    ],
-)  # fmt: skip
-def test_faults_of_wear(changes: dict[str, object], key: str, words: str) -> None:
-    fault = fault_of(JOINT, *(f"{LAW}.{name}={value}" for name, value in changes.items()))
-    assert fault.key == f"{LAW}.{key}"
-    assert words in fault.message
-
-
-@pytest.mark.parametrize(
-    ("wear", "words"),
-    [
-        ("{slip: [3 mm, 1 mm], friction: [0.6, 0.5]}", "slips do not rise"),
-        ("{slip: [1 mm, 3 mm], friction: [0.6]}", "2 slips, 1 frictions and 2 angles given"),
-        ("{slip: [1 mm, 3 mm], friction: [0.6, 0.9]}", "friction or dilation angle rises"),
-        ("{slip: [], friction: []}", "0 slips"),
-    ],
-)
-def test_faults_of_a_table(wear: str, words: str, tmp_path: Path) -> None:
-    path = tmp_path / "shear.yaml"
-    path.write_text(TABLE, encoding="utf-8")
-    fault = fault_of(path, f"{LAW}.wear={wear}")
-    assert fault.key == f"{LAW}.wear"
-    assert words in fault.message

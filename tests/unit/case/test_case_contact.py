@@ -64,32 +64,6 @@ def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
     assert same(case, reread(case, tmp_path))
 
 
-FAULTS = [
-    ({"residual_friction": 0.7}, "residual_friction", "0.7 given; wanted: at most the friction, 0.6: slip wears faces"),
-    ({"residual_friction": -0.1}, "residual_friction", "'-0.1' is out of range; wanted: a number >= 0"),
-    (
-        {"dilation_angle": 31},
-        "dilation_angle",
-        "31 deg given; wanted: at most 30.96 deg, whose tangent is the residual friction, 0.6: faces that rise more "
-        "steeply than friction holds them back would create energy when they slip",
-    ),
-    ({"residual_friction": 0.1, "dilation_angle": "6 deg"}, "dilation_angle", "6 deg given; wanted: at most 5.711 deg"),
-    ({"dilation_angle": -1}, "dilation_angle", "out of range; wanted: an angle >= 0 and < 90"),
-    ({"dilation_angle": 90}, "dilation_angle", "< 90"),
-    ({"dilation_angle": "5 mm"}, "dilation_angle", "unit of length; wanted: an angle"),
-    ({"cohesion_after_slip": "keep"}, "cohesion_after_slip", "'keep' is not one of lost | kept; did you mean 'kept'?"),
-    ({"residual": 0.1}, "residual", "unknown key; allowed: friction, cohesion, tension, residual_friction"),
-]
-
-
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize(("keys", "key", "words"), FAULTS)
-def test_fault_of_a_law(keys: dict[str, Any], key: str, words: str, place: str, tmp_path: Path):
-    where, message = fault(tmp_path, with_law(place, {**LAW, **keys}))
-    assert where == f"{place}.{key}"
-    assert words in message
-
-
 @pytest.mark.parametrize(("friction", "angle"), [(1.0, 45), (0.0, 0), (0.58, 30)])
 def test_steepest_dilation(friction: float, angle: float, tmp_path: Path):
     law = {"friction": friction, "cohesion": 0, "dilation_angle": angle}

@@ -234,35 +234,6 @@ def test_overrides(override, read, value):
     assert read(load_case(FILE, [override])) == value
 
 
-@pytest.mark.parametrize(
-    ("override", "key", "words"),
-    [
-        ("source=", "source", "no value given"),
-        ("numerics.spacng=2", "numerics.spacng", "did you mean 'spacing'"),
-        ("numerics.spacing=2 MPa", "numerics.spacing", "unit of stress"),
-        ("numerics.spacing=[", "numerics.spacing", "not valid YAML"),
-        ("numerics.spacing", "", "no '='"),
-        ("=3", "", "not a key path"),
-        ("numerics..spacing=3", "", "not a key path"),
-        ("supports.3.at=[0, 0]", "supports.3", "a list of 3"),
-        ("supports.x.at=[0, 0]", "supports.x", "a list of 3"),
-        ("supports.-1.at=[0, 0]", "supports.-1", "a list of 3"),
-        ("title.short=3", "title.short", "single value"),
-        ("cracks.flwa.contact.friction=1", "cracks.flwa", "did you mean 'flaw'"),
-        ("numerics.spacing=*a", "numerics.spacing", "no value before it has the anchor"),
-        ("numerics.spacing={a: 1, a: 2}", "numerics.spacing.a", "given twice"),
-        ("numerics.spacing=\x00", "numerics.spacing", "not valid YAML"),
-        ("cracks.flaw.path.center=[90, 0]", "cracks.flaw.path", "outside"),
-    ],
-)
-def test_fault_in_an_override_names_it(override: str, key: str, words: str):
-    faults = faults_of(FILE, [override])
-    named = [fault for fault in faults if words in fault.message]
-    assert [(fault.source, fault.line, fault.key) for fault in named] == [
-        (f"--set {override.partition('=')[0]}", None, key)
-    ]
-
-
 def test_edge_support_with_part(tmp_path: Path):
     path = edited(tmp_path, "at: [0, -27.5] ", "on: {body: rock, edge: bottom, from: -5, to: 5} ")
     support = load_case(path).supports[2]

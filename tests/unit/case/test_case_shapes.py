@@ -182,37 +182,6 @@ def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
     assert first.tobytes() == second.tobytes()
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "words"),
-    [
-        ("none.wkt", None, "does not exist in"),
-        (".", None, "ends in ''"),
-        ("rock.dwg", "", "ends in '.dwg'; wanted: the name of a file with one polygon (.geojson, .wkt, "),
-        ("rock.wkt", "", "cannot be read as wkt"),
-        ("rock.wkt", "POLYGON ((0 0, 1", "cannot be read as wkt"),
-        ("rock.wkt", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "cannot be read as wkt: Nonlinear"),
-        ("rock.wkt", "POINT (0 0)", "holds Point"),
-        ("rock.wkt", "POLYGON EMPTY", "holds nothing"),
-        ("rock.wkt", "MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((5 0, 6 0, 6 1, 5 0)))", "holds 2 shapes"),
-        ("rock.wkt", "POLYGON ((0 0, 4 0, 0 3, 4 4, 0 0))", "not valid: Self-intersection"),
-        ("rock.wkt", "POLYGON ((0 0, 1e99 0, 0 1, 0 0))", "too large"),
-        ("rock.geojson", "{}", "cannot be read as geojson"),
-        ("rock.geojson", "[1, 2", "cannot be read as geojson"),
-        ("rock.geojson", '{"type": "FeatureCollection", "features": []}', "holds nothing"),
-        ("rock.geojson", json.dumps({"type": "FeatureCollection", "features": [UNPLACED]}), "holds nothing"),
-        ("rock.geojson", '{"type": "FeatureCollection", "features": [1]}', "cannot be read as geojson"),
-        ("rock.geojson", json.dumps({"type": "LineString", "coordinates": RINGS[0]}), "holds LineString"),
-    ],
-)
-def test_file_refused(name: str, text: str | None, words: str, tmp_path: Path):
-    if text is not None:
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    where, message = fault(tmp_path, with_body({"file": name}))
-    assert where == "bodies.rock.shape.file"
-    assert words in message
-    assert message.isprintable()
-
-
 def test_file_that_is_no_text(tmp_path: Path):
     (tmp_path / "rock.wkt").write_bytes(b"POLYGON \xff")
     assert "not a text in UTF-8" in fault(tmp_path, with_body({"file": "rock.wkt"}))[1]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +10,6 @@ import pytest
 
 from crackgrow.__main__ import main
 from crackgrow.case import load_case
-from crackgrow.errors import CaseError
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import History
 from tests.whole_run import whole_run
@@ -156,31 +154,6 @@ def test_history_is_a_file_that_a_resumed_run_goes_on_with(tmp_path: Path) -> No
 def test_nothing_is_told_where_no_point_is_named(tmp_path: Path) -> None:
     (result, _), _ = whole_run(load_case(written(tmp_path, BAR.partition("output:")[0])))
     assert result.history is None
-
-
-@pytest.mark.parametrize(
-    ("text", "edits", "key", "words"),
-    [
-        (BAR, [("at: [0.01, 0.02]", "at: [0.02, 0.02]")], "corner.at", "lies outside of body 'rock', 0.01 m from it"),
-        (BAR, [("[[0, -0.01], [0, 0.01]]", "[[0, 0], [0, 0]]")], "gauge.between", "the two points are one"),
-        (BAR, [("[[0, -0.01], [0, 0.01]]", "[[0, 0], [0, 1]]")], "gauge.between.1", "outside of body 'rock'"),
-        (BAR, [("at: [0.01, 0.02]", "at: [0.01, 0.02], body: roch")], "corner.body", "did you mean 'rock'?"),
-        (STACK, [("at: [0, 0.1], body: top", "at: [0, 0.1]")], "above.at", "say whose point it is"),
-        (STACK, [("interface: [top, low]", "interface: [top, top]")], "joint.interface", "no interface between"),
-        (STACK, [("[top, low], at: [0, 0.1]", "[top, low], at: [0, 0.11]")], "joint.at", "0.01 m from the interface"),
-        (NOTCHED, [("crack: notch", "crack: noch")], "mouth.crack", "did you mean 'notch'?"),
-        (NOTCHED, [("at: [-0.01, 0]", "at: [0, 0]")], "mouth.at", "0.004 m from crack 'notch'"),
-        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{at: [-0.005, 0]}")], "mouth.at", "two values"),
-        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{crack: notch}")], "mouth.at", "missing"),
-        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{}")], "mouth", "give either {at}"),
-    ],
-)
-def test_faults(text: str, edits: Sequence[tuple[str, str]], key: str, words: str, tmp_path: Path) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(written(tmp_path, text, *edits))
-    (fault,) = caught.value.faults
-    assert fault.key == f"output.points.{key}"
-    assert words in fault.message
 
 
 @pytest.mark.parametrize("pressed", ["whole", "loose"])
