@@ -44,7 +44,7 @@ PHYSICS = (
     "properties/", "regression/", "stability/", "verification/",
     "unit/case/test_case_features.py::test_displacement",
     "unit/case/test_case_features.py::test_stress",
-    "unit/case/test_case_meetings.py::test_a_thousand", "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
+    "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
     "unit/case/test_case_joint_maps.py",
     "unit/case/test_case_snapping.py::test_block_on_an_incline", "unit/contact/test_contact_limit.py",
     "unit/contact/test_condensation.py",

@@ -12,9 +12,7 @@ from scipy.sparse import csr_array, vstack
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, complementarity_residual
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.linear import ConstrainedSystem
@@ -24,7 +22,6 @@ from crackgrow.run.scene import make_scene
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
-from tests.contact_problems import rock_problem, with_law
 from tests.one_size import one_size
 from tests.solving import solve_step
 
@@ -95,28 +92,3 @@ def test_lcp_of_all_points_with_the_open_wings(friction: float) -> None:
     np.testing.assert_allclose(
         lemke.traction[: solution.faces.n], solution.outcome.points.normal, rtol=0.0, atol=1e-6 * largest
     )
-
-
-EXACT = 1e-10
-"""Violation of the law, relative."""
-
-AGREEMENT = 1e-8
-"""Of tractions, relative to the largest."""
-
-
-def check(problem: ContactProblem) -> None:
-    newton, lemke = solve_by_newton(problem), solve_by_lemke(problem)
-    assert newton.status == lemke.status == "solved"
-    assert complementarity_residual(problem, newton.traction) < EXACT
-    atol = AGREEMENT * np.abs(newton.traction).max()
-    np.testing.assert_allclose(newton.traction, lemke.traction, rtol=0.0, atol=atol)
-
-
-@pytest.mark.parametrize("kind", ["interface", "crack"])
-def test_many_points_of_rock_that_open_stick_and_slip(kind: str) -> None:
-    rock, _ = rock_problem(kind, 80)
-    for friction, cohesion in ((0.0, 0.0), (0.4, 0.0), (0.4, 1e6), (1.0, 0.0), (1.0, 1e6)):
-        problem = with_law(rock, friction, cohesion)
-        check(problem)
-        wanted = {OPEN, SLIP} if friction == 0.0 else {OPEN, STICK, SLIP}
-        assert set(solve_by_newton(problem).state.tolist()) == wanted

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from crackgrow import cli
 from crackgrow.case import Case, load_case
@@ -21,7 +19,6 @@ from crackgrow.plan.text import plan_text
 from crackgrow.results import signs
 from crackgrow.run import grow
 
-Floats = NDArray[np.float64]
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = {
     "compression30": ("numerics.spacing=3",),
@@ -166,43 +163,6 @@ def test_the_memory_of_a_machine_is_the_least_of_its_limits(tmp_path: Path, monk
 
 def test_a_sound_case_has_no_warnings() -> None:
     assert plan_text(load_case(CASES / "compression30.yaml")).endswith("no warnings")
-
-
-def test_cost_grows_with_the_scene_and_its_steps() -> None:
-    small, large = (load_case(CASES / "compression30.yaml", [f"numerics.spacing={h}"]) for h in (3, 0.2))
-    costs = [cost_of(case) for case in (small, large)]
-    assert costs[0].memory < costs[1].memory
-    assert costs[0].seconds < costs[1].seconds
-    times = [cost_of(coarse("compression30", f"growth.steps={n}")).seconds for n in (0, 10, 20)]
-    assert times[2] - times[1] == pytest.approx(times[1] - times[0]) != 0.0
-    stages = [cost_of(coarse("cyclic_friction", f"loading.history={history}")).seconds for history in ([1], [1, 0, 1])]
-    assert 1.0 < stages[1] / stages[0] < 1.1  # the same cracks under more loads
-
-
-def test_the_companion_costs_half_of_a_step() -> None:
-    named = load_case(CASES / "compression30.yaml", ["growth.steps=200", "output.frames=none"])
-    given = replace(named, numerics=replace(named.numerics, auto_rule=None))
-    times = [estimated_cost(case, sizes_of(named)).seconds for case in (named, given)]
-    assert times[0] / times[1] == pytest.approx(1.5, rel=0.05)
-
-
-def test_larger_supports_cost_more() -> None:
-    costs = []
-    for support in (2, 2.5):
-        case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.8", f"numerics.support={support}"])
-        costs.append(cost_of(case))
-    first = ["growth.steps=0", "numerics.spacing=0.8"]
-    files = cost_of(load_case(CASES / "compression30.yaml", [*first, "numerics.support=1.25"])).seconds
-    assert (costs[1].seconds - files) / (costs[0].seconds - files) > 1.5
-    assert 1.15 < costs[1].memory / costs[0].memory < 3.0  # measured: 1.43, of 217 MiB
-
-
-def test_implicit_directions_cost_more() -> None:
-    explicit = coarse("compression30", "growth.criterion=max_hoop_stress")
-    implicit = coarse("compression30", "growth.criterion=max_hoop_stress", "growth.direction=implicit")
-    none = coarse("compression30", "growth.steps=0", "output.frames=none")
-    a, b, c = (cost_of(replace(case, output=none.output)).seconds for case in (explicit, implicit, none))
-    assert (b - c) / (a - c) == pytest.approx(3.0, rel=1e-6)
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))

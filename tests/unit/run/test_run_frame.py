@@ -350,11 +350,6 @@ def test_faces_of_the_result_are_those_of_the_mesh() -> None:
         np.testing.assert_allclose(point, (s - 5e-3) * np.array([np.cos(a), np.sin(a)]), atol=NEAR)
 
 
-def test_each_place_along_the_faces_is_given_once() -> None:
-    (faces,) = first_step().faces
-    assert np.diff(faces.s).min() > NEAR
-
-
 @pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_stress_out_of_plane(plane: str) -> None:
     frame = first_step(f"plane={plane}").frame
@@ -369,8 +364,3 @@ def test_stress_integrates_to_the_load() -> None:
     mean = size @ frame.stress / size.sum()
     # one point a cell, singular stress at two tips
     np.testing.assert_allclose(mean, [0.0, -100e6, 0.0], atol=0.5e6)
-
-
-def test_frames_are_left_out_where_nobody_wants_them() -> None:
-    case = load_case(CASES / "tension0.yaml", ["growth.steps=1", "output.frames=none", "output.figures=false"])
-    assert next(grow(case)).frame is None
