@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.errors import CaseError
 from tests.scenes import told
 from tests.verification.solutions import Floats, Solved, solve_case, solved_text
 
@@ -137,10 +136,3 @@ def test_K_does_not_depend_on_poissons_ratio(name: str, settings: tuple[str, ...
         found, warnings = K(poisson)
         assert np.abs(found - expected).max() < most * size
         assert any("K can be off" in warning for warning in warnings)
-
-
-@pytest.mark.parametrize("poisson", ["0.49991", "0.5"])
-def test_what_is_incompressible_is_refused_in_plane_strain(poisson: str) -> None:
-    with pytest.raises(CaseError, match=f"{poisson} given; wanted in plane strain: > -1 and <= 0.4999"):
-        load_case(CASES / "compression30.yaml", [f"bodies.rock.material.poisson={poisson}"])
-    load_case(CASES / "compression30.yaml", [f"bodies.rock.material.poisson={poisson}", "plane=stress"])

@@ -125,14 +125,6 @@ def test_bodies_that_touch_at_a_corner_need_no_interface(tmp_path: Path):
     assert (key, message) == ("interfaces.0.between", "'a' and 'b' share no boundary: they touch at points only")
 
 
-def test_a_faulty_interface_is_not_missed_as_well(tmp_path: Path):
-    scene = blocks(low=rectangle(0, 0, 3, 1), top=rectangle(0, 1, 3, 1))
-    assert fault(tmp_path, changed(scene, interfaces=joint("low tpo")))[0] == "interfaces.0.between.1"
-    assert fault(tmp_path, changed(scene, interfaces=[{"contact": LAW}]))[0] == "interfaces.0.between"
-    assert fault(tmp_path, changed(scene, interfaces=joint("low top", contact={"cohesion": 1})))[0].endswith("friction")
-    assert fault(tmp_path, changed(scene, interfaces=3))[0] == "interfaces"
-
-
 def test_every_missing_interface_is_told(tmp_path: Path):
     scene = blocks(low=rectangle(0, 0, 2, 1), left=rectangle(0, 1, 1, 1), right=rectangle(1, 1, 1, 1))
     pairs = [found.message.partition(" share")[0] for found in faults(tmp_path, scene)]
@@ -331,11 +323,6 @@ def test_loads(tmp_path: Path):
     assert (pressure.surface, pressure.pressure) == (crack_name("flaw"), -2e6)
     assert isinstance(stress, InSituStress)
     assert (stress.body, stress.stress) == ("top", (-2e7, -1e10, 3e6))
-
-
-def test_pressure_without_cracks(tmp_path: Path):
-    scene = changed(two_blocks(), loads=[{"crack": "flaw", "pressure": 1}])
-    assert fault(tmp_path, scene) == ("loads.0.crack", "no crack 'flaw'; the case has: none")
 
 
 # --- numerics --------------------------------------------------------------------------------------------------------

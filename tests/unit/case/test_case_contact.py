@@ -10,7 +10,7 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.case.model import CoulombContact
-from tests.unit.case.scenes import EVERYTHING, fault, faults, load
+from tests.unit.case.scenes import EVERYTHING, load
 from tests.unit.case.test_case_load import reread, same
 
 FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
@@ -68,18 +68,3 @@ def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
 def test_steepest_dilation(friction: float, angle: float, tmp_path: Path):
     law = {"friction": friction, "cohesion": 0, "dilation_angle": angle}
     assert law_of(with_law(PLACES[0], law), PLACES[0], tmp_path).dilation_angle == angle
-
-
-def test_a_bonded_interface_takes_no_law(tmp_path: Path):
-    scene = copy.deepcopy(EVERYTHING)
-    scene["interfaces"][1]["residual_friction"] = 0.1
-    where, message = fault(tmp_path, scene)
-    assert where == "interfaces.1.residual_friction"
-    assert message == "unknown key; allowed: between, contact"
-    ((key, message),) = [
-        (found.key, found.message) for found in faults(tmp_path, EVERYTHING, "interfaces.1.contact.dilation_angle=1")
-    ]
-    assert (key, message) == (
-        "interfaces.1.contact.dilation_angle",
-        "interfaces.1.contact is the single value 'bonded': no key inside it",
-    )

@@ -73,12 +73,6 @@ def test_two_hundred_joints_load_and_the_check_lists_what_was_changed(
     assert f"was left out of cracks, {len(case.cut)} times: 36.9 mm of 'joints-1" in told
 
 
-def test_names_of_a_set_are_its_own(tmp_path: Path) -> None:
-    other = {"joints-1": {"path": {"points": [[100, 100], [200, 100]]}, "contact": CONTACT}}
-    with pytest.raises(CaseError, match=r"cracks\.joints-1: is the name of a crack of the set 'joints'; choose"):
-        load(tmp_path, [[[300, 300], [400, 400]]], other)
-
-
 def test_a_set_makes_no_more_cracks_than_a_case_can_have(tmp_path: Path) -> None:
     zigzag = [[[950 + 100 * (k % 2), k] for k in range(999)]]
     with pytest.raises(CaseError, match=r"cracks: sets make \d+ cracks of it; wanted: 1000 at most"):
@@ -164,13 +158,6 @@ def test_a_table_with_a_row_for_each_line(tmp_path: Path) -> None:
     assert {crack.name: crack.points.tolist() for crack in case.cracks} == {
         "joints-7": [[0.2, 0.2], [0.3, 0.25]], "joints-9": [[0.6, 0.5], [0.7, 0.5]]
     }  # fmt: skip
-
-
-def test_what_columns_tell_of_units_is_not_contradicted(tmp_path: Path) -> None:
-    load(tmp_path, LINES)
-    (tmp_path / "traces.csv").write_text(table("crack,x_mm,y_mm"))
-    with pytest.raises(CaseError, match="has the columns x_mm and y_mm, and `units` is m"):
-        of_file(tmp_path, "traces.csv", {"units": "m"})
 
 
 T = [[20, 50], [80, 50]], [[50, 50], [50, 20]]  # mm
@@ -298,21 +285,6 @@ def test_attributes_choose_lines_name_them_and_give_laws(tmp_path: Path) -> None
     assert one.name == "joints-1"
     open_ = of_file(tmp_path, "map.geojson", {}, contact_by={"set": {"J1": "none", "J3": smooth}})
     assert [crack.contact and crack.contact.friction for crack in open_.cracks] == [None, 0.3, 0.1, None]
-
-
-def test_laws_by_attribute_are_for_maps(tmp_path: Path) -> None:
-    other = {
-        "flaw": {"path": {"points": [[100, 100], [200, 100]]}, "contact": CONTACT, "contact_by": {"set": {"a": "none"}}}
-    }
-    with pytest.raises(CaseError, match=r"cracks\.flaw\.contact_by: is for lines of a map"):
-        load(tmp_path, LINES, other)
-
-
-@pytest.mark.parametrize("system", ["urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:EPSG::4326", "EPSG:4258"])
-def test_degrees_are_refused(system: str, tmp_path: Path) -> None:
-    with_attributes(tmp_path, system)
-    with pytest.raises(CaseError, match=r"is in degrees of longitude and latitude .* project it, such as to UTM"):
-        of_file(tmp_path, "map.geojson", {})
 
 
 def test_a_projected_system_and_a_shift_are_taken(tmp_path: Path) -> None:

@@ -138,14 +138,3 @@ def test_plain_components_stay_numbers(given: str, value: float):
 def test_a_number_in_parentheses_is_a_number(given: str, value: float):
     overrides = ["units.length=m", "numerics.spacing=1.5", f"supports.2.displacement.x={given}"]
     assert load_case(CASE, overrides).supports[2].displacement == (value, None)
-
-
-def test_a_formula_is_checked_at_the_ends_of_its_region():
-    on = "{body: rock, edge: bottom, from: -1, to: 3}"
-    with pytest.raises(CaseError) as caught:
-        load_case(CASE, [f"supports.2={{on: {on}, displacement: {{x: 0, y: log(x)}}}}"])
-    (fault,) = caught.value.faults
-    assert (fault.key, fault.message) == (
-        "supports.2.displacement.y",
-        "has no finite value at (-1 mm, -27.5 mm)",
-    )
