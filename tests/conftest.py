@@ -57,7 +57,7 @@ PHYSICS = (
     "unit/results/test_declarations.py::test_every_file_that_a_run_writes", "unit/results/test_lock.py",
     "unit/results/test_on_map.py",
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
-    "unit/results/test_style.py", "unit/results/test_writer.py::test_a_mesh_is_made_once", "unit/run/",
+    "unit/results/test_style.py", "unit/run/",
     "unit/solid/test_solid_stiffness.py::test_more_than_64",
     "unit/solid/test_solid_varying_loads.py", "unit/study/converge/test_converge_runs.py",
     "unit/study/sweep/test_sweep_runs.py", "unit/study/test_energy_distance.py",

@@ -6,18 +6,16 @@ The cases are read as mappings: what the reader does to numbers is part of it.
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
 from tests.stability.changed import CHANGES, Change, Scene, deviations, outcome
 from tests.stability.growing_scenes import growing_scene
 
-CASES = Path(__file__).parents[2] / "cases"
 SAME = 1e-8
 """Relative, where nothing but the scales of numbers changes."""
 TOLERANCE = 1e-6
@@ -68,7 +66,7 @@ LOOSE = ("jumps", "states", "energy", "displacement", "tractions")
 def document(name: str) -> Scene:
     settings = (*COARSE, *FLAW[name]) if name in FLAW else OTHERS[name]
     file = "compression30" if name in FLAW else name
-    return load_case(CASES / f"{file}.yaml", settings).to_dict()
+    return shipped_case(file, settings).to_dict()
 
 
 @cache

@@ -7,13 +7,11 @@ shear 100 sin(30) cos(30) = 43.3 MPa sticks from a friction of tan(30) = 0.577 o
 from __future__ import annotations
 
 import functools
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK, ContactMemory
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.ripple import worst_ripple
@@ -25,10 +23,10 @@ from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
-from tests.scenes import told
+from tests.scenes import shipped_case, told
 from tests.solving import at_once, solve_step
 
-CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
+CASE = "compression30"
 SETTINGS = ("output.frames=none", "output.figures=false", "growth.steps=0", "numerics.spacing=1.5")
 
 STRESS = 100e6
@@ -42,18 +40,18 @@ YOUNG, POISSON = 10e9, 0.25
 
 @functools.cache
 def first_step(*overrides: str) -> StepResult:
-    return next(grow(load_case(CASE, [*overrides, *SETTINGS])))
+    return next(grow(shipped_case(CASE, [*overrides, *SETTINGS])))
 
 
 @functools.cache
 def solution(*overrides: str) -> StepSolution:
-    case = load_case(CASE, [*overrides, *SETTINGS])
-    return solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
+    case = shipped_case(CASE, [*overrides, *SETTINGS])
+    return solve_step(make_scene(case), (GrowingCrack.given(case.cracks[0]),), 1.0)
 
 
 def configuration(*overrides: str) -> Configuration:
-    case = load_case(CASE, [*overrides, *SETTINGS])
-    return assemble(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),))
+    case = shipped_case(CASE, [*overrides, *SETTINGS])
+    return assemble(make_scene(case), (GrowingCrack.given(case.cracks[0]),))
 
 
 def law(friction: float = 0.0, cohesion: float = 0.0) -> tuple[str, ...]:
@@ -96,8 +94,8 @@ def test_elastic_contact_converges_to_rigid_contact(friction: float) -> None:
 @pytest.mark.parametrize("stiffness", ["1e2", "1e4", "1e8", "1e12", "rigid"])  # 1e0 bends: it gives way over h/2
 def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction: float) -> None:
     spacing = "numerics.spacing=0.75"  # enough nodes for waves to show
-    case = load_case(CASE, [*law(friction), *stiff(stiffness), *SETTINGS[:-1], spacing])
-    found = solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
+    case = shipped_case(CASE, [*law(friction), *stiff(stiffness), *SETTINGS[:-1], spacing])
+    found = solve_step(make_scene(case), (GrowingCrack.given(case.cracks[0]),), 1.0)
     p = found.outcome.points.normal
     assert len(p) >= 9
     assert swing(found) == 0.0

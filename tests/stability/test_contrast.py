@@ -10,8 +10,8 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
 
-CASES = Path(__file__).parents[2] / "cases"
 BLOCK = 1e3  # Pa, Young's modulus of the block
 LOADS = np.array([60.0 * 2.0, -200.0 * 3.6])  # N/m, pull on the right side and pressure on the top
 QUIET = ("output.frames=none", "output.figures=false")
@@ -41,12 +41,12 @@ numerics: {{spacing: 0.4}}
 
 def foundation(ratio: float) -> StepResult:
     young = f"bodies.foundation.material.young={ratio * BLOCK!r}"
-    return next(grow(load_case(CASES / "block_foundation.yaml", [young, *QUIET])))
+    return next(grow(shipped_case("block_foundation", [young, *QUIET])))
 
 
 @pytest.fixture(scope="module")
 def rigid() -> StepResult:
-    return next(grow(load_case(CASES / "block_rigid.yaml", QUIET)))
+    return next(grow(shipped_case("block_rigid", QUIET)))
 
 
 @pytest.mark.parametrize("ratio", [1e3, 1e5, 1e7, 1e9])

@@ -110,17 +110,3 @@ def test_the_judge_sees(runs: dict[int, WrittenRun], kind: str) -> None:
     spoil(tables)
     spoilt = dataclasses.replace(run, tables=tables, summary={**run.summary, "warnings": []})
     assert kind in {departure.kind for departure in judged(spoilt).departures}
-
-
-@pytest.mark.parametrize(
-    ("kind", "errors", "code"),
-    [
-        ("traceback", "Traceback (most recent call last):\nValueError: x", 1),
-        ("warning of Python", "x.py:3: RuntimeWarning: divide by zero", 0),
-        ("status", "", 0),
-        ("no reason", "", 3),
-    ],
-)
-def test_the_judge_hears(kind: str, errors: str, code: int) -> None:
-    run = WrittenRun(code, errors, 0.0, {}, {}, {})
-    assert kind in {departure.kind for departure in judged(run).departures}

@@ -22,6 +22,7 @@ from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import RunEnd, StepResult
+from tests.scenes import shipped_case
 
 ROOT = Path(__file__).resolve().parents[2]
 COARSE = ("numerics.spacing=3", "output.figures=false")
@@ -29,7 +30,7 @@ MPA = 1e6
 
 
 def case(name: str, *overrides: str) -> Case:
-    return crackgrow.load_case(ROOT / "cases" / f"{name}.yaml", [*COARSE, *overrides])
+    return shipped_case(name, [*COARSE, *overrides])
 
 
 def read(path: Path) -> pd.DataFrame:

@@ -14,7 +14,7 @@ from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, ContactLaw
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
-from tests.whole_run import whole_run
+from tests.whole_run import seen, whole_run
 
 JOINT = Path(__file__).parents[2] / "cases" / "barton_bandis.yaml"
 FLAW = JOINT.with_name("compression30.yaml")
@@ -24,11 +24,6 @@ PRESSED = ("loads.0.held=false", "supports.1.displacement.x=0", "loads.0.tractio
 
 def steps(*overrides: str) -> list[StepResult]:
     return whole_run(load_case(JOINT, overrides))[0]
-
-
-def seen(results: list[StepResult], name: str) -> np.ndarray:
-    told = [result.history for result in results]
-    return np.concatenate([each.values[:, each.columns.index(name)] for each in told if each is not None])
 
 
 def strength(pressure: float) -> float:

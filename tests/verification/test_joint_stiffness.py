@@ -116,7 +116,7 @@ def test_slip_beyond_friction_is_not_elastic(tmp_path: Path) -> None:
     assert back == pytest.approx(-(SHEAR * 0.0006 - 0.6 * PRESSURE), rel=5e-3)
 
 
-def test_stiffness_of_a_crack_is_that_of_the_numerics_where_it_is_the_same(tmp_path: Path) -> None:
+def test_stiffness_of_a_crack_is_that_of_the_numerics_where_it_is_the_same() -> None:
     """kappa E / h, given in one way or the other."""
     cases = Path(__file__).parents[2] / "cases"
     settings = ["growth.steps=0", "numerics.spacing=1", "output.frames=none", "output.figures=false"]

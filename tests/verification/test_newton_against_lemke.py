@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.sparse import csr_array, vstack
 
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.jump import contact_operators
@@ -23,9 +21,10 @@ from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 from tests.one_size import one_size
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 
-CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
+CASE = "compression30"
 SIZE = one_size("compression30")
 
 
@@ -36,14 +35,14 @@ def gauss_case(friction: float, solver: str, *more: str) -> Case:
         "contact.solver": solver,
     }
     overrides = [f"numerics.{key}={value}" for key, value in settings.items()]
-    return load_case(CASE, [*SIZE, *overrides, f"cracks.flaw.contact.friction={friction}", *more])
+    return shipped_case(CASE, [*SIZE, *overrides, f"cracks.flaw.contact.friction={friction}", *more])
 
 
 def grown(friction: float, n_steps: int) -> GrowingCrack:
     """The flaw after a number of growth steps."""
-    case = load_case(CASE, [*SIZE, f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
+    case = shipped_case(CASE, [*SIZE, f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
     if n_steps == 0:
-        return GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
+        return GrowingCrack.given(case.cracks[0])
     *_, last = grow(case)
     crack = replace(gauss_case(friction, "newton").cracks[0], points=last.cracks[0].points)
     return GrowingCrack(crack, last.cracks[0].steps)

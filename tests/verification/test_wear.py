@@ -15,9 +15,10 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
-JOINT = Path(__file__).parents[2] / "cases" / "rough_joint_sheared.yaml"
+JOINT = "rough_joint_sheared"
 PRESSURE, SHEAR, NORMAL, PULLED, DECAY = 2e6, 1e10, 1e12, 6e-3, 2e-3
 STEEP = np.tan(np.deg2rad(15.0))
 
@@ -51,7 +52,7 @@ def seen(results: Sequence[StepResult], width: float = 0.4) -> tuple[np.ndarray,
 
 
 def test_friction_and_dilation_decay_with_slip() -> None:
-    results = whole_run(load_case(JOINT, ["loading.follow=events"]))[0]
+    results = whole_run(shipped_case(JOINT, ["loading.follow=events"]))[0]
     d, shear, rise = seen(results[:2])
     slip = d - shear / SHEAR
     slides = slip > 1e-4
@@ -65,7 +66,7 @@ def test_friction_and_dilation_decay_with_slip() -> None:
 
 
 def test_faces_that_slip_back_close_by_the_dilation_that_is_left() -> None:
-    results = whole_run(load_case(JOINT, ["loading.follow=events"]))[0]
+    results = whole_run(shipped_case(JOINT, ["loading.follow=events"]))[0]
     there, back = (seen(some) for some in (results[:2], results[2:]))
     slip, returned = there[0][-1] - there[1][-1] / SHEAR, back[0][-1] - back[1][-1] / SHEAR
     worn = DECAY * (np.exp(-slip / DECAY) - np.exp(-(2.0 * slip - returned) / DECAY))
@@ -75,7 +76,7 @@ def test_faces_that_slip_back_close_by_the_dilation_that_is_left() -> None:
 
 def test_a_few_increments_come_to_the_same() -> None:
     """The share that an increment takes, and its mean dilation, are exact for slip one way."""
-    results = whole_run(load_case(JOINT, ["loading={history: [0.3, 1], follow: 1}"]))[0]
+    results = whole_run(shipped_case(JOINT, ["loading={history: [0.3, 1], follow: 1}"]))[0]
     d, shear, rise = seen(results)
     decayed = np.exp(-(d[-1] - shear[-1] / SHEAR) / DECAY)
     assert shear[-1] == pytest.approx(PRESSURE * (0.5 + 0.3 * decayed), rel=1e-3)

@@ -11,6 +11,7 @@ from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
 from crackgrow.case.features import Length
 from crackgrow.plan.overview import overview
+from tests.scenes import shipped_case
 
 CASES = Path(__file__).parents[3] / "cases"
 FILE = Path(__file__).parent / "compression30.yaml"
@@ -24,7 +25,7 @@ def numerics(case: Case) -> dict[str, Any]:
 
 
 def shipped(name: str, *overrides: str) -> Case:
-    return load_case(CASES / f"{name}.yaml", overrides)
+    return shipped_case(name, overrides)
 
 
 def given(*overrides: str) -> Case:

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.case.model import CoulombContact
+from tests.scenes import shipped_case
 from tests.unit.case.scenes import EVERYTHING, load
 from tests.unit.case.test_case_load import reread, same
 
-FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+FILE = "compression30"
 LAW = {"friction": 0.6, "cohesion": 2}
 FULL = {**LAW, "residual_friction": 0.4, "cohesion_after_slip": "kept", "dilation_angle": "5 deg"}
 PLACES = ("cracks.flaw.contact", "interfaces.0.contact", "supports.0.contact")
@@ -52,7 +52,7 @@ def test_law_with_defaults(place: str, tmp_path: Path):
 
 
 def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
-    case = load_case(FILE, ["cracks.flaw.contact.friction=0.3"])
+    case = shipped_case(FILE, ["cracks.flaw.contact.friction=0.3"])
     assert list(case.resolved["cracks"]["flaw"]["contact"].items()) == [  # type: ignore[index]
         ("friction", 0.3),
         ("cohesion", 0.0),

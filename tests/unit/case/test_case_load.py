@@ -201,11 +201,6 @@ def test_round_trip_of_random_quantities(tmp_path: Path):
         assert same(case, reread(case, tmp_path))
 
 
-def test_repeated_vertices_are_dropped():
-    case = load_case(FILE, ["cracks.flaw.path={points: [[0, 0], [0, 0], [3, 1], [3, 1], [5, 5]]}"])
-    assert case.cracks[0].points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
-
-
 def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
     points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
     case = load_case(FILE, [f"cracks.flaw.path={{points: {points}}}"])

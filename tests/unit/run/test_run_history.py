@@ -12,6 +12,7 @@ from crackgrow.__main__ import main
 from crackgrow.case import load_case
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import History
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
 YOUNG, STRESS = 1e9, 1e6  # Pa
@@ -70,7 +71,6 @@ numerics: {spacing: 0.002}
 output: {frames: none, figures: false, points: {mouth: {crack: notch, at: [-0.01, 0]}}}
 """
 
-CASES = Path(__file__).parents[3] / "cases"
 FLAW_ON_ITS_WAY = (
     "growth.steps=0",
     "numerics.spacing=1.5",
@@ -159,10 +159,8 @@ def test_nothing_is_told_where_no_point_is_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize("pressed", ["whole", "loose"])
 def test_states_found_together_are_those_found_alone(pressed: str, tmp_path: Path) -> None:
     """Of a flaw on its way to slip, and of a block that contact alone holds: displacements and support forces."""
-    if pressed == "whole":
-        case = load_case(CASES / "compression30.yaml", FLAW_ON_ITS_WAY)
-    else:
-        case = load_case(written(tmp_path, STACK))
+    flaw = pressed == "whole"
+    case = shipped_case("compression30", FLAW_ON_ITS_WAY) if flaw else load_case(written(tmp_path, STACK))
     _, solution = next(iter(solved_steps(case)))
     states = [*solution.passed, solution.state]
     assert len(states) > 1

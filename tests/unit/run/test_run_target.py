@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from crackgrow.accuracy.companion import BOUND
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.run import grow
@@ -22,9 +21,9 @@ from crackgrow.run.loading import LoadsInTurn, load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.unit.run.test_run_starting import SQUARE, plate
 
-CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 
 SHEARED = (
@@ -40,7 +39,7 @@ SHEARED = (
 
 def case(name: str, accuracy: str, *settings: str) -> Case:
     aim = ("numerics.spacing=auto", f"numerics.accuracy={accuracy}")
-    return load_case(CASES / f"{name}.yaml", [*aim, *settings, *QUIET])
+    return shipped_case(name, [*aim, *settings, *QUIET])
 
 
 def shares(step: StepResult) -> list[float]:
@@ -226,7 +225,7 @@ def test_reactions_that_are_nothing_are_held_against_the_loads() -> None:
 
 def first_of(name: str, target: str, *settings: str) -> StepResult:
     aim = (f"numerics.accuracy={target}", "numerics.spacing=auto")
-    return next(grow(load_case(CASES / f"{name}.yaml", [*aim, *settings, *QUIET])))
+    return next(grow(shipped_case(name, [*aim, *settings, *QUIET])))
 
 
 def met_or_told(step: StepResult, target: float) -> bool:
