@@ -85,7 +85,7 @@ def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
     `kind` is that of `strip`. Its edges are moved so that faces open, stick and slip.
     """
     case = strip(kind, n_points)
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    growing = tuple(map(GrowingCrack.given, case.cracks))
     configuration = assemble(make_scene(case), growing)
     contact, n = configuration.contact, configuration.faces.n
     u, _ = contact.system.solve(configuration.loads(LoadLevel(1.0)), configuration.held.given)

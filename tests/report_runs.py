@@ -9,12 +9,12 @@ from pathlib import Path
 
 from PIL import Image
 
-from crackgrow.case import load_case
 from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
 from crackgrow.study.timed_run import write_run
+from tests.scenes import shipped_case
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
 COARSE = ("numerics.spacing=4", "growth.steps=3", "output.frames=none", "output.figures=false")
@@ -23,7 +23,7 @@ HOSTILE = '<script>document.title = "owned"</script> & "quotes" </title>'
 
 def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", case: str = "compression30") -> Path:
     """Run a coarse scene into a folder; with `failing`, break it off for this reason after its second step."""
-    scene = load_case(CASES / f"{case}.yaml", [*COARSE, *overrides])
+    scene = shipped_case(case, [*COARSE, *overrides])
     writer = RunWriter(scene, folder)
     writer.begin()
     if failing:

@@ -10,11 +10,16 @@ import numpy as np
 import pytest
 import yaml
 
-from crackgrow.case import load_case
+from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError, Fault
 from tests.verification.solutions import CASES
 
 MPA = 1e6
+
+
+def shipped_case(name: str, settings: Iterable[str] = ()) -> Case:
+    """A shipped case with settings."""
+    return load_case(CASES / f"{name}.yaml", list(settings))
 
 
 def shipped(name: str) -> dict[str, Any]:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from tests.scenes import shipped_case
 
-PLATE = Path(__file__).resolve().parents[1] / "cases" / "edge_tension.yaml"
+PLATE = "edge_tension"
 STRENGTH = "{tension: 5, cohesion: 20, friction_angle: 40, toughness: 0.5 MPa sqrt(m)}"
 GROWTH = "steps: 4, increment: 1, advance: all, criterion: max_hoop_stress, direction: explicit"
 LAW = "law: subcritical, subcritical: {velocity: 10 mm/s, exponent: 10}"
@@ -17,4 +15,4 @@ SLOWLY = (f"bodies.rock.strength={STRENGTH}", f"growth={{{GROWTH}, {LAW}}}", "nu
 
 def slow_cracks(*settings: str) -> Case:
     """The plate with the edge crack `notch`, of 6 mm, at 0.39 of its toughness."""
-    return load_case(PLATE, [*SLOWLY, "output.frames=none", "output.figures=false", *settings])
+    return shipped_case(PLATE, [*SLOWLY, "output.frames=none", "output.figures=false", *settings])

@@ -114,7 +114,7 @@ def solved(
         meetings = [one.intersection(other) for one, other in combinations(lines, 2)]
         places = shapely.points(shapely.get_coordinates([*lines, *meetings]))
         scene = replace(scene, lattice=refined(scene.lattice, Focus(places, np.full(len(places), 0.5**levels), 2.0)))
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    growing = tuple(map(GrowingCrack.given, case.cracks))
     return scene, solve_step(scene, growing, 1.0)
 
 

@@ -70,7 +70,7 @@ def solve(folder: Path, text: str, *settings: str) -> tuple[Scene, StepSolution]
     path.write_text(text, encoding="utf-8")
     case = load_case(path, settings)
     scene = make_scene(case)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return scene, solve_step(scene, cracks, last_factor(case))
 
 

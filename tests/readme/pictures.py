@@ -21,6 +21,7 @@ from crackgrow.api import run_case
 from crackgrow.case import load_case
 from crackgrow.cli.start import template_text
 from crackgrow.results.render import render
+from tests.scenes import shipped_case
 
 ROOT = Path(__file__).resolve().parents[2]
 PICTURES = ROOT / ".readme"
@@ -35,12 +36,12 @@ def draw_all() -> None:
     """Run the cases in a folder that goes again, and draw the pictures."""
     with tempfile.TemporaryDirectory() as folder:
         runs = Path(folder)
-        run_case(load_case(ROOT / "cases" / "compression30.yaml"), runs / "compression30")
+        run_case(shipped_case("compression30"), runs / "compression30")
         *_, last = render(runs / "compression30")
         shutil.copy(last, PICTURES / "compression30.png")
         (runs / "my_rock.yaml").write_text(template_text("compression"), encoding="utf-8")
         run_case(load_case(runs / "my_rock.yaml"), runs / "my_rock")
-        run_case(load_case(ROOT / "cases" / "joint_map.yaml"), runs / "joint_map")
+        run_case(shipped_case("joint_map"), runs / "joint_map")
         shutil.copy(runs / "joint_map" / "figures" / "path.png", PICTURES / "joint_map.png")
         draw_laws(PICTURES / "joint_laws.png")
         draw_series(runs / "my_rock" / "my_rock.pvd", PICTURES / "paraview.png")
@@ -58,7 +59,7 @@ def draw_laws(picture: Path) -> None:
     """Draw the stress that joints of three laws carry over the displacement that their scenes give them."""
     figure, axes = plt.subplots(1, len(LAWS), figsize=(10.0, 3.0), layout="constrained")
     for plot, (scene, settings, most, column, width) in zip(axes, LAWS, strict=True):
-        run = run_case(load_case(ROOT / "cases" / f"{scene}.yaml", settings))
+        run = run_case(shipped_case(scene, settings))
         told = [result.history for result in run.results if result.history is not None]
         factor = np.concatenate([[0.0], *(each.load_factor for each in told)])
         force = np.concatenate([[0.0], *(each.values[:, each.columns.index(column)] for each in told)])

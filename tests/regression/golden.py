@@ -21,6 +21,7 @@ import numpy as np
 import crackgrow
 from crackgrow.run.result import StepResult
 from tests.benchmarks.target_scenes import SCENES
+from tests.scenes import shipped_case
 
 HERE = Path(__file__).parent
 TABLE = HERE / "golden.csv"
@@ -48,7 +49,7 @@ Rows = dict[Key, float]
 
 def of_case(name: str) -> Rows:
     """What a shipped case gives."""
-    case = crackgrow.load_case(CASES / f"{name}.yaml", SETTINGS.get(name, ()))
+    case = shipped_case(name, SETTINGS.get(name, ()))
     run, extent = crackgrow.run_case(case), np.ptp(np.concatenate([body.outline for body in case.bodies]), axis=0).max()
     last = len(run.results) - 1
     told = [_of_step(name, run.results[step], extent) for step in sorted({0, last // 2, last})]

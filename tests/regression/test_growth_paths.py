@@ -3,23 +3,19 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 
-from crackgrow.case import load_case
 from crackgrow.run.result import RunEnd, StepResult
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
-ROOT = Path(__file__).parents[2]
 MM = 1e-3
 
 
 @cache
 def run(scene: str, *settings: str) -> tuple[list[StepResult], RunEnd]:
-    return whole_run(
-        load_case(ROOT / "cases" / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"])
-    )
+    return whole_run(shipped_case(scene, [*settings, "output.frames=none", "output.figures=false"]))
 
 
 def wings(end: RunEnd) -> list[np.ndarray]:

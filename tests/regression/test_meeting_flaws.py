@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.case import load_case
 from crackgrow.cli import main
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.study.compare import compare_paths
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
 CASES = Path(__file__).parents[2] / "cases"
@@ -31,7 +31,7 @@ FLATTER = (  # spacing a, continuity 2a
 
 
 def run(scene: str, *settings: str) -> tuple[list[StepResult], RunEnd]:
-    return whole_run(load_case(CASES / f"{scene}.yaml", [*settings, "output.frames=none", "output.figures=false"]))
+    return whole_run(shipped_case(scene, [*settings, "output.frames=none", "output.figures=false"]))
 
 
 def written(folder: Path, *settings: str) -> Path:

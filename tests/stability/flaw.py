@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
 from tests.one_size import one_size
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 from tests.verification.slit_body import closed_plate
 
-ROOT = Path(__file__).parents[2]
 QUIET = ("output.frames=none", "output.figures=false", "growth.steps=0")
 HALF_LENGTH, WIDTH, HEIGHT = 5e-3, 31e-3, 55e-3  # m
 IN_CRACK_AXES = (-25.0, -75.0, 25.0 * np.sqrt(3.0))
@@ -26,12 +24,12 @@ IN_CRACK_AXES = (-25.0, -75.0, 25.0 * np.sqrt(3.0))
 
 def case(*settings: str) -> Case:
     """The static scene in mm and MPa; later settings go before earlier ones."""
-    return load_case(ROOT / "cases" / "compression30.yaml", [*QUIET, *one_size("compression30"), *settings])
+    return shipped_case("compression30", [*QUIET, *one_size("compression30"), *settings])
 
 
 def solve(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> StepSolution:
     """The case under its load, on a lattice moved by `offset` spacings."""
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(make_scene(case, offset), cracks, 1.0)
 
 

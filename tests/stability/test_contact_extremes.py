@@ -7,13 +7,11 @@ shear 100 sin(30) cos(30) = 43.3 MPa sticks from a friction of tan(30) = 0.577 o
 from __future__ import annotations
 
 import functools
-from pathlib import Path
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, STICK, ContactMemory
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.ripple import worst_ripple
@@ -25,10 +23,10 @@ from crackgrow.run.frame import make_frame
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
-from tests.scenes import told
+from tests.scenes import shipped_case, told
 from tests.solving import at_once, solve_step
 
-CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
+CASE = "compression30"
 SETTINGS = ("output.frames=none", "output.figures=false", "growth.steps=0", "numerics.spacing=1.5")
 
 STRESS = 100e6
@@ -42,18 +40,18 @@ YOUNG, POISSON = 10e9, 0.25
 
 @functools.cache
 def first_step(*overrides: str) -> StepResult:
-    return next(grow(load_case(CASE, [*overrides, *SETTINGS])))
+    return next(grow(shipped_case(CASE, [*overrides, *SETTINGS])))
 
 
 @functools.cache
 def solution(*overrides: str) -> StepSolution:
-    case = load_case(CASE, [*overrides, *SETTINGS])
-    return solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
+    case = shipped_case(CASE, [*overrides, *SETTINGS])
+    return solve_step(make_scene(case), (GrowingCrack.given(case.cracks[0]),), 1.0)
 
 
 def configuration(*overrides: str) -> Configuration:
-    case = load_case(CASE, [*overrides, *SETTINGS])
-    return assemble(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),))
+    case = shipped_case(CASE, [*overrides, *SETTINGS])
+    return assemble(make_scene(case), (GrowingCrack.given(case.cracks[0]),))
 
 
 def law(friction: float = 0.0, cohesion: float = 0.0) -> tuple[str, ...]:
@@ -96,8 +94,8 @@ def test_elastic_contact_converges_to_rigid_contact(friction: float) -> None:
 @pytest.mark.parametrize("stiffness", ["1e2", "1e4", "1e8", "1e12", "rigid"])  # 1e0 bends: it gives way over h/2
 def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction: float) -> None:
     spacing = "numerics.spacing=0.75"  # enough nodes for waves to show
-    case = load_case(CASE, [*law(friction), *stiff(stiffness), *SETTINGS[:-1], spacing])
-    found = solve_step(make_scene(case), (GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64)),), 1.0)
+    case = shipped_case(CASE, [*law(friction), *stiff(stiffness), *SETTINGS[:-1], spacing])
+    found = solve_step(make_scene(case), (GrowingCrack.given(case.cracks[0]),), 1.0)
     p = found.outcome.points.normal
     assert len(p) >= 9
     assert swing(found) == 0.0
@@ -108,53 +106,12 @@ def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction
     np.testing.assert_allclose(np.abs(found.outcome.points.tangential), -friction * p, rtol=1e-9, atol=1.0)
 
 
-def test_stiff_mortar_contact_is_not_sent_to_gauss_points() -> None:
-    """The layer that gives way at a tip is warned of where its K_I can be seen: gauss points fail where it can't."""
-    layer = "the pressure falls to a closed tip"
-    for stiffness, warned in (("1e0", True), ("1e2", True), ("1e8", False), ("rigid", False)):
-        assert any(layer in w for w in first_step(*law(), *stiff(stiffness)).warnings) == warned
-    spurious = abs(first_step(*law(), *stiff("1e8")).tips[0].K_I - first_step(*law()).tips[0].K_I)
-    assert spurious < 1e-6 * abs(K_II(first_step(*law())))
-
-
-def roughness(found: StepSolution) -> float:
-    """Deviation of the pressure from a smooth curve (quartic) a spacing and more from the tips, over its mean."""
-    s, p = found.faces.s, found.outcome.points.normal
-    inside = (s > 1.0) & (s < s.max() - 1.0)
-    x = s[inside] / s.max()
-    smooth = np.polynomial.Polynomial.fit(x, p[inside], 4)(x)
-    return float(np.sqrt(np.mean((p[inside] - smooth) ** 2)) / abs(p[inside].mean()))
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("stiffness", ["1e0", "1e1", "1e2", "1e4", "1e5"])
-def test_gauss_points_say_so_where_their_tractions_oscillate(stiffness: str, friction: float) -> None:
-    settings = (*law(friction), *stiff(stiffness, "gauss"))
-    step = first_step(*settings)
-    found = solution(*settings)
-    warned = [w for w in step.warnings if "oscillate by" in w]
-    assert len(warned) == (swing(found) > 0.1)
-    if warned:
-        assert f"'flaw' oscillate by {100.0 * swing(found):.2g} %" in warned[0]
-        assert "discretization mortar" in warned[0]
-    else:
-        assert roughness(found) < 0.03
-    assert len(warned) == (stiffness in ("1e2", "1e4", "1e5"))
-
-
 @pytest.mark.parametrize("stiffness", ["1e6", "1e8", "1e12", "rigid"])
 def test_gauss_points_are_refused_where_their_tractions_mean_nothing(stiffness: str) -> None:
     """K_I would be 160 MPa sqrt(m) at 1e8, 28 times the K_II of a flaw that is closed."""
     with pytest.raises(CaseError, match="more contact points than the displacement can follow") as error:
         first_step(*law(), *stiff(stiffness, "gauss"))
     assert "stiffer than 100000" in str(error.value)
-
-
-def test_the_stiffer_the_gauss_points_the_rougher() -> None:
-    found = [roughness(solution(*law(), *stiff(k, "gauss"))) for k in ("1e0", "1e1", "1e2", "1e3", "1e4")]
-    assert found == sorted(found)
-    assert found[0] < 0.01
-    assert found[-1] > 0.1
 
 
 @pytest.mark.parametrize("cohesion", [0.0, 1e6, 1e9])
@@ -214,13 +171,6 @@ def distance_from_intact(found: StepSolution) -> float:
 )
 def test_a_stuck_flaw_is_as_if_it_were_not_there(friction: float, cohesion: float) -> None:
     assert distance_from_intact(solution(*law(friction, cohesion))) < 1e-9
-
-
-def test_a_slipping_flaw_is_not() -> None:
-    distances = [distance_from_intact(solution(*law(friction))) for friction in (0.0, 0.3, 0.57)]
-    assert distances == sorted(distances, reverse=True)
-    assert distances[0] > 1e-2
-    assert distances[2] > 1e-5
 
 
 @pytest.mark.parametrize("stiffness", ["1e2", "1e4", "1e8", "1e12"])

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.case.model import Case
 from crackgrow.run.judging import StepSolution
 from tests.stability.condition import condition_estimate
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, offset_with, solve, tip_of
@@ -116,44 +115,3 @@ def test_outline_on_lattice_lines(spacing: float) -> None:
     distances = (0.0, 1e-12, -1e-12, 1e-9, -1e-9, 1e-6, 1e-3, 0.5)
     places = [offset_with(scene, corner, (0.0, 0.0), (distance, distance)) for distance in distances]
     check([solve(scene, place) for place in places], exact_K_II(30.0, width=30e-3, height=54e-3))
-
-
-def placed(angle: float = 0.0, mirror: float = 1.0, shift: tuple[float, float] = (0.0, 0.0), *settings: str) -> Case:
-    """The scene mirrored in the y axis where `mirror` is -1, turned about the origin and shifted (mm)."""
-    c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
-
-    def at(x: float, y: float) -> str:
-        x = mirror * x
-        return f"[{c * x - s * y + shift[0]:.17g}, {s * x + c * y + shift[1]:.17g}]"
-
-    corners = [(-15.5, -27.5), (15.5, -27.5), (15.5, 27.5), (-15.5, 27.5)]
-    ends = [(-5.0 * np.cos(np.pi / 6), -2.5), (5.0 * np.cos(np.pi / 6), 2.5)]
-    sides = [0, 2] if mirror > 0 else [2, 0]  # of a polygon that runs backwards
-    outline = ", ".join(at(*corner) for corner in (corners if mirror > 0 else corners[::-1]))
-    push = f"[{100.0 * s}, {-100.0 * c}]", f"[{-100.0 * s}, {100.0 * c}]"
-    held = "y" if abs(c) > abs(s) else "x"  # the load is in equilibrium: any supports will do that fix the body
-    overrides = (
-        f"bodies.rock.shape={{polygon: [{outline}]}}",
-        f"cracks.flaw.path={{points: [{at(*ends[0])}, {at(*ends[1])}]}}",
-        f"loads=[{{on: {{body: rock, edge: {sides[1]}}}, traction: {push[0]}}}, "
-        f"{{on: {{body: rock, edge: {sides[0]}}}, traction: {push[1]}}}]",
-        f"supports=[{{at: {at(*corners[0])}, displacement: {{x: 0, y: 0}}}}, "
-        f"{{at: {at(*corners[1])}, displacement: {{{held}: 0}}}}]",
-    )
-    return case(*overrides, *settings)
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("spacing", [3.0, pytest.param(1.5, marks=pytest.mark.slow)])
-def test_shifted_scene_has_the_same_K_to_round_off(spacing: float, friction: float) -> None:
-    settings = (f"numerics.spacing={spacing}", f"cracks.flaw.contact.friction={friction}")
-    here, there = (K(solve(placed(0.0, 1.0, shift, *settings))) for shift in ((0.0, 0.0), (4 * spacing, -7 * spacing)))
-    np.testing.assert_allclose(there, here, atol=1e-9 * np.abs(here).max())
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("spacing", [3.0, pytest.param(1.5, marks=pytest.mark.slow)])
-def test_mirrored_scene_has_the_mirrored_K_to_round_off(spacing: float, friction: float) -> None:
-    settings = (f"numerics.spacing={spacing}", f"cracks.flaw.contact.friction={friction}")
-    here, there = (K(solve(placed(0.0, mirror, (0.0, 0.0), *settings))) for mirror in (1.0, -1.0))
-    np.testing.assert_allclose(there * (1.0, -1.0), here, atol=1e-9 * np.abs(here).max())

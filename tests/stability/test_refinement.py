@@ -6,18 +6,15 @@ load, a corrected direction. All of it goes through `ConstrainedSystem.solve`, o
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 from scipy.sparse import csr_array
 
-from crackgrow.case import load_case
 from crackgrow.linear.factorization import Factorization
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
 
-CASES = Path(__file__).parents[2] / "cases"
 OFF = 1e-5
 ROUGH = ("numerics.spacing=3", "growth.steps=1", "growth.tip_stress.radius=2", "output.figures=false")
 
@@ -35,7 +32,7 @@ SCENES = {
 
 
 def last_step(name: str, settings: tuple[str, ...]) -> StepResult:
-    *_, last = grow(load_case(CASES / f"{name}.yaml", [*settings, "output.frames=none"]))
+    *_, last = grow(shipped_case(name, [*settings, "output.frames=none"]))
     return last
 
 

@@ -15,8 +15,9 @@ import crackgrow
 from crackgrow import blas
 from crackgrow.blas import THREAD_SETTINGS, one_thread, single_threaded
 from crackgrow.run import loop
+from tests.scenes import shipped_case
 
-CASE = Path(__file__).resolve().parents[2] / "cases" / "compression30.yaml"
+CASE = "compression30"
 
 
 def threads() -> set[int]:
@@ -39,7 +40,7 @@ def test_a_case_is_solved_with_one_thread_and_the_user_s_are_back_between_its_st
         return load(*arguments, **more)  # type: ignore[arg-type]
 
     monkeypatch.setattr(loop, "load", looking)
-    case = crackgrow.load_case(CASE, ["numerics.spacing=4", "growth.steps=1"])
+    case = shipped_case(CASE, ["numerics.spacing=4", "growth.steps=1"])
     with threadpool_limits(2, "blas"):
         crackgrow.solve(case)
         assert threads() == {2}
@@ -59,7 +60,7 @@ def test_an_error_gives_the_threads_back(monkeypatch: pytest.MonkeyPatch) -> Non
     monkeypatch.setattr(loop, "load", fails)
     with threadpool_limits(2, "blas"):
         with pytest.raises(crackgrow.SolveError):
-            crackgrow.solve(crackgrow.load_case(CASE, ["numerics.spacing=4"]))
+            crackgrow.solve(shipped_case(CASE, ["numerics.spacing=4"]))
         assert threads() == {2}
 
 

@@ -160,18 +160,6 @@ def test_what_tips_have_met_is_told_as_it_happens_and_at_the_end(
     assert capsys.readouterr().out == ""
 
 
-def test_overrides_reach_the_loader(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    seen = []
-
-    def load(path: Path, overrides: list[str]) -> Case:
-        seen.append((path, overrides))
-        return make_case(frames="none")
-
-    monkeypatch.setattr(crackgrow, "load_case", load)
-    assert cli.main(["run", "block.yaml", "--set", "growth.steps=3", "--set", "plane=stress"]) == 0
-    assert seen == [(Path("block.yaml"), ["growth.steps=3", "plane=stress"])]
-
-
 def test_wrong_case_lists_its_faults_and_touches_nothing(
     scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -201,18 +189,6 @@ def test_unsolvable_keeps_the_results_so_far(
         2,
     )
     assert n_rows(scene / "outputs" / "block" / "steps.csv") == 2
-
-
-def test_run_that_ends_as_failed_exits_3(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def grow(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
-        yield make_result(0)
-        return RunEnd("failed", "singular", ())
-
-    monkeypatch.setattr(crackgrow, "grow", grow)
-    assert cli.main(["run", "block.yaml"]) == 3
-    assert capsys.readouterr().err == "crackgrow: singular\n"
 
 
 def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
@@ -324,20 +300,6 @@ def test_folder_that_cannot_be_written_exits_3(scene: Path, capsys: pytest.Captu
         assert err == f"crackgrow: cannot write results into {folder}: file is a file; choose another folder"
 
 
-def test_disk_that_fills_during_a_run_exits_3(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def add(self: writer.RunWriter, result: StepResult) -> None:
-        raise OutputError("cannot write tips.csv: No space left on device")
-
-    monkeypatch.setattr(writer.RunWriter, "add", add)
-    assert cli.main(["run", "block.yaml"]) == 3
-    err = capsys.readouterr().err
-    assert err.startswith("crackgrow: cannot write tips.csv: No space left on device; then go on with: ")
-    assert err.endswith(" run block.yaml --out outputs/block --resume\n")
-    assert summary(scene / "outputs" / "block")["status"] == "failed"
-
-
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -389,12 +351,6 @@ def test_check_tells_of_other_solutions_where_it_is_asked(scene: Path, capsys: p
     assert "solutions of the contact" not in capsys.readouterr().out
     assert cli.main(["check", "block.yaml", "--unique"]) == 0
     assert "solutions of the contact\n  at load factor 1: no faces touch" in capsys.readouterr().out
-
-
-def test_check_says_what_is_modelled(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["check", "block.yaml"]) == 0
-    assert "body rock" in capsys.readouterr().out
-    assert not (scene / "outputs").exists()
 
 
 def test_threads_are_limited_unless_the_user_says_otherwise(scene: Path) -> None:

@@ -7,9 +7,6 @@ from pathlib import Path
 import pytest
 
 from crackgrow import cli
-from crackgrow.case.keys import case_keys
-from crackgrow.case.scalars import POSITIVE, Bounds, Integer, Number, Quantity
-from crackgrow.case.schema import OPTIONAL, Field, ListOf, Mapping, Named
 
 
 def explained(name: str, capsys: pytest.CaptureFixture[str]) -> str:
@@ -73,23 +70,6 @@ def test_an_unknown_name_is_a_fault_with_what_may_be_meant(capsys: pytest.Captur
     told = capsys.readouterr()
     assert told.out == ""
     assert "did you mean friction" in told.err
-
-
-def test_keys_of_a_format_appear_by_themselves() -> None:
-    law = Mapping({"mu": Field(Number(), "friction")})
-
-    spec = Mapping({
-        "size": Field(ListOf(Quantity("length", POSITIVE), 2), "how large"),
-        "faults": Field(Named("fault", law), "by name", {}),
-        "joints": Field(ListOf(law), "in order", OPTIONAL),
-        "fine": Field(Mapping({"kind": Field(Integer(), "kind", 0), "n": Field(Integer(), "how many", 1)}), "inside"),
-        "own": Field(Number(Bounds(at_least=0, below=1)), "written by the program", offered=False),
-    })  # fmt: skip
-    found = {key.name: key for key in case_keys(spec)}
-    assert list(found) == ["size", "faults", "faults.NAME.mu", "joints", "joints.N.mu", "fine", "fine.kind", "fine.n"]
-    assert (found["size"].kind, found["size"].allowed) == ("[length, length]", "> 0")
-    assert found["joints"].like == "faults.NAME"
-    assert found["fine.n"].default == "1"
 
 
 def test_cases_are_listed_with_their_titles(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

@@ -13,7 +13,6 @@ from pathlib import Path
 import pytest
 
 import crackgrow
-from tests.conftest import PHYSICS, is_physics
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -50,26 +49,6 @@ def test_the_version_stands_in_one_place_and_the_citation_has_it() -> None:
     assert "version" in PROJECT["dynamic"]
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     assert re.findall(r"version = \{(.*)\}", text) == [crackgrow.__version__]
-
-
-@pytest.mark.parametrize("begin", PHYSICS)
-def test_tests_that_solve_for_long_are_there(begin: str) -> None:
-    file, _, name = begin.partition("::")
-    place = ROOT / "tests" / file
-    if file.endswith("/"):
-        assert list(place.rglob("test_*.py"))
-    else:
-        assert f"def {name or 'test_'}" in place.read_text(encoding="utf-8")
-
-
-@pytest.mark.parametrize(("name", "physics"), [
-    ("properties/test_a.py::test_b", True), ("unit/run/test_a.py::test_b", True),
-    ("unit/cover/test_a.py::test_b", False), ("unit/results/test_report.py::test_a_long_run[1]", True),
-    ("unit/results/test_report.py::test_short", False),
-])  # fmt: skip
-def test_tiers_are_told_apart_by_the_names_of_tests(name: str, physics: bool) -> None:
-    file, _, test = name.partition("::")
-    assert is_physics(ROOT / "tests" / file, test) == physics
 
 
 @pytest.mark.parametrize(("target", "answer", "stays"), [

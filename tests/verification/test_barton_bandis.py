@@ -12,26 +12,18 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import SLIP, ContactLaw
-from crackgrow.errors import CaseError
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
-from tests.scenes import fault_of
-from tests.whole_run import whole_run
+from tests.whole_run import seen, whole_run
 
 JOINT = Path(__file__).parents[2] / "cases" / "barton_bandis.yaml"
 FLAW = JOINT.with_name("compression30.yaml")
-LAW = "supports.0.contact"
 WIDTH, STIFFNESS, CLOSURE = 0.4, 20e9, 2e-4  # m, Pa/m, m
 PRESSED = ("loads.0.held=false", "supports.1.displacement.x=0", "loads.0.traction=[0, -20]")
 
 
 def steps(*overrides: str) -> list[StepResult]:
     return whole_run(load_case(JOINT, overrides))[0]
-
-
-def seen(results: list[StepResult], name: str) -> np.ndarray:
-    told = [result.history for result in results]
-    return np.concatenate([each.values[:, each.columns.index(name)] for each in told if each is not None])
 
 
 def strength(pressure: float) -> float:
@@ -107,26 +99,3 @@ def test_softness_and_energy_are_derivative_and_integral_of_closure() -> None:
     np.testing.assert_allclose(law.softness(normal) * law.compliance, slope, rtol=1e-8)
     energy = [law.stored(some) - 0.5 * some * law.closure(some) for some in (normal - step, normal + step)]
     np.testing.assert_allclose((energy[0] - energy[1]) / (2.0 * step), -normal * slope, rtol=1e-4)
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "words"),
-    [
-        ({"max_closure": "0 mm"}, "max_closure", "wanted: a length > 0"),
-        ({"barton": "{jrc: 25, jcs: 100}"}, "barton.jrc", "out of range"),
-        ({"barton": "{jrc: 10}"}, "barton.jcs", "missing"),
-        ({"tension": 1, "cohesion": 2}, "tension", "cohesion / friction = 0.727"),
-    ],
-)
-def test_faults(changes: dict[str, object], key: str, words: str) -> None:
-    fault = fault_of(JOINT, *(f"{LAW}.{name}={value}" for name, value in changes.items()))
-    assert fault.key == f"{LAW}.{key}"
-    assert words in fault.message
-
-
-@pytest.mark.parametrize("loading", ["critical", "strength_reduction"])
-def test_loads_that_are_looked_for_are_refused(loading: str) -> None:
-    growth = ["growth.steps=0"] if loading == "critical" else ["growth=null"]
-    law = "cracks.flaw.contact={friction: 0.2, cohesion: 0, barton: {jrc: 10, jcs: 50}}"
-    with pytest.raises(CaseError, match="barton: depends on the pressure, which loading"):
-        load_case(FLAW, [law, f"loading={loading}", *growth])

@@ -5,16 +5,13 @@ Nor on the cells, which is what the stated errors tell of.
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.fracture import tip_stress
 from crackgrow.run import grow
 from crackgrow.run.result import TipResult
+from tests.scenes import shipped_case
 
-CASES = Path(__file__).resolve().parents[2] / "cases"
 PATH = [
     [-4.0155, -13.8005], [-4.4729, -12.3719], [-4.9497, -10.9497], [4.9497, -1.0503], [4.4729, 0.3719],
     [3.8018, 1.7134], [3.141, 3.0601], [2.5044, 4.4183], [1.941, 5.8084], [1.5023, 7.2428],
@@ -25,7 +22,7 @@ PATH = [
 def tip_beside_the_hole(accuracy: str) -> TipResult:
     settings = [f"cracks.flaw.path={{points: {PATH}}}", "growth.steps=0", "loading={history: [3.2]}"]
     quiet = ["output.frames=none", "output.figures=false"]
-    case = load_case(CASES / "flaw_and_hole.yaml", [*settings, *quiet, f"numerics.accuracy={accuracy}"])
+    case = shipped_case("flaw_and_hole", [*settings, *quiet, f"numerics.accuracy={accuracy}"])
     return next(tip for tip in next(grow(case)).tips if tip.tip == "end")
 
 

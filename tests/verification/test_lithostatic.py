@@ -11,7 +11,7 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
 from crackgrow.run.result import StepResult
-from tests.stability.placed import Placement, placed, scaled, turned
+from tests.stability.changed import QUARTER, Change
 from tests.verification.solutions import solve_case
 from tests.whole_run import whole_run
 
@@ -46,12 +46,15 @@ def case_of(folder: Path, text: str) -> Case:
     return load_case(path)
 
 
-@pytest.mark.parametrize("placement", [turned(0.0), turned(90.0), scaled(1e-3, 1e-6, 1e-2)])
-def test_rock_in_equilibrium_with_its_weight_does_not_move(tmp_path: Path, placement: Placement) -> None:
-    solved = solve_case(placed(case_of(tmp_path, UNDER_WEIGHT.replace("CRACKS\n", "")), placement))
-    size = placement.displacement * 20.0 * WEIGHT * 20.0 / 5e9  # of the displacement if the weight came on
+@pytest.mark.parametrize(
+    "change", [Change("as it is"), Change("turned", QUARTER), Change("scaled", size=1e-3, stress=1e-6, young=1e-2)]
+)
+def test_rock_in_equilibrium_with_its_weight_does_not_move(tmp_path: Path, change: Change) -> None:
+    case = case_of(tmp_path, UNDER_WEIGHT.replace("CRACKS\n", ""))
+    solved = solve_case(Case.from_dict(change.apply(case.to_dict())))
+    size = change.displacement * 20.0 * WEIGHT * 20.0 / 5e9  # of the displacement if the weight came on
     places = np.array([(15.0, 5.0), (29.9, 0.1), (5.0, 12.9), (18.0, 19.9), (14.5, 12.9), (25.0, 19.99), (17.0, 17.0)])
-    assert np.abs(solved.displacement(placement.points(places))).max() < 1e-9 * size
+    assert np.abs(solved.displacement(change.points(places))).max() < 1e-9 * size
 
 
 def test_a_joint_in_rock_at_rest_carries_what_the_rock_beside_it_does(tmp_path: Path) -> None:

@@ -3,18 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.sparse import csr_array, vstack
 
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, complementarity_residual
 from crackgrow.contact.jump import contact_operators
-from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.linear import ConstrainedSystem
@@ -24,11 +20,11 @@ from crackgrow.run.scene import make_scene
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
-from tests.contact_problems import rock_problem, with_law
 from tests.one_size import one_size
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 
-CASE = Path(__file__).parents[2] / "cases" / "compression30.yaml"
+CASE = "compression30"
 SIZE = one_size("compression30")
 
 
@@ -39,14 +35,14 @@ def gauss_case(friction: float, solver: str, *more: str) -> Case:
         "contact.solver": solver,
     }
     overrides = [f"numerics.{key}={value}" for key, value in settings.items()]
-    return load_case(CASE, [*SIZE, *overrides, f"cracks.flaw.contact.friction={friction}", *more])
+    return shipped_case(CASE, [*SIZE, *overrides, f"cracks.flaw.contact.friction={friction}", *more])
 
 
 def grown(friction: float, n_steps: int) -> GrowingCrack:
     """The flaw after a number of growth steps."""
-    case = load_case(CASE, [*SIZE, f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
+    case = shipped_case(CASE, [*SIZE, f"growth.steps={max(n_steps, 1)}", "output.frames=none", "output.figures=false"])
     if n_steps == 0:
-        return GrowingCrack(case.cracks[0], np.zeros(2, dtype=np.int64))
+        return GrowingCrack.given(case.cracks[0])
     *_, last = grow(case)
     crack = replace(gauss_case(friction, "newton").cracks[0], points=last.cracks[0].points)
     return GrowingCrack(crack, last.cracks[0].steps)
@@ -95,28 +91,3 @@ def test_lcp_of_all_points_with_the_open_wings(friction: float) -> None:
     np.testing.assert_allclose(
         lemke.traction[: solution.faces.n], solution.outcome.points.normal, rtol=0.0, atol=1e-6 * largest
     )
-
-
-EXACT = 1e-10
-"""Violation of the law, relative."""
-
-AGREEMENT = 1e-8
-"""Of tractions, relative to the largest."""
-
-
-def check(problem: ContactProblem) -> None:
-    newton, lemke = solve_by_newton(problem), solve_by_lemke(problem)
-    assert newton.status == lemke.status == "solved"
-    assert complementarity_residual(problem, newton.traction) < EXACT
-    atol = AGREEMENT * np.abs(newton.traction).max()
-    np.testing.assert_allclose(newton.traction, lemke.traction, rtol=0.0, atol=atol)
-
-
-@pytest.mark.parametrize("kind", ["interface", "crack"])
-def test_many_points_of_rock_that_open_stick_and_slip(kind: str) -> None:
-    rock, _ = rock_problem(kind, 80)
-    for friction, cohesion in ((0.0, 0.0), (0.4, 0.0), (0.4, 1e6), (1.0, 0.0), (1.0, 1e6)):
-        problem = with_law(rock, friction, cohesion)
-        check(problem)
-        wanted = {OPEN, SLIP} if friction == 0.0 else {OPEN, STICK, SLIP}
-        assert set(solve_by_newton(problem).state.tolist()) == wanted

@@ -27,9 +27,8 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import STICK, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
-
-CASES = Path(__file__).parents[2] / "cases"
 
 SIGMA_H, SIGMA_V = -10e6, -20e6
 
@@ -108,7 +107,7 @@ def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(tmp_path: 
 def test_K_has_an_error_where_the_rock_moves_and_none_at_rest() -> None:
     """Joints stick under the stress in the ground: their K is nothing. In the third stage no load does any work."""
     more = ["loading.stages=[{}, {excavate: core}, {loads: {water: 0.5}}]", "output.figures=false"]
-    rest, *moved = (K_error(step) for step, _ in steps_of(load_case(CASES / "tunnel_excavated.yaml", more)))
+    rest, *moved = (K_error(step) for step, _ in steps_of(shipped_case("tunnel_excavated", more)))
     assert np.isnan(rest)
     assert np.isfinite(moved).all()
 
@@ -237,7 +236,7 @@ def test_a_column_rebounds_when_its_upper_part_is_taken_away(tmp_path: Path, con
     assert max(result.energy.error for result in results) < 1e-6
 
 
-def test_stages_of_factors_are_a_history(tmp_path: Path) -> None:
+def test_stages_of_factors_are_a_history() -> None:
     """The same loads in the same turn; the configuration is made anew in each stage."""
     settings = ["numerics.spacing=10", "output.frames=none", "output.figures=false"]
     cyclic = Path(__file__).parents[2] / "cases" / "cyclic_friction.yaml"

@@ -154,26 +154,6 @@ def test_scene_that_no_strength_holds_is_told_as_such(tmp_path: Path) -> None:
         run(tmp_path, FLAT.replace("[0, -1e5]", "[0, 1e5]"))
 
 
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("friction: 0.5", "friction: 0", "no crack, interface or foundation has any"),
-        (
-            "numerics:",
-            "growth: {steps: 1, increment: 1, advance: all, criterion: strength, tip_stress: {radius: 0.1}}\nnumerics:",
-            "leave out `growth`",
-        ),
-        ("strength_reduction", "strength_reducton", "did you mean 'strength_reduction'?"),
-    ],
-)
-def test_faults(old: str, new: str, words: str, tmp_path: Path) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(written(tmp_path, FLAT.replace(old, new)))
-    (fault,) = caught.value.faults
-    assert fault.key == "loading"
-    assert words in fault.message
-
-
 def test_a_target_of_K_is_refused(tmp_path: Path) -> None:
     with pytest.raises(CaseError) as caught:
         load_case(written(tmp_path, FLAT), ["numerics.accuracy=1 %"])

@@ -8,14 +8,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution, TipState
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 from tests.verification.slit_body import plate as series
 
-ROOT = Path(__file__).parents[2]
 REFERENCES = Path(__file__).parent / "references"
 CLOSED = np.genfromtxt(REFERENCES / "closed_crack_K.csv", delimiter=",", names=True)
 PER_MM = 1e6 * np.sqrt(1e-3)  # Pa sqrt(m) of 1 MPa sqrt(mm)
@@ -24,7 +23,7 @@ MM = 1e-3
 
 @cache
 def solved(scene: str, *settings: str) -> StepSolution:
-    case = load_case(ROOT / "cases" / f"{scene}.yaml", settings)
+    case = shipped_case(scene, settings)
     cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(make_scene(case), cracks, 1.0)
 

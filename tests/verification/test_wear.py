@@ -15,11 +15,10 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.run.result import StepResult
-from tests.scenes import fault_of
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
-JOINT = Path(__file__).parents[2] / "cases" / "rough_joint_sheared.yaml"
-LAW = "supports.0.contact"
+JOINT = "rough_joint_sheared"
 PRESSURE, SHEAR, NORMAL, PULLED, DECAY = 2e6, 1e10, 1e12, 6e-3, 2e-3
 STEEP = np.tan(np.deg2rad(15.0))
 
@@ -53,7 +52,7 @@ def seen(results: Sequence[StepResult], width: float = 0.4) -> tuple[np.ndarray,
 
 
 def test_friction_and_dilation_decay_with_slip() -> None:
-    results = whole_run(load_case(JOINT, ["loading.follow=events"]))[0]
+    results = whole_run(shipped_case(JOINT, ["loading.follow=events"]))[0]
     d, shear, rise = seen(results[:2])
     slip = d - shear / SHEAR
     slides = slip > 1e-4
@@ -67,7 +66,7 @@ def test_friction_and_dilation_decay_with_slip() -> None:
 
 
 def test_faces_that_slip_back_close_by_the_dilation_that_is_left() -> None:
-    results = whole_run(load_case(JOINT, ["loading.follow=events"]))[0]
+    results = whole_run(shipped_case(JOINT, ["loading.follow=events"]))[0]
     there, back = (seen(some) for some in (results[:2], results[2:]))
     slip, returned = there[0][-1] - there[1][-1] / SHEAR, back[0][-1] - back[1][-1] / SHEAR
     worn = DECAY * (np.exp(-slip / DECAY) - np.exp(-(2.0 * slip - returned) / DECAY))
@@ -77,7 +76,7 @@ def test_faces_that_slip_back_close_by_the_dilation_that_is_left() -> None:
 
 def test_a_few_increments_come_to_the_same() -> None:
     """The share that an increment takes, and its mean dilation, are exact for slip one way."""
-    results = whole_run(load_case(JOINT, ["loading={history: [0.3, 1], follow: 1}"]))[0]
+    results = whole_run(shipped_case(JOINT, ["loading={history: [0.3, 1], follow: 1}"]))[0]
     d, shear, rise = seen(results)
     decayed = np.exp(-(d[-1] - shear[-1] / SHEAR) / DECAY)
     assert shear[-1] == pytest.approx(PRESSURE * (0.5 + 0.3 * decayed), rel=1e-3)
@@ -121,37 +120,3 @@ def test_the_mean_dilation_is_that_of_its_integral() -> None:
         rate = (risen(slip + step) - risen(slip - step)) / (2.0 * step)
         np.testing.assert_allclose(rate, law.dilation_of(after(slip)), rtol=1e-7)
     np.testing.assert_array_equal(law.dilation_between(first, first), law.dilation_of(first))
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "words"),
-    [
-        ({"weakening_length": "1 mm"}, "decay_length", "is given beside weakening_length; wanted: one of them"),
-        ({"decay_length": "0 mm"}, "decay_length", "wanted: a length > 0"),
-        ({"residual_dilation_angle": 20}, "residual_dilation_angle", "rises; wanted: each at most the one before it"),
-        ({"residual_friction": 0.2, "dilation_angle": 35, "residual_dilation_angle": 12}, "residual_dilation_angle",
-         "would create energy"),
-        ({"wear": "{slip: [1], friction: [0.5]}"}, "wear", "is given beside decay_length"),
-    ],
-)  # fmt: skip
-def test_faults_of_wear(changes: dict[str, object], key: str, words: str) -> None:
-    fault = fault_of(JOINT, *(f"{LAW}.{name}={value}" for name, value in changes.items()))
-    assert fault.key == f"{LAW}.{key}"
-    assert words in fault.message
-
-
-@pytest.mark.parametrize(
-    ("wear", "words"),
-    [
-        ("{slip: [3 mm, 1 mm], friction: [0.6, 0.5]}", "slips do not rise"),
-        ("{slip: [1 mm, 3 mm], friction: [0.6]}", "2 slips, 1 frictions and 2 angles given"),
-        ("{slip: [1 mm, 3 mm], friction: [0.6, 0.9]}", "friction or dilation angle rises"),
-        ("{slip: [], friction: []}", "0 slips"),
-    ],
-)
-def test_faults_of_a_table(wear: str, words: str, tmp_path: Path) -> None:
-    path = tmp_path / "shear.yaml"
-    path.write_text(TABLE, encoding="utf-8")
-    fault = fault_of(path, f"{LAW}.wear={wear}")
-    assert fault.key == f"{LAW}.wear"
-    assert words in fault.message

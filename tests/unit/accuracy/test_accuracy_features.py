@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
 from crackgrow.accuracy.features import JOG
-from crackgrow.case import load_case
 from crackgrow.case.accuracy import CELLS
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
@@ -21,13 +19,13 @@ from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of, contact_faces, cover_of
 from crackgrow.run.scene import Scene, make_scene
 from tests.one_size import one_size
+from tests.scenes import shipped_case
 
-CASES = Path(__file__).parents[3] / "cases"
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 
 
 def case(name: str, *settings: str) -> Case:
-    return load_case(CASES / f"{name}.yaml", [*one_size(name), *settings, *QUIET])
+    return shipped_case(name, [*one_size(name), *settings, *QUIET])
 
 
 def laid_out(scene: Case) -> Cover:
@@ -61,7 +59,7 @@ def test_the_less_a_crack_turns_the_larger_are_the_cells_at_its_kink() -> None:
     sizes = []
     for y in (0.02, 0.3, 0.6, 1.2):  # turns by 0.2, 3, 6, 12 degrees
         path = f"cracks.flaw.path={{points: [[-6, 0], [0, 0], [6, {y}]]}}"
-        scene = load_case(CASES / "compression30.yaml", [AUTO, path, "growth.steps=0", *QUIET])
+        scene = shipped_case("compression30", [AUTO, path, "growth.steps=0", *QUIET])
         sizes.append(size_at(laid_out(scene), (1e-6, 1e-6)))
     assert sizes[0] > sizes[1] > sizes[2] > sizes[3]
 
@@ -175,7 +173,7 @@ def on(scene: Scene, **grading: Any) -> Cover:
 def test_the_cells_of_a_step_are_those_of_its_companion_quartered_and_so_are_pieces_between_contact_points(
     name: str,
 ) -> None:
-    scene = make_scene(load_case(CASES / f"{name}.yaml", [AUTO, *QUIET]))
+    scene = make_scene(shipped_case(name, [AUTO, *QUIET]))
     step, companion = on(scene), on(scene, companion=True)
     assert step.lattice.cells.equal(companion.lattice.cells.quartered())
     for fine, coarse in zip(step.surfaces, companion.surfaces, strict=True):
@@ -191,7 +189,7 @@ def test_the_cells_of_a_step_are_those_of_its_companion_quartered_and_so_are_pie
 
 
 def test_levels_refine_the_features_of_their_crack_alone() -> None:
-    scene = make_scene(load_case(CASES / "two_flaws.yaml", [AUTO, *QUIET]))
+    scene = make_scene(shipped_case("two_flaws", [AUTO, *QUIET]))
     given, refined = on(scene), on(scene, cracks=(2, 0))
     sizes = [{(tip.crack, tip.at_end): tip.size for tip in cover.tips} for cover in (given, refined)]
     assert all(sizes[1][end] == sizes[0][end] / (4.0 if end[0] == 0 else 1.0) for end in sizes[0])
@@ -199,7 +197,7 @@ def test_levels_refine_the_features_of_their_crack_alone() -> None:
 
 
 def test_places_where_contact_status_changes_have_small_cells_once_their_crack_is_refined() -> None:
-    scene = make_scene(load_case(CASES / "compression30.yaml", [AUTO, FLAW, "growth.steps=0", *QUIET]))
+    scene = make_scene(shipped_case("compression30", [AUTO, FLAW, "growth.steps=0", *QUIET]))
     middle = ((0, 0.0, 0.0),)
     sizes = [size_at(on(scene, cracks=(level,), changes=middle), (1e-5, 1e-5)) for level in (0, 3)]
     assert sizes[1] <= 0.010 / CELLS["tip"] / 8.0 / (0.5 * scene.lattice.spacing)
@@ -209,7 +207,7 @@ def test_places_where_contact_status_changes_have_small_cells_once_their_crack_i
 def test_a_pressure_that_varies_along_a_crack_has_small_cells_where_it_does() -> None:
     pressure = "1e6*exp(-((x - 2)/0.3)**2)"
     load = f'loads=[{{crack: flaw, pressure: "{pressure}"}}]'
-    scene = load_case(CASES / "compression30.yaml", [AUTO, FLAW, "growth.steps=0", load, *QUIET])
+    scene = shipped_case("compression30", [AUTO, FLAW, "growth.steps=0", load, *QUIET])
     cover = laid_out(scene)
     assert size_at(cover, (0.0023, 1e-6)) < 0.5 * size_at(cover, (-0.0023, 1e-6))
 
@@ -237,6 +235,6 @@ def test_automatic_cells_are_the_same_in_a_scene_of_another_size(factor: float) 
 @pytest.mark.parametrize("accuracy", ["standard", "1 %"])
 def test_the_end_of_a_crack_that_has_met_another_one_has_no_room_that_cells_are_small_by(accuracy: str) -> None:
     """It lies on the other one: cells would be halved until they can't be any more."""
-    case = load_case(CASES / "junction_static.yaml", ["numerics.spacing=auto", f"numerics.accuracy={accuracy}"])
+    case = shipped_case("junction_static", ["numerics.spacing=auto", f"numerics.accuracy={accuracy}"])
     cover = cover_of(make_scene(case), beginning(case).cracks)
     assert cover.sizes.min() > 1e-3

@@ -10,8 +10,8 @@ import pytest
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
 from crackgrow.case.features import Length
-from crackgrow.errors import CaseError
 from crackgrow.plan.overview import overview
+from tests.scenes import shipped_case
 
 CASES = Path(__file__).parents[3] / "cases"
 FILE = Path(__file__).parent / "compression30.yaml"
@@ -25,7 +25,7 @@ def numerics(case: Case) -> dict[str, Any]:
 
 
 def shipped(name: str, *overrides: str) -> Case:
-    return load_case(CASES / f"{name}.yaml", overrides)
+    return shipped_case(name, overrides)
 
 
 def given(*overrides: str) -> Case:
@@ -161,34 +161,6 @@ def test_resolved_automatic_case_reads_back_and_keeps_its_rule(tmp_path: Path):
     assert again.numerics.auto_rule == case.numerics.auto_rule is not None
     assert load_case(path, ["numerics.spacing=0.001"]).numerics.auto_rule is None  # not the rule's number any more
     assert load_case(path, ["bodies.rock.shape.rectangle.width=0.032"]).numerics.auto_rule is None
-
-
-@pytest.mark.parametrize(
-    ("override", "key"),
-    [
-        ("cracks.flaw.path.length=long", "cracks.flaw.path.length"),
-        ("bodies.rock.shape.rectangle.width=0", "bodies.rock.shape.rectangle.width"),
-        ("growth.increment=0", "growth.increment"),
-    ],
-)
-def test_fault_of_a_length_is_the_only_one(override: str, key: str):
-    with pytest.raises(CaseError) as caught:
-        given("numerics.spacing=auto", override)
-    assert [fault.key for fault in caught.value.faults] == [key]
-
-
-def test_spacing_that_a_tiny_length_makes_too_fine_tells_its_rule():
-    with pytest.raises(CaseError) as caught:
-        given("numerics.spacing=auto", "growth.increment=0.000001")
-    (fault,) = caught.value.faults
-    assert fault.key == "numerics.spacing"
-    assert "(auto: growth.increment / " in fault.message
-
-
-def test_a_word_that_is_no_preset_is_the_only_fault_of_a_case_without_spacing(tmp_path: Path):
-    with pytest.raises(CaseError) as caught:
-        load_case(without_numerics(tmp_path, "accuracy: finest"))
-    assert [fault.key for fault in caught.value.faults] == ["numerics.accuracy"]
 
 
 @pytest.mark.parametrize("text", ["1 %", "1%", "0.01", "1e-2"])

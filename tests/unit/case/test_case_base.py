@@ -63,35 +63,6 @@ def test_files_are_relative_to_the_file_that_names_them(tmp_path: Path):
     assert (case.plane, len(case.bodies[0].outline)) == ("stress", 4)
 
 
-@pytest.mark.parametrize(
-    ("text", "key", "words", "line"),
-    [
-        ("base: bse.yaml", "base", "did you mean 'base.yaml'?", 1),
-        ("base: [base.yaml]", "base", "a list given; wanted: a case file", 1),
-        ("base: changed.yaml", "base", "changed.yaml -> changed.yaml", 1),
-        ("set: {plane: stress}", "set", "no `base`", 1),
-        ("base: base.yaml\nset: [1]", "set", "a list given; wanted: keys", 2),
-        ("base: base.yaml\nplane: stress", "plane", "set: {plane: ...}", 2),
-        (
-            "base: base.yaml\nset:\n  plane: stress\n  numerics.spacng: 1",
-            "numerics.spacng",
-            "did you mean 'spacing'",
-            4,
-        ),
-        ("base: base.yaml\nset:\n  cracks.flaw.tips: none", "cracks.flaw", "no crack 'flaw'", 3),
-        ("base: base.yaml\nset:\n  loads.1.held: true", "loads.1", "a list of 1", 3),
-        ("base: base.yaml\nset:\n  loads[0].held: true", "", "'loads.0.held'", 3),
-    ],
-)
-def test_faults_stand_in_the_file_that_has_them(text: str, key: str, words: str, line: int, tmp_path: Path):
-    found = faults(tmp_path, text)
-    told = next(fault for fault in found if fault.key == key)
-    assert words in told.message
-    assert (Path(told.source).name, told.line) == ("changed.yaml", line)
-    if key in ("base", "plane"):
-        assert len(found) == 1
-
-
 def test_faults_of_a_base_are_told_with_its_name(tmp_path: Path):
     write(tmp_path, middle="base: base.yaml\nset: {plane: strian}")
     (only,) = faults(tmp_path, "base: middle.yaml")

@@ -125,59 +125,6 @@ def test_bodies_that_touch_at_a_corner_need_no_interface(tmp_path: Path):
     assert (key, message) == ("interfaces.0.between", "'a' and 'b' share no boundary: they touch at points only")
 
 
-FLUSH = {"low": rectangle(0, 0, 3, 1), "top": rectangle(0, 1, 3, 1)}
-GAP = {"low": rectangle(0, 0, 3, 4), "top": rectangle(0, 4 + 1e-4, 3, 4)}
-
-
-@pytest.mark.parametrize(
-    ("shapes", "interfaces", "key", "words"),
-    [
-        (
-            FLUSH,
-            [],
-            "interfaces",
-            "bodies 'low' and 'top' share a boundary; say what holds there, such as "
-            "- {between: [low, top], contact: {friction: 0.5, cohesion: 0}}, or with contact: bonded",
-        ),
-        (GAP, joint("low top"), "interfaces.0.between", "share no boundary: they are 0.0001 m apart"),
-        (
-            FLUSH,
-            joint("low top", "top low"),
-            "interfaces.1.between",
-            "'top' and 'low' have an interface already, interfaces.0",
-        ),
-        (GAP, joint("low low"), "interfaces.0.between", "'low' is given twice; wanted: two bodies"),
-        (GAP, joint("lwo top"), "interfaces.0.between.0", "no body 'lwo'; the case has: low, top; did you mean 'low'?"),
-        (GAP, joint("low"), "interfaces.0.between", "a list of 1 given"),
-        (FLUSH, joint("low top", contact="glued"), "interfaces.0.contact", "wanted: bonded | a mapping of friction"),
-        (FLUSH, [{"between": ["low", "top"]}], "interfaces.0.contact", "missing"),
-        ({"a": rectangle(0, 0, 2, 2), "b": rectangle(1, 1, 2, 2)}, [], "bodies.b.shape", "overlaps body 'a', such as"),
-        ({"a": rectangle(0, 0, 3, 3), "b": rectangle(1, 1, 1, 1)}, [], "bodies.b.shape", "at (1.5 m, 1.5 m)"),
-        ({"a": rectangle(0, 0, 1, 1), "b": rectangle(0, 0, 1, 1)}, [], "bodies.b.shape", "overlaps body 'a'"),
-        (
-            {"a": rectangle(0, 0, 1, 1), "b": rectangle(1 - 1e-4, 1 - 1e-4, 1, 1)},
-            [],
-            "bodies.b.shape",
-            "overlaps body 'a'",
-        ),
-        ({"a": rectangle(0, 0, 2, 2), "b": rectangle(2 - 1e-4, 0, 2, 2)}, [], "bodies.b.shape", "overlaps body 'a'"),
-    ],
-)
-def test_fault_of_bodies_and_interfaces(shapes, interfaces, key, words, tmp_path: Path):
-    scene = changed(blocks(**shapes), interfaces=interfaces, supports=held(*shapes))
-    where, message = fault(tmp_path, scene)
-    assert where == key
-    assert words in message
-
-
-def test_a_faulty_interface_is_not_missed_as_well(tmp_path: Path):
-    scene = blocks(low=rectangle(0, 0, 3, 1), top=rectangle(0, 1, 3, 1))
-    assert fault(tmp_path, changed(scene, interfaces=joint("low tpo")))[0] == "interfaces.0.between.1"
-    assert fault(tmp_path, changed(scene, interfaces=[{"contact": LAW}]))[0] == "interfaces.0.between"
-    assert fault(tmp_path, changed(scene, interfaces=joint("low top", contact={"cohesion": 1})))[0].endswith("friction")
-    assert fault(tmp_path, changed(scene, interfaces=3))[0] == "interfaces"
-
-
 def test_every_missing_interface_is_told(tmp_path: Path):
     scene = blocks(low=rectangle(0, 0, 2, 1), left=rectangle(0, 1, 1, 1), right=rectangle(1, 1, 1, 1))
     pairs = [found.message.partition(" share")[0] for found in faults(tmp_path, scene)]
@@ -376,11 +323,6 @@ def test_loads(tmp_path: Path):
     assert (pressure.surface, pressure.pressure) == (crack_name("flaw"), -2e6)
     assert isinstance(stress, InSituStress)
     assert (stress.body, stress.stress) == ("top", (-2e7, -1e10, 3e6))
-
-
-def test_pressure_without_cracks(tmp_path: Path):
-    scene = changed(two_blocks(), loads=[{"crack": "flaw", "pressure": 1}])
-    assert fault(tmp_path, scene) == ("loads.0.crack", "no crack 'flaw'; the case has: none")
 
 
 # --- numerics --------------------------------------------------------------------------------------------------------

@@ -8,12 +8,12 @@ from typing import Any
 
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.case.model import CoulombContact
-from tests.unit.case.scenes import EVERYTHING, fault, faults, load
+from tests.scenes import shipped_case
+from tests.unit.case.scenes import EVERYTHING, load
 from tests.unit.case.test_case_load import reread, same
 
-FILE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+FILE = "compression30"
 LAW = {"friction": 0.6, "cohesion": 2}
 FULL = {**LAW, "residual_friction": 0.4, "cohesion_after_slip": "kept", "dilation_angle": "5 deg"}
 PLACES = ("cracks.flaw.contact", "interfaces.0.contact", "supports.0.contact")
@@ -52,7 +52,7 @@ def test_law_with_defaults(place: str, tmp_path: Path):
 
 
 def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
-    case = load_case(FILE, ["cracks.flaw.contact.friction=0.3"])
+    case = shipped_case(FILE, ["cracks.flaw.contact.friction=0.3"])
     assert list(case.resolved["cracks"]["flaw"]["contact"].items()) == [  # type: ignore[index]
         ("friction", 0.3),
         ("cohesion", 0.0),
@@ -64,48 +64,7 @@ def test_defaults_of_the_law_are_in_the_resolved_case(tmp_path: Path):
     assert same(case, reread(case, tmp_path))
 
 
-FAULTS = [
-    ({"residual_friction": 0.7}, "residual_friction", "0.7 given; wanted: at most the friction, 0.6: slip wears faces"),
-    ({"residual_friction": -0.1}, "residual_friction", "'-0.1' is out of range; wanted: a number >= 0"),
-    (
-        {"dilation_angle": 31},
-        "dilation_angle",
-        "31 deg given; wanted: at most 30.96 deg, whose tangent is the residual friction, 0.6: faces that rise more "
-        "steeply than friction holds them back would create energy when they slip",
-    ),
-    ({"residual_friction": 0.1, "dilation_angle": "6 deg"}, "dilation_angle", "6 deg given; wanted: at most 5.711 deg"),
-    ({"dilation_angle": -1}, "dilation_angle", "out of range; wanted: an angle >= 0 and < 90"),
-    ({"dilation_angle": 90}, "dilation_angle", "< 90"),
-    ({"dilation_angle": "5 mm"}, "dilation_angle", "unit of length; wanted: an angle"),
-    ({"cohesion_after_slip": "keep"}, "cohesion_after_slip", "'keep' is not one of lost | kept; did you mean 'kept'?"),
-    ({"residual": 0.1}, "residual", "unknown key; allowed: friction, cohesion, tension, residual_friction"),
-]
-
-
-@pytest.mark.parametrize("place", PLACES)
-@pytest.mark.parametrize(("keys", "key", "words"), FAULTS)
-def test_fault_of_a_law(keys: dict[str, Any], key: str, words: str, place: str, tmp_path: Path):
-    where, message = fault(tmp_path, with_law(place, {**LAW, **keys}))
-    assert where == f"{place}.{key}"
-    assert words in message
-
-
 @pytest.mark.parametrize(("friction", "angle"), [(1.0, 45), (0.0, 0), (0.58, 30)])
 def test_steepest_dilation(friction: float, angle: float, tmp_path: Path):
     law = {"friction": friction, "cohesion": 0, "dilation_angle": angle}
     assert law_of(with_law(PLACES[0], law), PLACES[0], tmp_path).dilation_angle == angle
-
-
-def test_a_bonded_interface_takes_no_law(tmp_path: Path):
-    scene = copy.deepcopy(EVERYTHING)
-    scene["interfaces"][1]["residual_friction"] = 0.1
-    where, message = fault(tmp_path, scene)
-    assert where == "interfaces.1.residual_friction"
-    assert message == "unknown key; allowed: between, contact"
-    ((key, message),) = [
-        (found.key, found.message) for found in faults(tmp_path, EVERYTHING, "interfaces.1.contact.dilation_angle=1")
-    ]
-    assert (key, message) == (
-        "interfaces.1.contact.dilation_angle",
-        "interfaces.1.contact is the single value 'bonded': no key inside it",
-    )

@@ -73,12 +73,6 @@ def test_two_hundred_joints_load_and_the_check_lists_what_was_changed(
     assert f"was left out of cracks, {len(case.cut)} times: 36.9 mm of 'joints-1" in told
 
 
-def test_names_of_a_set_are_its_own(tmp_path: Path) -> None:
-    other = {"joints-1": {"path": {"points": [[100, 100], [200, 100]]}, "contact": CONTACT}}
-    with pytest.raises(CaseError, match=r"cracks\.joints-1: is the name of a crack of the set 'joints'; choose"):
-        load(tmp_path, [[[300, 300], [400, 400]]], other)
-
-
 def test_a_set_makes_no_more_cracks_than_a_case_can_have(tmp_path: Path) -> None:
     zigzag = [[[950 + 100 * (k % 2), k] for k in range(999)]]
     with pytest.raises(CaseError, match=r"cracks: sets make \d+ cracks of it; wanted: 1000 at most"):
@@ -164,39 +158,6 @@ def test_a_table_with_a_row_for_each_line(tmp_path: Path) -> None:
     assert {crack.name: crack.points.tolist() for crack in case.cracks} == {
         "joints-7": [[0.2, 0.2], [0.3, 0.25]], "joints-9": [[0.6, 0.5], [0.7, 0.5]]
     }  # fmt: skip
-
-
-def test_what_columns_tell_of_units_is_not_contradicted(tmp_path: Path) -> None:
-    load(tmp_path, LINES)
-    (tmp_path / "traces.csv").write_text(table("crack,x_mm,y_mm"))
-    with pytest.raises(CaseError, match="has the columns x_mm and y_mm, and `units` is m"):
-        of_file(tmp_path, "traces.csv", {"units": "m"})
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("x,y\n1,2\n", "has no column crack; its columns are x, y"),
-        ("", "has no column crack or x or y; its columns are none"),
-        ("crack,x,y\na,1,1\nb,2,2\nb,3,3\na,4,4\n", "in line 2 one vertex of 'a', and a line has two or more, in rows"),
-        ("crack,x,y\na,1,2\n", "one vertex of 'a'"),
-        ("crack,x,y\na,1,two\na,3,4\n", "has in line 2 a vertex whose y is no number: 'two'"),
-        ("crack,x,y\na,3,4\na,1\n", "has in line 3 a vertex whose y is no number: ''"),
-        ("crack,x,y\na,1,0\n\na,nan,0\na,3,4\n", "has in line 4 a vertex whose x is not finite: 'nan'"),
-        ("FID,START_X,START_Y\n1,2,3\n", "its columns are FID, START_X, START_Y; `columns` of the path tells which"),
-        ("crack,x,y\n", "nothing"),
-    ],
-)
-def test_fault_of_a_table(text: str, words: str, tmp_path: Path) -> None:
-    load(tmp_path, [[[200, 200], [300, 250]]])
-    (tmp_path / "traces.csv").write_text(text)
-    scene = (tmp_path / "scene.yaml").read_text().replace("traces.geojson", "traces.csv")
-    (tmp_path / "scene.yaml").write_text(scene)
-    with pytest.raises(CaseError) as caught:
-        load_case(tmp_path / "scene.yaml")
-    (fault,) = caught.value.faults
-    assert fault.key == "cracks.joints.path.file"
-    assert words in fault.message
 
 
 T = [[20, 50], [80, 50]], [[50, 50], [50, 20]]  # mm
@@ -326,73 +287,10 @@ def test_attributes_choose_lines_name_them_and_give_laws(tmp_path: Path) -> None
     assert [crack.contact and crack.contact.friction for crack in open_.cracks] == [None, 0.3, 0.1, None]
 
 
-@pytest.mark.parametrize(
-    ("beside", "crack", "key", "words"),
-    [
-        ({"where": {"sets": "J1"}}, {}, "path.file", "has no attribute 'sets'; it has: id, set; did you mean 'set'?"),
-        ({"where": {"set": "J9"}}, {}, "path.file", "has no set 'J9'; it has: J1, J2, J3"),
-        ({"names": "name"}, {}, "path.names", "has no attribute 'name'"),
-        ({}, {"contact_by": {"type": {"a": "none"}}}, "contact_by.type", "has no attribute 'type'"),
-        ({}, {"contact_by": {"set": {"J9": "none"}}}, "contact_by.set.J9", "no line has the set 'J9'"),
-        ({"curve": "a"}, {}, "path.curve", "has lines and no curves"),
-        ({"layer": "a"}, {}, "path.file", "has no layers"),
-        ({"columns": {"start": ["a", "b"], "end": ["c", "d"]}}, {}, "path.file", "is no table"),
-    ],
-)
-def test_fault_beside_a_map(
-    beside: dict[str, Any], crack: dict[str, Any], key: str, words: str, tmp_path: Path
-) -> None:
-    with_attributes(tmp_path)
-    with pytest.raises(CaseError) as caught:
-        of_file(tmp_path, "map.geojson", beside, **crack)
-    assert caught.value.faults[0].key == f"cracks.joints.{key}"
-    assert words in caught.value.faults[0].message
-
-
-def test_laws_by_attribute_are_for_maps(tmp_path: Path) -> None:
-    other = {
-        "flaw": {"path": {"points": [[100, 100], [200, 100]]}, "contact": CONTACT, "contact_by": {"set": {"a": "none"}}}
-    }
-    with pytest.raises(CaseError, match=r"cracks\.flaw\.contact_by: is for lines of a map"):
-        load(tmp_path, LINES, other)
-
-
-@pytest.mark.parametrize("system", ["urn:ogc:def:crs:OGC:1.3:CRS84", "urn:ogc:def:crs:EPSG::4326", "EPSG:4258"])
-def test_degrees_are_refused(system: str, tmp_path: Path) -> None:
-    with_attributes(tmp_path, system)
-    with pytest.raises(CaseError, match=r"is in degrees of longitude and latitude .* project it, such as to UTM"):
-        of_file(tmp_path, "map.geojson", {})
-
-
 def test_a_projected_system_and_a_shift_are_taken(tmp_path: Path) -> None:
     with_attributes(tmp_path, "urn:ogc:def:crs:EPSG::3067")
     case = of_file(tmp_path, "map.geojson", {"units": "cm", "origin": [190.5, 90]})
     np.testing.assert_allclose(case.cracks[0].points, [[0.095, 0.1], [1.0, 0.1]], rtol=1e-15)  # cut at 1 m
-
-
-def collection(*shapes: str) -> str:
-    """Features with these places."""
-    features = ", ".join(f'{{"type": "Feature", "properties": null, "geometry": {shape}}}' for shape in shapes)
-    return f'{{"type": "FeatureCollection", "features": [{features}]}}'
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ('{"type": "FeatureCollection",\n"features": [}', "cannot be read as geojson: line 2: Expecting value"),
-        ("[1, 2]", "it holds no mapping"),
-        (collection('{"type": "Point", "coordinates": [0, 0]}'), "holds Point in feature 1; wanted: lines"),
-        (collection("null", '{"type": "LineString", "coordinates": [[0, 0], [NaN, 1]]}'), "geojson at feature 2: "),
-        (collection('{"type": "LineString", "coordinates": [[0, 0]]}'), "cannot be read as geojson at feature 1"),
-        (collection("[1]"), "cannot be read as geojson at feature 1: it has no `type`"),
-    ],
-)
-def test_fault_of_a_map(text: str, words: str, tmp_path: Path) -> None:
-    load(tmp_path, LINES)
-    (tmp_path / "map.geojson").write_text(text)
-    with pytest.raises(CaseError) as caught:
-        of_file(tmp_path, "map.geojson", {})
-    assert words in caught.value.faults[0].message
 
 
 def test_faults_of_cracks_name_the_feature_or_the_row(tmp_path: Path) -> None:

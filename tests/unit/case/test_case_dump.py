@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from dataclasses import replace
 from pathlib import Path
 
@@ -76,23 +75,3 @@ def test_changed_geometry_is_refused(part: str):
         dump_case(replace(case, **{part: changed[part]}))  # type: ignore[arg-type]
     assert [fault.key for fault in caught.value.faults] == [part]
     assert "cannot be written" in str(caught.value)
-
-
-def test_resolved_settings_changed_from_outside_are_not_followed():
-    """They are read-only; a case may be made with changed ones."""
-    case = load_case(FILE)
-    with pytest.raises(TypeError, match="a case cannot be changed"):
-        case.resolved["numerics"]["spacing"] = 0.005  # type: ignore[index]
-    with pytest.raises(TypeError, match="a case cannot be changed"):
-        case.resolved["plane"] = "stress"
-    changed = copy.deepcopy(case.resolved)
-    changed["numerics"]["spacing"] = 0.005  # type: ignore[index]
-    changed["plane"] = "stress"
-    again = read_case(dump_case(replace(case, resolved=changed)), "", "")
-    assert (again.numerics.spacing, again.plane) == (0.0015, "strain")
-    changed["bodies"]["rock"]["material"]["young"] = 1.0  # type: ignore[index]
-    again = read_case(dump_case(replace(case, resolved=changed)), "", "")
-    assert again.bodies[0].material.young == case.bodies[0].material.young
-    changed["bodies"]["rock"]["shape"]["rectangle"]["width"] = 0.04  # type: ignore[index]
-    with pytest.raises(CaseError, match="bodies: differs"):
-        dump_case(replace(case, resolved=changed))

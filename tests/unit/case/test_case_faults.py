@@ -45,18 +45,21 @@ GROUPS = yaml.safe_load(Path(__file__).with_name("faults.yaml").read_text(encodi
 )
 def test_fault(group: dict[str, Any], row: dict[str, Any], tmp_path: Path):
     """A case of faults.yaml is refused for its key, with these words, where they are looked for."""
-    text = text_of(group["scene"]) if "scene" in group else (ROOT / group["file"]).read_text(encoding="utf-8")
-    for old, new in row.get("edit", ()):
+    text = row.get("text", group.get("text"))
+    if text is None:
+        text = text_of(group["scene"]) if "scene" in group else (ROOT / group["file"]).read_text(encoding="utf-8")
+    for old, new in (*group.get("edit", ()), *row.get("edit", ())):
         assert text.count(old) == 1
         text = text.replace(old, new)
-    path = tmp_path / "scene.yaml"
-    path.write_text(text, encoding="utf-8")
+    for name, content in {"scene.yaml": text, **group.get("files", {}), **row.get("files", {})}.items():
+        (tmp_path / name).write_text(content, encoding="utf-8")
     with pytest.raises(CaseError) as caught:
-        load_case(path, [*group.get("set", ()), *row.get("set", ())])
+        load_case(tmp_path / "scene.yaml", [*group.get("set", ()), *row.get("set", ())])
     told = caught.value.faults
     assert len(told) == row.get("faults", 1)
-    (fault,) = (fault for fault in told if row["words"] in str(fault))
-    assert fault.key == row["key"]
+    (fault,) = (fault for fault in told if row["words"] in str(fault) and fault.key == row["key"])
+    assert (fault.line is None) == fault.source.startswith("--set")
+    assert str(fault).isprintable()
     if "edit" in row:
         assert fault.line is not None
         assert row.get("at", "") in text.splitlines()[fault.line - 1]

@@ -8,12 +8,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-import shapely
 
 import crackgrow
 from crackgrow.arrays import Floats
-from crackgrow.case.features import Kind, Length, feature_lengths, part_lengths
-from crackgrow.case.model import EdgeRegion
+from crackgrow.case.features import Kind, feature_lengths
 from tests.unit.case.scenes import MATERIAL, load
 
 BOX = [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]]
@@ -186,28 +184,3 @@ def test_spacing_that_is_too_fine_tells_what_forces_it_and_a_way_out(tmp_path: P
     assert "give a spacing by hand, of 0.021 m or more, or a smaller body" in fault.message
     load(tmp_path, scene, "numerics.spacing=0.021")
     assert load(tmp_path, scene).numerics.spacing == 4.0  # small cells at the hole alone
-
-
-def test_lengths_are_of_the_kinds_that_presets_know():
-    kinds = {length.kind for length in feature_lengths(_Body([_Ring(np.array(BOX)), _Ring(circle(360))]))}
-    assert kinds == {"feature", "bridge"}
-    assert Length("load", 1.0, "strip").metres == 1.0
-
-
-def test_a_part_that_leads_past_the_first_corner_tells_where_it_is():
-    ends = [EdgeRegion("rock", "", np.array([3]), np.array([[0.75, 1.0]])),
-            EdgeRegion("rock", "", np.array([0]), np.array([[0.0, 0.5]]))]  # fmt: skip
-    (part,) = part_lengths("load", [_Body([_Ring(np.array(BOX))])], ends, "loaded")
-    assert part.metres == pytest.approx(30.0)
-    expected = shapely.LineString([(-20.0, -10.0), (-20.0, -20.0), (0.0, -20.0)])
-    assert shapely.hausdorff_distance(part.where, expected) == pytest.approx(0.0, abs=1e-12)
-
-
-def test_lengths_of_a_shape_lie_on_its_rims():
-    for rings in ([L_SHAPE], [V_NOTCHED], [BOX, circle(40)], [BOX, circle(40, x=9.0), circle(40, x=-9.0)]):
-        body = _Body([_Ring(np.array(ring)) for ring in rings])
-        rims = shapely.MultiLineString([shapely.LinearRing(ring) for ring in rings])
-        for length in feature_lengths(body):
-            corners = shapely.points(shapely.get_coordinates(length.where))
-            assert len(corners) > 0
-            assert shapely.distance(rims, corners).max() < 1e-9

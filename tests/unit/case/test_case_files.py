@@ -5,13 +5,11 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-import numpy as np
 import pytest
 import yaml
 
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, Fault
-from tests.unit.case.scenes import EVERYTHING, text_of
 
 COMPRESSION = (Path(__file__).parents[3] / "cases" / "compression30.yaml").read_bytes()
 
@@ -157,66 +155,3 @@ def test_surrogate_halves_are_refused(tmp_path: Path):
     fault = only_fault(written(tmp_path, data))
     assert (fault.key, fault.line) == ("title", 3)
     str(fault).encode()
-
-
-FRAGMENTS = [
-    b":",
-    b"- ",
-    b"[",
-    b"]",
-    b"{",
-    b"}",
-    b"&a ",
-    b"*a",
-    b"!!x ",
-    b"'",
-    b'"',
-    b"\n",
-    b"  ",
-    b"1e999",
-    b"~",
-    b"? ",
-]
-FRAGMENTS += [
-    b"| ",
-    b"> ",
-    b"%",
-    b"---\n",
-    b"\xff",
-    b"\0",
-    b"-",
-    b"0",
-    b".nan",
-    b"none",
-    b"\xe2\x80\xa8",
-    b"<<: ",
-    b", ",
-    b"#",
-]
-
-
-def faults_of_damaged(path: Path) -> tuple[Fault, ...]:
-    try:
-        load_case(path)
-    except CaseError as error:
-        return error.faults
-    return ()
-
-
-@pytest.mark.parametrize(("good", "n_trials"), [(COMPRESSION, 400), (text_of(EVERYTHING).encode(), 150)])
-def test_damaged_cases_give_faults_only(good: bytes, n_trials: int, tmp_path: Path):
-    """Cut, repeat and replace pieces of a good case at random: it loads or raises CaseError, nothing else."""
-    rng = np.random.default_rng(11)
-    n_refused = 0
-    for _ in range(n_trials):
-        data = bytearray(good)
-        for _ in range(rng.integers(1, 4)):
-            start = int(rng.integers(len(data)))
-            end = min(len(data), start + int(rng.integers(12)))
-            data[start:end] = FRAGMENTS[rng.integers(len(FRAGMENTS))] * int(rng.integers(4))
-        faults = faults_of_damaged(written(tmp_path, bytes(data)))
-        n_refused += bool(faults)
-        n_lines = bytes(data).decode(errors="replace").replace("\u2028", "\n").count("\n") + 1
-        assert all(fault.line is not None and 1 <= fault.line <= n_lines for fault in faults)
-        "".join(map(str, faults)).encode()
-    assert n_refused > n_trials / 4

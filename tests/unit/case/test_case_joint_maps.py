@@ -15,6 +15,7 @@ import yaml
 from crackgrow import cli
 from crackgrow.case import Case, dump_case, load_case
 from tests.joint_maps import SHIPPED, JointMap, case_text, joint_map
+from tests.scenes import shipped_case
 
 CASES = Path(__file__).parents[3] / "cases"
 MAPS = [(50, seed) for seed in range(12)] + [(200, seed) for seed in range(3)] + [(700, 0)]
@@ -126,7 +127,7 @@ def test_the_page_on_maps_shows_the_shipped_case() -> None:
 
 
 def test_the_shipped_map_is_brought_together_and_told(capsys: pytest.CaptureFixture[str]) -> None:
-    case = load_case(CASES / "joint_map.yaml")
+    case = shipped_case("joint_map")
     assert len(json.loads((CASES / "joint_map_joints.geojson").read_text())["features"]) == 46
     assert (len(case.cracks), len({crack.name.split("-")[1] for crack in case.cracks})) == (43, 39)
     frictions = Counter(crack.contact.friction for crack in case.cracks if crack.contact is not None)

@@ -17,7 +17,6 @@ from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.model import EdgeSupport, PointSupport
 from crackgrow.errors import CaseError, Fault
 
-CASES = Path(__file__).parents[3] / "cases"
 FILE = Path(__file__).parent / "compression30.yaml"
 COMPRESSION = FILE.read_text(encoding="utf-8")
 
@@ -148,22 +147,6 @@ def test_arrays_are_read_only():
             array[0] = 1
 
 
-def test_tension0_is_horizontal():
-    case = load_case(CASES / "tension0.yaml")
-    assert case.cracks[0].points.tolist() == [[-0.005, 0.0], [0.005, 0.0]]
-    assert [load.traction for load in case.loads] == [(0.0, 1e6), (0.0, -1e6)]
-
-
-@pytest.mark.parametrize("name", ["compression30", "tension0"])
-def test_every_key_of_a_shipped_case_is_commented(name: str):
-    lines = (CASES / f"{name}.yaml").read_text(encoding="utf-8").splitlines()
-    # A key that only opens a mapping is explained by the keys in it; one with a value needs a comment in its line.
-    bare = [
-        line for line in lines if ": " in line and not line.startswith("#") and "  #" not in line and "} #" not in line
-    ]
-    assert bare == []
-
-
 AWKWARD = [
     "units={length: cm, stress: kPa}",
     'bodies.rock.shape.rectangle.width="0.1234567890123456789 km"',
@@ -218,16 +201,6 @@ def test_round_trip_of_random_quantities(tmp_path: Path):
         assert same(case, reread(case, tmp_path))
 
 
-def test_path_stays_in_the_form_given():
-    case = load_case(FILE)
-    assert case.resolved["cracks"]["flaw"]["path"] == {"center": [0.0, 0.0], "length": 0.01, "angle": 30.0}  # type: ignore[index]
-
-
-def test_repeated_vertices_are_dropped():
-    case = load_case(FILE, ["cracks.flaw.path={points: [[0, 0], [0, 0], [3, 1], [3, 1], [5, 5]]}"])
-    assert case.cracks[0].points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
-
-
 def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
     points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
     case = load_case(FILE, [f"cracks.flaw.path={{points: {points}}}"])
@@ -254,41 +227,6 @@ def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
 )
 def test_overrides(override, read, value):
     assert read(load_case(FILE, [override])) == value
-
-
-def test_last_override_wins():
-    case = load_case(FILE, ["growth.steps=3", "growth.steps=4"])
-    assert case.growth is not None
-    assert case.growth.steps == 4
-
-
-@pytest.mark.parametrize(
-    ("override", "key", "words"),
-    [
-        ("source=", "source", "no value given"),
-        ("numerics.spacng=2", "numerics.spacng", "did you mean 'spacing'"),
-        ("numerics.spacing=2 MPa", "numerics.spacing", "unit of stress"),
-        ("numerics.spacing=[", "numerics.spacing", "not valid YAML"),
-        ("numerics.spacing", "", "no '='"),
-        ("=3", "", "not a key path"),
-        ("numerics..spacing=3", "", "not a key path"),
-        ("supports.3.at=[0, 0]", "supports.3", "a list of 3"),
-        ("supports.x.at=[0, 0]", "supports.x", "a list of 3"),
-        ("supports.-1.at=[0, 0]", "supports.-1", "a list of 3"),
-        ("title.short=3", "title.short", "single value"),
-        ("cracks.flwa.contact.friction=1", "cracks.flwa", "did you mean 'flaw'"),
-        ("numerics.spacing=*a", "numerics.spacing", "no value before it has the anchor"),
-        ("numerics.spacing={a: 1, a: 2}", "numerics.spacing.a", "given twice"),
-        ("numerics.spacing=\x00", "numerics.spacing", "not valid YAML"),
-        ("cracks.flaw.path.center=[90, 0]", "cracks.flaw.path", "outside"),
-    ],
-)
-def test_fault_in_an_override_names_it(override: str, key: str, words: str):
-    faults = faults_of(FILE, [override])
-    named = [fault for fault in faults if words in fault.message]
-    assert [(fault.source, fault.line, fault.key) for fault in named] == [
-        (f"--set {override.partition('=')[0]}", None, key)
-    ]
 
 
 def test_edge_support_with_part(tmp_path: Path):
@@ -324,10 +262,6 @@ def test_growth_needs_strength(tmp_path: Path):
     path = without(tmp_path, "bodies.rock.strength")
     (fault,) = faults_of(path)
     assert (fault.key, fault.line) == ("bodies.rock.strength", line_of(path, "rock:"))
-
-
-def test_uncracked_case(tmp_path: Path):
-    assert load_case(without(tmp_path, "cracks")).cracks == ()
 
 
 REQUIRED = [

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +11,6 @@ import shapely
 
 from crackgrow.case import Case
 from crackgrow.case.meetings import meeting_places
-from crackgrow.case.segments import common_parts
 from tests.unit.case.scenes import changed, fault, faults, held, load, rectangle, with_body
 
 SIZE = 10.0 * np.sqrt(2.0)  # m, diagonal of the plate
@@ -161,30 +159,3 @@ def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
     np.testing.assert_allclose(
         found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-12
     )  # each a few roundings of 10 m
-
-
-def test_a_thousand_cracks_are_checked_in_seconds(tmp_path: Path):
-    scene = plate(**random_cracks(1000, 8))
-    start = time.perf_counter()
-    case = load(tmp_path, scene)
-    assert len(meeting_places(case)) > 100
-    assert time.perf_counter() - start < 15.0  # 1 s on an idle core, most of it for reading the text
-
-
-def test_common_parts_turn_with_the_segments():
-    rng = np.random.default_rng(9)
-    for _ in range(50):
-        angle, shift = rng.uniform(0, 2 * np.pi), rng.uniform(-1, 1, 2)
-        low, high = np.sort(rng.uniform(-1, 2, 2))
-        turn = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
-        first = np.array([[0.0, 0.0], [1.0, 0.0]]) @ turn + shift
-        second = (np.array([[low, 0.0], [high, 0.0]]) @ turn + shift)[:: rng.choice([1, -1])]
-        expected = np.array([[max(low, 0.0), 0.0], [min(high, 1.0), 0.0]]) @ turn + shift
-        if min(high, 1.0) <= max(low, 0.0):
-            expected = np.full((2, 2), np.nan)
-        part = common_parts(first[None], second[None], 1e-9)[0]
-        np.testing.assert_allclose(part, expected, atol=1e-14)
-
-
-def test_no_pairs_have_no_common_parts():
-    assert common_parts(np.zeros((0, 2, 2)), np.zeros((0, 2, 2)), 1e-9).shape == (0, 2, 2)

@@ -57,20 +57,3 @@ def test_case_that_went_through_a_writer_of_yaml_1_1_is_the_same(name: str, monk
     monkeypatch.chdir(CASES)  # where the files lie that a case names
     written = yaml.safe_dump(yaml.safe_load(file.read_text(encoding="utf-8")))
     assert read_case(written, "written", name).resolved == load_case(file).resolved
-
-
-@pytest.mark.parametrize(
-    ("text", "words"),
-    [
-        ("title: a\nbodies:\n\trock: 3\n", "found character '\\t' that cannot start any token: indent with spaces"),
-        ("title: a\nbodies:\n  rock: 3\n plane: strain\n", "which begins in line 1, stand in one column"),
-        ("title: Closed: a crack\n", "a text with ': ' in it stands in quotes"),
-        ("title: a\nbodies: {a: 3\nplane: strain\n", "that opens in line 2 is not closed"),
-    ],
-)
-def test_yaml_that_cannot_be_read_tells_the_cause_and_the_remedy(text: str, words: str):
-    with pytest.raises(CaseError) as caught:
-        read_case(text, "scene.yaml", "scene")
-    (fault,) = caught.value.faults
-    assert words in fault.message
-    assert "..." not in fault.message

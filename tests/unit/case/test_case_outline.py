@@ -80,40 +80,12 @@ def test_a_far_field_may_vary_if_what_it_leaves_over_is_held():
         scene({"rock": block([0, 0], 10, 10)}, "minimal", [lithostatic])
 
 
-HALF = {"shape": {"polygon": [[0, 0], [4, 0], [2, 3]]}, "material": ROCK}
-DISK = {"shape": {"disk": {"center": [0, 0], "radius": 5}}, "material": ROCK}
 INSIDE = {
     "rock": {**block([0, 0], 10, 10)},
     "core": {"shape": {"disk": {"center": [0, 0], "radius": 1}}, "material": ROCK},
 }
 INSIDE["rock"]["shape"] = {**INSIDE["rock"]["shape"], "holes": [{"disk": {"center": [0, 0], "radius": 1}}]}
 ROUND_THE_CORE = [{"between": ["rock", "core"], "contact": "bonded"}]
-
-
-@pytest.mark.parametrize(
-    ("bodies", "support", "more", "words"),
-    [
-        (
-            {"a": HALF},
-            {"outline": "rollers"},
-            {},
-            "supports.0.outline: edge '1' of body 'a': rollers hold edges along x",
-        ),
-        ({"a": DISK}, {"outline": "rollers"}, {}, "supports.0.outline: edge 'arc' of body 'a': rollers hold"),
-        ({"a": DISK}, {"outline": "walls"}, {}, "'walls' is not one of fixed | rollers"),
-        ({"a": DISK}, {"outline": "fixed", "body": "b"}, {}, "supports.0.body: no body 'b'; the case has: a"),
-        (
-            INSIDE,
-            {"outline": "fixed", "body": "core"},
-            {"interfaces": ROUND_THE_CORE},
-            "other bodies lie all round core",
-        ),
-    ],
-)
-def test_faults(bodies: dict[str, Any], support: dict[str, Any], more: dict[str, Any], words: str):
-    with pytest.raises(CaseError) as caught:
-        scene(bodies, [support], **more)
-    assert words in str(caught.value)
 
 
 def test_bodies_inside_of_others_have_no_outline_of_their_own():

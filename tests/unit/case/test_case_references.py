@@ -6,10 +6,8 @@ import copy
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from crackgrow.case import dump_case
-from tests.unit.case.scenes import EVERYTHING, MATERIAL, changed, fault, faults, held, load, rectangle, with_body
+from tests.unit.case.scenes import EVERYTHING, MATERIAL, fault, faults, held, load, rectangle, with_body
 
 ROUGH = {"friction": 0.5, "cohesion": 1, "residual_friction": 0.4}
 
@@ -53,10 +51,3 @@ def test_what_checks_find_in_a_definition_stands_in_its_line(tmp_path: Path):
     assert only.key == "bodies.rock.material.poisson"
     lines = (tmp_path / "scene.yaml").read_text(encoding="utf-8").splitlines()
     assert lines[only.line - 1].strip() == "poisson: 0.5"
-
-
-@pytest.mark.parametrize("word", ["none", "bonded", "true"])
-def test_words_are_no_names_of_laws(word: str, tmp_path: Path):
-    where, message = fault(tmp_path, changed(named(), laws={"rough": ROUGH, word: ROUGH}))
-    assert where == f"laws.{word}"
-    assert "is no name here" in message

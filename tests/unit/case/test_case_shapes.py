@@ -94,21 +94,6 @@ def test_holes_run_clockwise(tmp_path: Path):
     assert area(third.points) == pytest.approx(-180 * 0.25**2 * np.sin(np.deg2rad(1)), rel=1e-12)
 
 
-def test_a_misspelt_shape_is_told_beside_the_shapes_that_there_are(tmp_path: Path):
-    """It alone chooses no form: what is missing is told, too."""
-    missing, unknown = faults(tmp_path, with_body({"plygon": SQUARE}))
-    assert (missing.key, unknown.key) == ("bodies.rock.shape", "bodies.rock.shape.plygon")
-    assert missing.message == "give either {rectangle} or {polygon} or {disk} or {file}"
-    assert unknown.message.startswith("unknown key")
-    assert unknown.message.endswith("did you mean 'polygon'?")
-
-
-def test_a_hole_has_no_holes(tmp_path: Path):
-    where, message = fault(tmp_path, with_body({"polygon": SQUARE, "holes": [{**rectangle(1, 1, 1, 1), "holes": []}]}))
-    assert where == "bodies.rock.shape.holes.0.holes"
-    assert "unknown key; allowed: rectangle" in message
-
-
 def test_faults_of_several_shapes_at_once(tmp_path: Path):
     shape = {"polygon": SQUARE, "holes": [rectangle(3, 1, 2, 1), {"polygon": [[1, 1], [1, 1]]}]}
     shape["holes"].append({"disk": {"center": [1, 1], "radius": -1}})
@@ -182,37 +167,6 @@ def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
     assert first.tobytes() == second.tobytes()
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "words"),
-    [
-        ("none.wkt", None, "does not exist in"),
-        (".", None, "ends in ''"),
-        ("rock.dwg", "", "ends in '.dwg'; wanted: the name of a file with one polygon (.geojson, .wkt, "),
-        ("rock.wkt", "", "cannot be read as wkt"),
-        ("rock.wkt", "POLYGON ((0 0, 1", "cannot be read as wkt"),
-        ("rock.wkt", "CURVEPOLYGON (CIRCULARSTRING (0 0, 4 0, 4 4, 0 4, 0 0))", "cannot be read as wkt: Nonlinear"),
-        ("rock.wkt", "POINT (0 0)", "holds Point"),
-        ("rock.wkt", "POLYGON EMPTY", "holds nothing"),
-        ("rock.wkt", "MULTIPOLYGON (((0 0, 1 0, 1 1, 0 0)), ((5 0, 6 0, 6 1, 5 0)))", "holds 2 shapes"),
-        ("rock.wkt", "POLYGON ((0 0, 4 0, 0 3, 4 4, 0 0))", "not valid: Self-intersection"),
-        ("rock.wkt", "POLYGON ((0 0, 1e99 0, 0 1, 0 0))", "too large"),
-        ("rock.geojson", "{}", "cannot be read as geojson"),
-        ("rock.geojson", "[1, 2", "cannot be read as geojson"),
-        ("rock.geojson", '{"type": "FeatureCollection", "features": []}', "holds nothing"),
-        ("rock.geojson", json.dumps({"type": "FeatureCollection", "features": [UNPLACED]}), "holds nothing"),
-        ("rock.geojson", '{"type": "FeatureCollection", "features": [1]}', "cannot be read as geojson"),
-        ("rock.geojson", json.dumps({"type": "LineString", "coordinates": RINGS[0]}), "holds LineString"),
-    ],
-)
-def test_file_refused(name: str, text: str | None, words: str, tmp_path: Path):
-    if text is not None:
-        (tmp_path / name).write_text(text, encoding="utf-8")
-    where, message = fault(tmp_path, with_body({"file": name}))
-    assert where == "bodies.rock.shape.file"
-    assert words in message
-    assert message.isprintable()
-
-
 def test_file_that_is_no_text(tmp_path: Path):
     (tmp_path / "rock.wkt").write_bytes(b"POLYGON \xff")
     assert "not a text in UTF-8" in fault(tmp_path, with_body({"file": "rock.wkt"}))[1]
@@ -221,11 +175,3 @@ def test_file_that_is_no_text(tmp_path: Path):
     assert "wanted: the name of a" in fault(tmp_path, with_body({"file": ""}))[1]
     assert "wanted: the name of a" in fault(tmp_path, with_body({"file": "a\0.wkt"}))[1]
     assert "wanted: the name of a" in fault(tmp_path, with_body({"file": "a" * 5000 + ".wkt"}))[1]
-
-
-def test_file_with_a_hole_is_no_hole(tmp_path: Path):
-    (tmp_path / "rock.wkt").write_text(WKT, encoding="utf-8")
-    shape = {**rectangle(-1, -1, 9, 9), "holes": [{"file": "rock.wkt"}]}
-    where, message = fault(tmp_path, with_body(shape))
-    assert where == "bodies.rock.shape.holes.0.file"
-    assert "the polygon has holes" in message

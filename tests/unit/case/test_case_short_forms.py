@@ -6,13 +6,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 import yaml
 
 from crackgrow import solve
 from crackgrow.case import Case, dump_case
 from crackgrow.case.load import read_case
-from tests.unit.case.scenes import MATERIAL, fault, faults, held, load, rectangle, with_body
+from tests.unit.case.scenes import MATERIAL, fault, held, load, rectangle, with_body
 
 PULL = [
     {"on": {"edge": "top"}, "traction": [0, 3]},
@@ -58,34 +57,6 @@ def test_loads_of_the_only_body_need_not_name_it(tmp_path: Path):
     assert [item.body for item in load(tmp_path, scene).loads] == ["rock", "rock"]
 
 
-@pytest.mark.parametrize("kind", [{"gravity": [0, -9.81]}, {"on": {"edge": "top"}, "traction": [0, 1]}])
-def test_of_several_bodies_one_is_named(kind: dict[str, Any], tmp_path: Path):
-    scene = two_plates("bonded")
-    scene["loads"] = [kind]
-    key, message = fault(tmp_path, scene)
-    assert key == ("loads.0.on.body" if "on" in kind else "loads.0.body")
-    assert "missing" in message
-    assert "rock, cap" in message
-
-
-@pytest.mark.parametrize(
-    ("support", "load_", "key"),
-    [
-        ([0, 0, 0], [0, 1], "supports.0.displacement"),
-        ([0], [0, 1], "supports.0.displacement"),
-        ({}, [0, 1], "supports.0.displacement"),
-        ([0, 0], {"x": 1}, "loads.0.traction.y"),
-        ([0, 0], 3, "loads.0.traction"),
-        ([0, 0], {"x": 1, "y": 1, "z": 1}, "loads.0.traction.z"),
-    ],
-)
-def test_vectors_that_are_none(support: object, load_: object, key: str, tmp_path: Path):
-    scene = whole()
-    scene["supports"] = [{"on": {"edge": "bottom"}, "displacement": support}]
-    scene["loads"] = [{"on": {"edge": "top"}, "traction": load_}]
-    assert key in [told.key for told in faults(tmp_path, scene)]
-
-
 def test_minimal_supports_take_no_force_of_loads_that_balance(tmp_path: Path):
     solution = solve(load(tmp_path, plate(*PULL, numerics={"spacing": 1})))
     assert np.abs(solution.reactions[["force_x", "force_y"]]).to_numpy().max() < 1e-9
@@ -103,22 +74,6 @@ def test_minimal_supports_are_three_constraints_off_the_loads_and_cracks(tmp_pat
         assert np.hypot(*(support.point - (-2, 0))) > case.numerics.spacing
     again = read_case(dump_case(case), "again", case.name)
     assert dump_case(again) == dump_case(case)
-
-
-@pytest.mark.parametrize(
-    "loads",
-    [
-        PULL[:1],
-        [{"on": {"edge": "top"}, "traction": [1, 0]}, {"on": {"edge": "bottom"}, "traction": [-1, 0]}],  # they turn it
-        [PULL[0], {**PULL[1], "held": True}],  # not at the factor 0.5
-        [{"at": [0, 3], "force": [0, 5]}, {"at": [0.1, -3], "force": [0, -5]}],
-        [{"on": {"edge": edge}, "pressure": 2} for edge in ("top", "left", "right")],
-    ],
-)
-def test_minimal_supports_refuse_loads_that_do_not_balance(loads: list[dict[str, Any]], tmp_path: Path):
-    key, message = fault(tmp_path, plate(*loads, loading={"history": [0.5, 1]}))
-    assert key == "supports"
-    assert "balance" in message
 
 
 def test_pressure_all_round_balances(tmp_path: Path):

@@ -5,8 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from crackgrow.case import dump_case
 from crackgrow.case.model import Stages
 from tests.unit.case.scenes import fault, load
@@ -53,26 +51,6 @@ def test_a_stage_has_what_the_one_before_has_unless_it_says_otherwise(tmp_path: 
     again = reread(case, tmp_path)
     assert same(case, again)
     assert dump_case(again) == dump_case(case)
-
-
-@pytest.mark.parametrize(
-    ("changes", "key", "words"),
-    [
-        ({"loading": {"stages": [{}], "history": [1]}}, "loading", "has a history and stages"),
-        ({"loading": {"stages": [{}], "follow": 3}}, "loading", "stages follow events"),
-        (
-            {"cracks": {"flaw": {"path": {"points": [[1, 3], [2, 3]]}, "contact": "none"}}},
-            "loading.stages.1.excavate",
-            "crack 'flaw' lies in body 'top'",
-        ),
-        ({"numerics": {"spacing": 0.5, "accuracy": 0.01}}, "numerics.goal", "no crack has a tip"),
-        ({"loads": [{"body": "low", "stress": [0, 0, 0], "name": ""}]}, "loads.0.name", "text"),
-    ],
-)
-def test_fault_of_a_case_with_stages(changes: dict[str, Any], key: str, words: str, tmp_path: Path) -> None:
-    where, message = fault(tmp_path, staged({}, {"excavate": "top"}, **changes))
-    assert where == key
-    assert words in message
 
 
 def test_a_step_of_growth_goes_through_all_stages(tmp_path: Path) -> None:

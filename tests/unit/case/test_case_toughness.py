@@ -122,34 +122,6 @@ def test_toughness_in_shear_is_refused_where_nothing_starts_and_K_decides_all(tm
     assert shear_radius(case.growth, case.bodies[0].strength) is not None
 
 
-@pytest.mark.parametrize(
-    ("shear_toughness", "edits", "words"),
-    [
-        ("0 MPa sqrt(m)", (), "wanted: a toughness > 0"),
-        ("1.2 MPa", (), "has a unit of stress"),
-        (
-            "0.06 MPa sqrt(m)",
-            (("cohesion: 10 ", "cohesion: 0 "), ("friction_angle: 40", "friction_angle: 0")),
-            "by the cohesion, which is 0",
-        ),
-        ("0.06 MPa sqrt(m)", (("criterion: directional_strength", "criterion: strength"),), "wanted: directional"),
-        ("900 MPa sqrt(m)", (), "by the cohesion that is too large"),
-    ],
-)
-def test_faults_of_a_toughness_in_shear(
-    shear_toughness: str, edits: tuple[tuple[str, str], ...], words: str, tmp_path: Path
-) -> None:
-    path = sheared(tmp_path, shear_toughness)
-    text = path.read_text(encoding="utf-8")
-    for old, new in edits:
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    path.write_text(text, encoding="utf-8")
-    found = [fault for fault in faults_of(path) if fault.key == "bodies.rock.strength.shear_toughness"]
-    assert len(found) == 1
-    assert words in found[0].message
-
-
 def test_automatic_cells_resolve_the_radius_for_shear(tmp_path: Path) -> None:
     overrides = ["numerics.spacing=auto", "numerics.refine.tips=0", "numerics.refine.kinks=0"]
     case = load_case(sheared(tmp_path, "0.2 MPa sqrt(m)"), overrides)
@@ -197,23 +169,6 @@ def test_cells_at_tips_resolve_the_radius_for_shear(length: str, tmp_path: Path)
     assert length_of_average(growth, strength) == radius < averaging_radius(growth, strength)
 
 
-@pytest.mark.parametrize(
-    ("toughness", "words"),
-    [
-        ("0 MPa sqrt(m)", "wanted: a toughness > 0"),
-        ("-1 MPa sqrt(m)", "out of range"),
-        ("1.2", "needs a unit, such as MPa sqrt(m), where units.length is mm"),
-        ("1.2 MPa", "has a unit of stress"),
-        ("1.2 MPa m", "unknown unit"),
-        (".nan MPa sqrt(m)", "neither a number nor"),
-    ],
-)
-def test_faults_of_a_toughness(toughness: str, words: str, tmp_path: Path) -> None:
-    (fault,) = faults_of(tough(tmp_path, toughness))
-    assert fault.key == "bodies.rock.strength.toughness"
-    assert words in fault.message
-
-
 def test_bare_number_is_taken_in_metres(tmp_path: Path) -> None:
     edits = (
         ("units: {length: mm, stress: MPa}", "units: {length: m, stress: MPa}"),
@@ -222,19 +177,6 @@ def test_bare_number_is_taken_in_metres(tmp_path: Path) -> None:
     strength = load_case(tough(tmp_path, "0.04", *edits)).bodies[0].strength
     assert strength is not None
     assert strength.toughness == 4e4
-
-
-def test_radius_beside_a_toughness_is_refused(tmp_path: Path) -> None:
-    path = edited(tmp_path, ("tension: 0.5", "toughness: 0.04 MPa sqrt(m)\n      tension: 0.5"))
-    (fault,) = faults_of(path)
-    assert fault.key == "growth.tip_stress"
-    assert "follows from the toughness of body 'rock'" in fault.message
-
-
-def test_neither_radius_nor_toughness_is_refused(tmp_path: Path) -> None:
-    (fault,) = faults_of(edited(tmp_path, (RADIUS, "#")))
-    assert fault.key == "growth.tip_stress"
-    assert "bodies.rock.strength a toughness" in fault.message
 
 
 def test_average_wider_than_the_scene_is_refused_where_there_is_one(tmp_path: Path) -> None:

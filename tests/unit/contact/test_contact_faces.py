@@ -139,21 +139,6 @@ def test_points_at_any_arc_length_lie_on_the_crack(build) -> None:
     )
 
 
-def test_two_cracks_keep_their_own_points(build) -> None:
-    first, second = tilted(LENGTH, 30.0), np.array([(-3.0, 12.2), (2.0, 13.1)])
-    cover = plate(build, first, second).cover
-    both = mortar_faces(cover, [0, 1], 1.0)
-    alone = mortar_faces(cover, [1], 1.0)
-    assert np.bincount(both.surface).tolist() == [9, 4]
-    assert alone.surface.tolist() == [1] * 4
-    np.testing.assert_array_equal(both.nodes.points[both.surface == 1], alone.nodes.points)
-    np.testing.assert_array_equal(both.weights[both.surface == 1], alone.weights)
-    reach = both.functions.toarray() > 0.0
-    assert not reach[both.surface == 0][:, both.points.surface == 1].any()
-    assert not reach[both.surface == 1][:, both.points.surface == 0].any()
-    np.testing.assert_allclose(shape_sum(both), 1.0, rtol=1e-14)
-
-
 def test_no_touching_crack_has_no_contact_points(build) -> None:
     cover = plate(build, tilted(LENGTH, 30.0)).cover
     for faces in (mortar_faces(cover, [], 1.0), gauss_faces(cover, [])):

@@ -68,11 +68,6 @@ def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> 
     np.testing.assert_allclose(sample.lattice.to_metres(faces.nodes.points), expected, atol=ROUND_OFF)
 
 
-@pytest.mark.parametrize(("distance", "n"), [(0.5, 19), (1.0, 9), (2.0, 4), (4.0, 3), (8.0, 1)])
-def test_the_distance_of_the_nodes_is_a_setting(build, distance: float, n: int) -> None:
-    assert mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], distance).n == n
-
-
 def test_weights_of_hats_with_constant_end_pieces(build) -> None:
     faces = mortar_faces(plate(build, tilted(LENGTH, 30.0)).cover, [0], 1.0)
     np.testing.assert_allclose(faces.weights, [1.5, *[1.0] * 7, 1.5], atol=ROUND_OFF)  # ten pieces of length 1
@@ -161,14 +156,6 @@ def test_nodes_next_to_a_junction_leave_half_a_piece_free(build) -> None:
     np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-14)
 
 
-@pytest.mark.parametrize("length", [0.3, 1.2])
-def test_short_branch_has_one_node(build, length: float) -> None:
-    branch = [(0.0, 0.0), (0.6 * length, 0.8 * length)]
-    faces = mortar_faces(plate(build, [(-6.0, -2.0), (6.0, 2.0)], branch).cover, [1], 1.25)
-    np.testing.assert_allclose(faces.s, [length / 3.0], atol=1e-6)
-    np.testing.assert_allclose(faces.weights, [length], atol=1e-6)
-
-
 @pytest.mark.parametrize("side", [0.5, 0.25, 1.0 / 64.0])
 def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: float) -> None:
     """The same number of cells from node to node: where these are half as large there are twice as many nodes."""
@@ -182,17 +169,6 @@ def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: 
     assert coarse.min() == pytest.approx(coarse.max(), rel=1e-9)
     assert fine.min() == pytest.approx(fine.max(), rel=1e-9)
     assert coarse[0] / fine[0] == pytest.approx(1.0 / side, rel=1e-9)
-
-
-def test_equal_cells_of_half_the_side_have_the_nodes_of_a_lattice_of_half_the_spacing(build) -> None:
-    path = bent([4.0, 1.4, 5.0], 40.0)
-    cover = plate(build, path).cover
-    halved = with_sizes(cover, 0.5)
-    fine = plate(build, path, spacing=0.5).cover
-    np.testing.assert_allclose(mortar_faces(halved, [0], 1.25).s, 0.5 * mortar_faces(fine, [0], 1.25).s, atol=ROUND_OFF)
-    short = plate(build, bent([5.0, 0.08], 60.0)).cover
-    assert len(stretch_ends(short, 0)) == 2
-    assert len(stretch_ends(with_sizes(short, 0.5), 0)) == 3
 
 
 @pytest.mark.parametrize("line", [-3.0, 0.2, 4.0])

@@ -57,13 +57,6 @@ def test_window_holds_every_node_that_covers_a_point(support: float) -> None:
         assert {tuple(node) for node in covering} <= window
 
 
-def test_metres_and_lattice_coordinates_are_inverse() -> None:
-    lattice = place_lattice(np.array([-1.0, 2.0]), np.array([3.0, 5.0]), 0.25, 2.0)
-    points = rng.uniform(-1, 5, (30, 2))
-    np.testing.assert_allclose(lattice.to_metres(lattice.to_lattice(points)), points, atol=1e-14)
-    np.testing.assert_allclose(lattice.to_metres(np.zeros(2)), lattice.origin, rtol=1e-15)
-
-
 @pytest.mark.parametrize("levels", [0, 4])
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_tile_of_a_point_holds_it(build, support: float, levels: int) -> None:

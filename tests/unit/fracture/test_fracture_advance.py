@@ -168,87 +168,58 @@ def advance_flaw(*others: list[tuple[float, float]], kink_deg: float = 0.0) -> t
     return after.crack.points[-1], met
 
 
-def test_a_segment_ends_on_the_first_crack_that_it_would_cross() -> None:
-    end, met = advance_flaw([(4.8, -3.0), (4.8, 3.0)], [(4.5, -2.0), (4.5, 3.0)], [(4.9, -3.0), (4.9, 3.0)])
+def across(x: float, low: float = -3.0, high: float = 3.0) -> list[tuple[float, float]]:
+    return [(x, low), (x, high)]
+
+
+Y = CORNER * CLEARANCE
+ALONG = [(0.0, -0.05), (9.0, -0.05)]
+MEETINGS = {
+    "the first that it would cross": ([across(4.8), across(4.5), across(4.9)], 0.0, (4.5, 0.0), 1, None),
+    "just in front": ([across(4.03)], 0.0, (4.03, 0.0), 0, None),
+    "ended in the clearance": ([across(5.0 + 0.99 * CLEARANCE)], 0.0, (5.0 + 0.99 * CLEARANCE, 0.0), 0, None),
+    "the nearest point beside its end": ([[(3.0, 2.07), (7.0, -1.93)]], 0.0, (5.035, 0.035), 0, None),  # x + y = 5.07
+    "a tip close to where it crosses": ([across(4.6, -0.08, 2.0)], 0.0, (4.6, -0.08), 0, False),
+    "a tip far enough": ([across(4.6, -0.12, 2.0)], 0.0, (4.6, 0.0), 0, None),
+    "a junction close to where it crosses": ([across(4.6), [(6.0, 1.0), (4.6, 0.06)]], 0.0, (4.6, 0.06), 1, True),
+    "a near corner": ([[(4.7, -2.0), (4.6, 0.9 * Y), (4.7, 2.0)]], 0.0, (4.6, 0.9 * Y), 0, None),
+    **{f"the tip {tip} that it passes": ([[tip, (tip[0] + 1.0, tip[1] * 20.0)]], 0.0, tip, 0, False)
+       for tip in ((4.6, 0.08), (5.06, 0.05), (4.3, -0.09), (4.7, 0.0))},
+    "the other tip": ([[(5.6, 1.6), (4.6, 0.08)]], 0.0, (4.6, 0.08), 0, True),
+    **{f"a crack along it, into which it turns by {drop}": ([ALONG], -drop, None, 0, None) for drop in (0.03, 0.2)},
+}  # fmt: skip
+"""Other cracks, the kink (its sine), where the segment ends, on which crack, and on which of its tips."""
+
+
+@pytest.mark.parametrize("name", MEETINGS)
+def test_a_segment_ends_on_what_it_crosses_or_comes_close_to(name: str) -> None:
+    others, kink, at, number, which = MEETINGS[name]
+    end, met = advance_flaw(*others, kink_deg=float(np.rad2deg(np.arcsin(kink))))
     assert met is not None
-    assert (met.kind, met.number, met.end) == ("crack", 1, None)
-    np.testing.assert_array_equal(end, [4.5, 0.0])
+    assert (met.kind, met.number, met.end) == ("crack", number, which)
+    np.testing.assert_allclose(end[1:] if at is None else end, [-0.05] if at is None else at, atol=1e-15)
 
 
-def test_a_segment_that_would_end_in_the_clearance_is_extended() -> None:
-    for gap, reaches in ((0.99 * CLEARANCE, True), (1.01 * CLEARANCE, False)):
-        end, met = advance_flaw([(5.0 + gap, -3.0), (5.0 + gap, 3.0)])
-        assert (met is not None) == reaches
-        np.testing.assert_allclose(end, [5.0 + gap * reaches, 0.0], atol=1e-15)
-
-
-def test_a_segment_is_turned_to_the_nearest_point_of_what_it_comes_close_to() -> None:
-    slant = [(3.0, 2.07), (7.0, -1.93)]  # x + y = 5.07, past (5, 0) at 0.07 / sqrt(2)
-    end, met = advance_flaw(slant)
+def test_a_corner_beyond_its_clearance_is_none() -> None:
+    end, met = advance_flaw([(4.7, -2.0), (4.6, 1.1 * Y), (4.7, 2.0)])
     assert met is not None
-    np.testing.assert_allclose(end, [5.035, 0.035], atol=1e-15)
+    np.testing.assert_allclose(end, [4.6, 0.0], atol=0.06 * Y)
 
 
-@pytest.mark.parametrize("tip", [(4.6, 0.08), (5.06, 0.05), (4.3, -0.09), (4.7, 0.0)])
-@pytest.mark.parametrize("end_is_met", [False, True])
-def test_a_tip_that_is_passed_in_the_clearance_is_met_itself(tip: tuple[float, float], end_is_met: bool) -> None:
-    away = [tip, (tip[0] + 1.0, tip[1] * 20.0)]
-    end, met = advance_flaw(away[::-1] if end_is_met else away)
-    assert met is not None
-    assert met.end is end_is_met
-    np.testing.assert_array_equal(end, tip)
-
-
-def test_no_stub_is_left_between_a_meeting_and_the_tip_of_the_crack_that_is_met() -> None:
-    end, met = advance_flaw([(4.6, -0.08), (4.6, 2.0)])  # crossed 0.08 from its tip
-    assert met is not None
-    assert met.end is False
-    np.testing.assert_array_equal(end, [4.6, -0.08])
-    end, met = advance_flaw([(4.6, -0.12), (4.6, 2.0)])
-    assert met is not None
-    assert met.end is None
-    np.testing.assert_array_equal(end, [4.6, 0.0])
-
-
-def test_no_stub_is_left_beside_a_junction_of_other_cracks() -> None:
-    """The second crack ends on the first one, at 0.06 from where the segment would cross that."""
-    end, met = advance_flaw([(4.6, -3.0), (4.6, 2.0)], [(6.0, 1.0), (4.6, 0.06)])
-    assert met is not None
-    assert (met.number, met.end) == (1, True)
-    np.testing.assert_array_equal(end, [4.6, 0.06])
-
-
-@pytest.mark.parametrize(("corner", "is_met"), [(0.9, True), (1.1, False)])
-def test_a_corner_is_met_where_it_is_much_closer_than_the_clearance(corner: float, is_met: bool) -> None:
-    y = corner * CORNER * CLEARANCE
-    end, met = advance_flaw([(4.7, -2.0), (4.6, y), (4.7, 2.0)])
-    assert met is not None
-    assert met.end is None
-    assert (tuple(end) == (4.6, y)) == is_met
-    np.testing.assert_allclose(end, [4.6, y if is_met else 0.0], atol=0.06 * y)
-
-
-def test_a_tip_just_in_front_of_a_crack_runs_into_it() -> None:
-    end, met = advance_flaw([(4.03, -3.0), (4.03, 3.0)])
-    assert met is not None
-    np.testing.assert_allclose(end, [4.03, 0.0], atol=1e-15)
-
-
-@pytest.mark.parametrize("angle_deg", [0.0, 1.0, 60.0])
-def test_a_tip_that_runs_along_a_near_crack_or_away_from_it_keeps_growing(angle_deg: float) -> None:
-    end, met = advance_flaw([(0.0, -0.05), (9.0, -0.05)], kink_deg=angle_deg)
+@pytest.mark.parametrize(
+    ("other", "kink"),
+    [
+        (across(5.0 + 1.01 * CLEARANCE), 0.0),
+        *((ALONG, kink) for kink in (0.0, 0.02, np.sin(np.pi / 3.0), -0.01, -0.02)),
+        *(([(4.0, -0.05), (2.0, -3.0)], kink) for kink in (0.0, 0.02, np.sin(np.pi / 3.0))),  # a tip beside the tip
+    ],
+)
+def test_a_segment_keeps_growing_along_what_is_near_and_away_from_it(
+    other: list[tuple[float, float]], kink: float
+) -> None:
+    end, met = advance_flaw(other, kink_deg=float(np.rad2deg(np.arcsin(kink))))
     assert met is None
-    assert np.hypot(*(end - [4.0, 0.0])) == pytest.approx(1.0)
-    end, met = advance_flaw([(4.0, -0.05), (2.0, -3.0)], kink_deg=angle_deg)  # a tip beside the tip
-    assert met is None
-
-
-def test_a_tip_that_turns_slowly_to_a_near_crack_reaches_it_when_it_runs_into_it() -> None:
-    near = [(0.0, -0.05), (9.0, -0.05)]
-    for drop, reaches in ((0.01, False), (0.02, False), (0.03, True), (0.049, True), (0.2, True)):
-        end, met = advance_flaw(near, kink_deg=-float(np.rad2deg(np.arcsin(drop))))
-        assert (met is not None) == reaches
-        assert end[1] == pytest.approx(-0.05 if reaches else -drop, abs=1e-15)
+    np.testing.assert_allclose(end, [4.0 + np.sqrt(1.0 - kink**2), kink], atol=1e-15)
 
 
 def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:

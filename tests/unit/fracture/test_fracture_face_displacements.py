@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 
 ROOT = Path(__file__).parents[3]
@@ -24,7 +24,7 @@ def reference_K_I(scene: str) -> float:
 
 
 def solved(*settings: str) -> tuple[StepSolution, float]:
-    case = load_case(ROOT / "cases" / "tension0.yaml", ["growth.steps=1", *settings])
+    case = shipped_case("tension0", ["growth.steps=1", *settings])
     scene = make_scene(case)
     cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(scene, cracks, 1.0), scene.materials[0].young_prime

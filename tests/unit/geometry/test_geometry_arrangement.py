@@ -27,26 +27,6 @@ def arrangement(*parts: list[list[float]]):
     return polygons, points, ids, edges_between(Rings(ids, ids[end], face), len(points))
 
 
-def test_two_crossing_lines_cut_a_rectangle_in_four_faces() -> None:
-    polygons, _, ids, edges = arrangement(FRAME, [[0, 0], [4, 3]], [[0, 3], [4, 0]])
-    np.testing.assert_allclose(shapely.area(polygons), [3.0] * 4, rtol=1e-9)  # vertices move by half a grid step
-    assert len(np.unique(ids)) == 5  # four corners and the crossing
-    assert len(edges.a) == 8
-    assert np.sum(edges.right >= 0) == 4
-
-
-def test_faces_run_counter_clockwise() -> None:
-    polygons = faces(lines(FRAME, [[1, -1], [2, 4]], [[-1, 1.1], [5, 1.7]]))
-    assert len(polygons) == 4
-    assert all(polygon.exterior.is_ccw for polygon in polygons)
-
-
-def test_dangling_line_makes_no_face() -> None:
-    polygons = faces(lines(FRAME, [[0, 1], [2, 1]]))
-    assert len(polygons) == 1
-    assert polygons[0].area == 12.0
-
-
 def test_random_lines_leave_no_gap_and_no_overlap() -> None:
     """Euler: faces = edges - vertices + 1; the areas sum to the frame's."""
     rng = np.random.default_rng(1)
@@ -90,15 +70,6 @@ def test_edges_pair_the_face_on_the_left_with_the_face_on_the_right() -> None:
     assert edges.between(np.append(corners[:2], -1), corners[[1, 2, 2]]).tolist() == [-1, -1, -1]
 
 
-def test_rings_of_a_face_with_a_hole_close_on_themselves() -> None:
-    square = shapely.Polygon([[0, 0], [4, 0], [4, 4], [0, 4]], [[[1, 1], [1, 2], [2, 2], [2, 1]]])
-    points, end, owner = ring_vertices(np.array([square, shapely.box(5, 5, 6, 6)]))
-    np.testing.assert_array_equal(owner, [0] * 8 + [1] * 4)
-    np.testing.assert_array_equal(end, [1, 2, 3, 0, 5, 6, 7, 4, 9, 10, 11, 8])
-    steps = points[end] - points
-    np.testing.assert_array_equal(np.hypot(*steps.T), [4] * 4 + [1] * 8)
-
-
 @pytest.mark.parametrize("offset", [1e-12, -1e-12, 1e-10])
 def test_lines_closer_than_the_grid_become_one(offset: float) -> None:
     polygons, _, ids, _ = arrangement(FRAME, [[0, 1], [4, 1]], [[0, 1 + offset], [4, 1 + offset]])
@@ -106,22 +77,8 @@ def test_lines_closer_than_the_grid_become_one(offset: float) -> None:
     assert len(np.unique(ids)) == 6
 
 
-@pytest.mark.parametrize("offset", [1e-12, 3e-11])
-def test_nearly_common_crossing_becomes_one_vertex(offset: float) -> None:
-    _, _, ids, edges = arrangement(FRAME, [[0, 1], [4, 1]], [[2, 0], [2, 3]], [[1, 0], [3, 2 + offset], [4, 3]])
-    assert len(np.unique(ids)) == len(edges.a) - 6 + 1  # Euler for the 6 faces of three lines through one point
-
-
 def test_rounding_to_the_grid_moves_by_half_a_step_at_most_and_keeps_integers() -> None:
     points = np.random.default_rng(2).uniform(-50, 50, (1000, 2))
     assert np.abs(on_grid(points) - points).max() <= 0.5 * GRID
     np.testing.assert_array_equal(on_grid(np.rint(points)), np.rint(points))
     np.testing.assert_array_equal(on_grid(on_grid(points)), on_grid(points))
-
-
-def test_equal_points_share_an_id_and_different_ones_do_not() -> None:
-    points = on_grid(np.random.default_rng(3).uniform(-5, 5, (50, 2)))
-    twice = np.concatenate([points, points[::-1], points + np.array([GRID, 0.0])])
-    ids = vertex_ids(twice)
-    np.testing.assert_array_equal(ids[:50], ids[50:100][::-1])
-    np.testing.assert_array_equal(np.unique(ids), np.arange(100))

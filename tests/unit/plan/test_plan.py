@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from crackgrow import cli
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case
 from crackgrow.plan import cost, picture
 from crackgrow.plan.cost import cost_of, estimated_cost
 from crackgrow.plan.picture import draw_scene
@@ -20,8 +18,8 @@ from crackgrow.plan.sizes import Sizes, guessed_sizes, sizes_of
 from crackgrow.plan.text import plan_text
 from crackgrow.results import signs
 from crackgrow.run import grow
+from tests.scenes import shipped_case
 
-Floats = NDArray[np.float64]
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = {
     "compression30": ("numerics.spacing=3",),
@@ -37,7 +35,7 @@ def words_of(sizes: Sizes) -> tuple[str, ...]:
 
 
 def coarse(name: str, *settings: str) -> Case:
-    return load_case(CASES / f"{name}.yaml", (*COARSE.get(name, ()), *settings))
+    return shipped_case(name, (*COARSE.get(name, ()), *settings))
 
 
 @pytest.mark.parametrize("name", sorted(COARSE))
@@ -96,7 +94,7 @@ def test_bonds_are_multipliers() -> None:
 )
 def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> None:
     assert any(words in text for text in words_of(sizes_of(coarse("compression30", *settings))))
-    assert not any(words in text for text in words_of(sizes_of(load_case(CASES / "compression30.yaml"))))
+    assert not any(words in text for text in words_of(sizes_of(shipped_case("compression30"))))
 
 
 PRESSED = (
@@ -133,7 +131,7 @@ def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatc
 def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.05"])
+    case = shipped_case("compression30", ["numerics.spacing=0.05"])
 
     def laid_out(_: Case) -> None:
         raise AssertionError("a lattice of 690,000 nodes is laid out for a guess")
@@ -147,7 +145,7 @@ def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
 
 @pytest.mark.parametrize("spacing", [0.8, 0.4])
 def test_a_guess_without_a_cover_is_near_that_with_one(spacing: float) -> None:
-    case = load_case(CASES / "compression30.yaml", [f"numerics.spacing={spacing}", "growth.steps=0"])
+    case = shipped_case("compression30", [f"numerics.spacing={spacing}", "growth.steps=0"])
     counted, guessed = (estimated_cost(case, sizes(case)) for sizes in (sizes_of, guessed_sizes))
     assert guessed.seconds == pytest.approx(counted.seconds, rel=0.25)
     assert guessed.memory == pytest.approx(counted.memory, rel=0.25)
@@ -165,49 +163,12 @@ def test_the_memory_of_a_machine_is_the_least_of_its_limits(tmp_path: Path, monk
 
 
 def test_a_sound_case_has_no_warnings() -> None:
-    assert plan_text(load_case(CASES / "compression30.yaml")).endswith("no warnings")
-
-
-def test_cost_grows_with_the_scene_and_its_steps() -> None:
-    small, large = (load_case(CASES / "compression30.yaml", [f"numerics.spacing={h}"]) for h in (3, 0.2))
-    costs = [cost_of(case) for case in (small, large)]
-    assert costs[0].memory < costs[1].memory
-    assert costs[0].seconds < costs[1].seconds
-    times = [cost_of(coarse("compression30", f"growth.steps={n}")).seconds for n in (0, 10, 20)]
-    assert times[2] - times[1] == pytest.approx(times[1] - times[0]) != 0.0
-    stages = [cost_of(coarse("cyclic_friction", f"loading.history={history}")).seconds for history in ([1], [1, 0, 1])]
-    assert 1.0 < stages[1] / stages[0] < 1.1  # the same cracks under more loads
-
-
-def test_the_companion_costs_half_of_a_step() -> None:
-    named = load_case(CASES / "compression30.yaml", ["growth.steps=200", "output.frames=none"])
-    given = replace(named, numerics=replace(named.numerics, auto_rule=None))
-    times = [estimated_cost(case, sizes_of(named)).seconds for case in (named, given)]
-    assert times[0] / times[1] == pytest.approx(1.5, rel=0.05)
-
-
-def test_larger_supports_cost_more() -> None:
-    costs = []
-    for support in (2, 2.5):
-        case = load_case(CASES / "compression30.yaml", ["numerics.spacing=0.8", f"numerics.support={support}"])
-        costs.append(cost_of(case))
-    first = ["growth.steps=0", "numerics.spacing=0.8"]
-    files = cost_of(load_case(CASES / "compression30.yaml", [*first, "numerics.support=1.25"])).seconds
-    assert (costs[1].seconds - files) / (costs[0].seconds - files) > 1.5
-    assert 1.15 < costs[1].memory / costs[0].memory < 3.0  # measured: 1.43, of 217 MiB
-
-
-def test_implicit_directions_cost_more() -> None:
-    explicit = coarse("compression30", "growth.criterion=max_hoop_stress")
-    implicit = coarse("compression30", "growth.criterion=max_hoop_stress", "growth.direction=implicit")
-    none = coarse("compression30", "growth.steps=0", "output.frames=none")
-    a, b, c = (cost_of(replace(case, output=none.output)).seconds for case in (explicit, implicit, none))
-    assert (b - c) / (a - c) == pytest.approx(3.0, rel=1e-6)
+    assert plan_text(shipped_case("compression30")).endswith("no warnings")
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
 def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
-    draw_scene(tmp_path / "scene.svg", load_case(CASES / f"{name}.yaml"))
+    draw_scene(tmp_path / "scene.svg", shipped_case(name))
     assert (tmp_path / "scene.svg").read_text(encoding="utf-8").count("<path") > 20
 
 
@@ -222,7 +183,7 @@ def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
 
 
 def test_the_picture_says_what_is_taken_out(tmp_path: Path) -> None:
-    draw_scene(tmp_path / "scene.svg", load_case(CASES / "tunnel_excavated.yaml"))
+    draw_scene(tmp_path / "scene.svg", shipped_case("tunnel_excavated"))
     assert "core is taken out in stage 'face near by'" in (tmp_path / "scene.svg").read_text(encoding="utf-8")
 
 
@@ -239,7 +200,7 @@ def test_words_of_small_things_lie_beside_each_other_and_beside_what_is_left_fre
 
 @pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
 def test_loads_and_supports_at_points_are_drawn_beside_each_other(name: str) -> None:
-    case = load_case(CASES / f"{name}.yaml")
+    case = shipped_case(name)
     size = signs.size_of(case)
     arrows = [mark for sign in signs.load_signs(case) for mark in sign.marks if isinstance(mark, signs.Arrow)]
     triangles = [mark for sign in signs.support_signs(case) for mark in sign.marks if isinstance(mark, signs.Polygon)]
@@ -280,7 +241,7 @@ REFINED = ("en_echelon", "tunnel_excavated")
 def test_what_is_told_of_a_shipped_case_is_within_a_factor_of_two_of_what_it_took(name: str) -> None:
     lines = (CASES.parent / "tests" / "benchmarks" / "cost.md").read_text(encoding="utf-8").splitlines()
     taken = next(cells for line in lines if (cells := [cell.strip() for cell in line.split("|")])[1:2] == [name])
-    told = cost_of(load_case(CASES / f"{name}.yaml"))
+    told = cost_of(shipped_case(name))
     lowest = 0.2 if name in REFINED else 0.5
     assert lowest < told.seconds / float(taken[4]) < 2.0
     assert lowest < told.memory / float(taken[7]) < 2.0

@@ -190,10 +190,3 @@ def test_edge_between_two_tips_integrates_the_opening_of_a_crack() -> None:
         root = np.sqrt(position * (1 - position))
         assert np.sum(w * root) == pytest.approx(np.pi / 8, rel=tolerance)
         assert np.sum(w / root) == pytest.approx(np.pi, rel=1e-13)
-
-
-def test_rules_are_read_only_because_they_are_shared() -> None:
-    for rule in (gauss(3), square(3), triangle(3)):
-        for array in rule:
-            with pytest.raises(ValueError, match="read-only"):
-                array[0] = 0.0

@@ -40,19 +40,6 @@ def test_system_refusal_is_an_output_error_naming_the_file(tmp_path: Path) -> No
     assert caught.value.exit_code == 3
 
 
-def test_full_disk_leaves_the_old_file(tmp_path: Path) -> None:
-    path = tmp_path / "a.csv"
-    write_text(path, "old")
-
-    def write(temporary: Path) -> None:
-        temporary.write_text("ha")
-        raise OSError(28, "No space left on device")
-
-    with pytest.raises(OutputError, match="No space left"):
-        write_atomically(path, write)
-    assert path.read_text() == "old"
-
-
 @pytest.mark.parametrize(("number", "room"), [(errno.ENOSPC, True), (errno.EDQUOT, True), (errno.EROFS, False)])
 def test_room_is_asked_for_where_there_is_none(number: int, room: bool, tmp_path: Path) -> None:
     def write(temporary: Path) -> None:

@@ -19,7 +19,7 @@ from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.field_picture import Look
 from crackgrow.results.summary import LoadPoint
 from crackgrow.run.result import STICK
-from tests.unit.results.synthetic import HEIGHT, N_X, N_Y, WIDTH, make_case, make_frame, make_paths, make_result
+from tests.unit.results.synthetic import HEIGHT, WIDTH, make_case, make_frame, make_paths, make_result
 
 WHITE = 0.999
 
@@ -198,13 +198,6 @@ def test_a_load_curve_is_in_units_that_suit_its_values(
     assert displacement.get_xlabel() == f"displacement of the loads [{unit}]"
     assert np.asarray(displacement.lines[0].get_xdata()) == pytest.approx([3.0, 6.0, 9.0])
     assert growth.get_xlabel() == "crack growth [mm]"
-
-
-def test_boundary_edges_are_outline_and_both_crack_faces() -> None:
-    frame = make_frame()
-    edges = drawn_frame.boundary_edges(frame)
-    # three inner nodes of the crack are double: four edges on either face
-    assert len(edges) == 2 * (N_X + N_Y) + 2 * 4
 
 
 def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:

@@ -12,8 +12,8 @@ import pytest
 
 import crackgrow
 from crackgrow.results.folder import FolderError, RunFolder, open_run
+from tests.scenes import shipped_case
 
-ROOT = Path(__file__).resolve().parents[3]
 TABLES = ("steps", "tips", "contact", "reactions", "events", "paths", "history")
 SETTINGS = ["numerics.spacing=3", "growth.steps=2", "output.frames=every_step", "output.figures=false",
             "output.fields=[displacement, stress, energy_error]",
@@ -23,7 +23,7 @@ SETTINGS = ["numerics.spacing=3", "growth.steps=2", "output.frames=every_step", 
 @pytest.fixture(scope="module")
 def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[crackgrow.Run, RunFolder]:
     folder = tmp_path_factory.mktemp("door")
-    case = crackgrow.load_case(ROOT / "cases" / "compression30.yaml", SETTINGS)
+    case = shipped_case("compression30", SETTINGS)
     return crackgrow.run_case(case, folder), open_run(folder)
 
 

@@ -14,7 +14,6 @@ import pytest
 import pyvista
 from PIL import Image
 
-from crackgrow import cli
 from crackgrow.cli.command_line import command_line
 from crackgrow.errors import CaseError
 from crackgrow.results import field_picture, render, view
@@ -33,27 +32,6 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
         tmp_path_factory.mktemp("run"),
         ["output.frames=every_step", "output.fields=[displacement, stress, energy_error]"],
     )
-
-
-BEAM = """
-title: A wide beam
-plane: strain
-bodies:
-  rock: {shape: {rectangle: {center: [0, 0], width: 8, height: 1}}, material: {young: 1 GPa, poisson: 0.2}}
-cracks: {}
-supports: [{at: [-4, -0.5], displacement: {x: 0, y: 0}}, {at: [4, -0.5], displacement: {y: 0}}]
-loads: [{on: {body: rock, edge: top}, traction: [0, -1 MPa]}]
-numerics: {spacing: 0.25}
-output: {report: false, figures: false}
-"""
-
-
-def test_a_wide_specimen_has_room_for_the_words_of_its_colour_bar(tmp_path: Path) -> None:
-    (tmp_path / "beam.yaml").write_text(BEAM)
-    assert cli.main(["run", str(tmp_path / "beam.yaml"), "--out", str(tmp_path / "out"), "--quiet"]) == 0
-    (path,) = render.render(tmp_path / "out")
-    image = pixels(path)
-    assert all((side == 255).all() for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
 def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:

@@ -3,24 +3,22 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
 from markupsafe import escape
 
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case
 from crackgrow.results import signs
 from crackgrow.results.report.scene import describe_actions, step_colour, svg_of, tag, view_of
 from crackgrow.results.units import LENGTHS, STRESSES, rounded, shown, unit_of
-
-CASES = Path(__file__).resolve().parents[3] / "cases"
+from tests.scenes import shipped_case
 
 
 def loaded(traction: str) -> tuple[Case, list[signs.Arrow]]:
     """The plate with one traction on its top, and the arrows of it."""
     load = f"loads=[{{on: {{body: rock, edge: top}}, traction: {traction}}}]"
-    case = load_case(CASES / "compression30.yaml", [load])
+    case = shipped_case("compression30", [load])
     (sign,) = signs.load_signs(case)
     arrows = [mark for mark in sign.marks if isinstance(mark, signs.Arrow)]
     return case, sorted(arrows, key=lambda arrow: float(arrow.tail[0]))
@@ -55,7 +53,7 @@ def test_arrows_are_as_long_as_a_traction_that_varies_is_large() -> None:
 def test_a_support_stands_outside_with_its_apex_at_the_point(rolls: bool) -> None:
     held = "{y: 0}" if rolls else "{x: 0, y: 0}"
     first, other = f"at: [-15.5, -27.5], displacement: {held}", "at: [15.5, -27.5], displacement: {x: 0, y: 0}"
-    case = load_case(CASES / "compression30.yaml", [f"supports=[{{{first}}}, {{{other}}}]"])
+    case = shipped_case("compression30", [f"supports=[{{{first}}}, {{{other}}}]"])
     sign, _ = signs.support_signs(case)
     (triangle,) = (mark for mark in sign.marks if isinstance(mark, signs.Polygon))
     np.testing.assert_allclose(triangle.corners[0], [-0.0155, -0.0275])
@@ -65,7 +63,7 @@ def test_a_support_stands_outside_with_its_apex_at_the_point(rolls: bool) -> Non
 
 @pytest.mark.parametrize("name", ["brazilian_disk", "slope_safety", "cyclic_friction", "two_flaws"])
 def test_signs_are_drawn_mark_by_mark(name: str) -> None:
-    case = load_case(CASES / f"{name}.yaml")
+    case = shipped_case(name)
     for sign in (*signs.support_signs(case), *signs.load_signs(case)):
         drawn = svg_of(sign, view_of(case))
         assert drawn.count('class="head"') == sum(isinstance(mark, signs.Arrow) for mark in sign.marks)
@@ -75,7 +73,7 @@ def test_signs_are_drawn_mark_by_mark(name: str) -> None:
 
 
 def test_view_keeps_proportions() -> None:
-    case = load_case(CASES / "compression30.yaml")
+    case = shipped_case("compression30")
     corners = view_of(case).pixels(case.bodies[0].outline)
     width, height = np.ptp(corners, axis=0)
     assert width / height == pytest.approx(31 / 55)
@@ -83,7 +81,7 @@ def test_view_keeps_proportions() -> None:
 
 
 def test_actions_are_told_in_words() -> None:
-    told = dict(describe_actions(load_case(CASES / "compression30.yaml")))
+    told = dict(describe_actions(shipped_case("compression30")))
     assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
     assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 1e+08], held: false"
 

@@ -5,15 +5,12 @@ from __future__ import annotations
 import json
 import shutil
 import zipfile
-from collections.abc import Callable
 from pathlib import Path
-from zlib import crc32
 
 import numpy as np
 import pytest
 
 from crackgrow import cli
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.results import atomic, checkpoint_file
 from crackgrow.results import resume as resume_module
@@ -27,6 +24,7 @@ from crackgrow.results.checkpoint_file import (
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.run.result import Checkpoint
 from tests.properties.broken_off import contents
+from tests.scenes import shipped_case
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
@@ -34,7 +32,7 @@ HISTORY = ("numerics.spacing=10", "output.frames=none", "output.figures=false", 
 
 
 def case(*settings: str, name: str = "compression30") -> Case:
-    return load_case(CASES / f"{name}.yaml", [*COARSE, *settings])
+    return shipped_case(name, [*COARSE, *settings])
 
 
 def run(folder: Path, *settings: str, name: str = "compression30", resume: bool = False) -> int:
@@ -238,35 +236,6 @@ def test_another_version_goes_on_with_a_warning(copy: Path, monkeypatch: pytest.
     found = find_resumption(case("growth.steps=3"), copy)
     assert found is not None
     assert "gone on with by 99.0" in found.remarks[0]
-
-
-def with_header(folder: Path, change: Callable[[str], str]) -> None:
-    """Write tips.csv line by line as a version with other columns would have, and what checkpoints know of it."""
-    table = folder / "tips.csv"
-    for path in (folder / "checkpoint").glob("*.npz"):
-        with np.load(path) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        header = json.loads(arrays["header"].tobytes())
-        length = header["results"]["tables"]["tips.csv"][0]
-        kept = "".join(change(line) + "\n" for line in table.read_text()[:length].splitlines()).encode()
-        header["results"]["tables"]["tips.csv"] = [len(kept), crc32(kept)]
-        arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
-        np.savez(path, **arrays)
-    table.write_text("".join(change(line) + "\n" for line in table.read_text().splitlines()))
-
-
-@pytest.mark.parametrize(
-    "change",
-    [
-        lambda line: line.rpartition(",")[0],
-        lambda line: line + (",new" if line.startswith("step") else ",1.0"),
-    ],
-    ids=["earlier", "later"],
-)
-def test_columns_of_another_version_are_refused(copy: Path, change: Callable[[str], str]) -> None:
-    with_header(copy, change)
-    with pytest.raises(ResumeError, match=r"nothing to go on from.*step 2 does not fit tips\.csv"):
-        find_resumption(case("growth.steps=3"), copy)
 
 
 def test_another_format_is_refused(copy: Path) -> None:

@@ -9,12 +9,13 @@ from pathlib import Path
 import matplotlib as mpl
 import pytest
 
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case
 from crackgrow.plan.picture import draw_scene
 from crackgrow.results import figures
 from crackgrow.results.style import own_style
 from crackgrow.results.summary import load_point
-from tests.properties.broken_off import CASES, ENVIRONMENT, command, finished
+from tests.properties.broken_off import ENVIRONMENT, command, finished
+from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_case, make_paths, make_result
 
 NO_FORMULA = r"$\frac{1}{0$ & <b> $_$"
@@ -32,7 +33,7 @@ DRAWN: dict[str, Callable[[Path], None]] = {
 
 
 def odd_case() -> Case:
-    case = load_case(CASES / "compression30.yaml", ["numerics.spacing=3"])
+    case = shipped_case("compression30", ["numerics.spacing=3"])
     crack = replace(case.cracks[0], name=NO_FORMULA)
     return replace(make_case(), title=NO_FORMULA, bodies=case.bodies, cracks=(crack,))
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from crackgrow import __version__
-from crackgrow.results.summary import Tally, git_state, peak_memory_mb, summarize, summary_text
+from crackgrow.results.summary import Tally, git_state, summarize, summary_text
 from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.result import RunEnd
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
@@ -92,7 +92,3 @@ def test_git_state_is_that_of_the_top_of_a_checkout(tmp_path: Path) -> None:
     assert git_state(tmp_path / "inner") == (None, None)
     (tmp_path / "a").write_text("2")
     assert git_state(tmp_path) == (commit, True)
-
-
-def test_peak_memory_is_in_megabytes() -> None:
-    assert 10 < peak_memory_mb() < 1e5

@@ -10,7 +10,7 @@ import pytest
 
 from crackgrow.results import tables
 from crackgrow.results.folder import table_of
-from tests.unit.results.synthetic import make_event, make_paths, make_result
+from tests.unit.results.synthetic import make_event, make_result
 
 
 def read(path: Path) -> list[dict[str, str]]:
@@ -35,55 +35,6 @@ def test_columns_are_those_of_the_contract() -> None:
         "overlap,work,strain_energy,dissipation,released_energy,energy_error,load_displacement,crack_length,"
         "overlap_share,load_factor_error,goal_error,time,slip_error,reaction_error"
     )
-
-
-def test_tips_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "tips.csv", tables.HEADERS["tips"])
-    result = make_result(1)
-    table.extend(tables.tip_rows(result))
-    table.write()
-    start, end = read(table.path)
-    assert list(start) == list(tables.HEADERS["tips"])
-    assert start["K_I"] == "nan"
-    assert float(start["K_II"]) == result.tips[0].K_II
-    assert (start["criterion"], start["advanced"]) == ("none", "false")
-    assert (end["crack"], end["tip"], end["criterion"], end["advanced"]) == ("flaw", "end", "tension", "true")
-    assert (float(end["x"]), float(end["y"])) == tuple(result.tips[1].point)
-    assert float(end["K_II"]) == -1e-300
-    assert float(end["kink_deg"]) == 70.5
-    assert (start["K_note"], end["K_note"]) == ("no room", "")
-    columns = ("K_I_error", "K_II_error", "K_radius", "K_I_faces", "K_II_faces", "K_I_spread", "K_II_spread")
-    assert [float(end[name]) for name in columns] == [1e4, 2e4, 0.005, 1.9e6, 1e3, 2e3, 1e3]
-    assert float(end["cell_size"]) == 1.5e-3
-    assert [float(row["criticality"]) for row in (start, end)] == [tip.criticality for tip in result.tips]
-
-
-def test_contact_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "contact.csv", tables.HEADERS["contact"])
-    result = make_result(2)
-    table.extend(tables.contact_rows(result))
-    table.write()
-    rows = read(table.path)
-    for name in ("s", "normal_traction", "tangential_traction", "opening", "slip"):
-        np.testing.assert_array_equal([float(row[name]) for row in rows], getattr(result.contact, name))
-    np.testing.assert_array_equal([(float(row["x"]), float(row["y"])) for row in rows], result.contact.points)
-    assert [row["state"] for row in rows] == ["slip", "stick", "slip", "stick"]
-    assert {row["step"] for row in rows} == {"2"}
-
-
-def test_paths_round_trip(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "paths.csv", tables.HEADERS["paths"])
-    (path,) = make_paths(2)
-    table.extend(tables.path_rows([path]))
-    table.write()
-    rows = read(table.path)
-    np.testing.assert_array_equal([(float(row["x"]), float(row["y"])) for row in rows], path.points)
-    assert [(row["crack"], row["vertex"], row["step"]) for row in rows] == [
-        ("flaw", "0", "0"),
-        ("flaw", "1", "0"),
-        ("flaw", "2", "1"),
-        ("flaw", "3", "2"),
-    ]
 
 
 def test_step_row_adds_the_frames_to_the_output_phase(tmp_path: Path) -> None:

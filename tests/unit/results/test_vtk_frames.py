@@ -13,21 +13,6 @@ from crackgrow.results import vtk_frames
 from tests.unit.results.synthetic import make_frame, make_result
 
 
-def test_frame_round_trip_keeps_double_nodes(tmp_path: Path) -> None:
-    frame = make_frame()
-    path = tmp_path / "frames" / "step_0000.vtu"
-    vtk_frames.write_frame(path, frame, ("displacement", "stress"))
-    grid = pyvista.read(path)
-    np.testing.assert_array_equal(grid.points[:, :2], frame.points)
-    assert len(np.unique(grid.points, axis=0)) == grid.n_points - 3
-    np.testing.assert_array_equal(grid.point_data["displacement"][:, :2], frame.displacement)
-    np.testing.assert_array_equal(grid.point_data["displacement"][:, 2], 0)
-    np.testing.assert_array_equal(grid.celltypes, [5, 5] + [9] * len(frame.quads))
-    np.testing.assert_array_equal(grid.get_cell(1).point_ids, frame.triangles[1])
-    np.testing.assert_array_equal(grid.get_cell(2).point_ids, frame.quads[0])
-    np.testing.assert_array_equal(grid.cell_data["body"], frame.body)
-
-
 @pytest.mark.parametrize("where", ["points", "cells"])
 def test_stress_is_a_named_tensor_with_its_principal_values(tmp_path: Path, where: str) -> None:
     frame = make_frame()
@@ -66,14 +51,3 @@ def test_names_in_any_script_round_trip(tmp_path: Path) -> None:
     vtk_frames.write_cracks(tmp_path / "a.vtp", [replace(face, crack="Spalt_ü節") for face in result.faces])
     names = pyvista.read(tmp_path / "a.vtp").GetFieldData().GetAbstractArray("crack_names")
     assert names.GetValue(0) == "Spalt_ü節"
-
-
-def test_series_lists_files_at_their_steps(tmp_path: Path) -> None:
-    files = [(step, f"frames/step_{step:04d}.vtu") for step in (0, 7)]
-    for _, name in files:
-        vtk_frames.write_frame(tmp_path / name, make_frame(), ())
-    vtk_frames.write_series(tmp_path / "block.pvd", files)
-    reader = pyvista.get_reader(tmp_path / "block.pvd")
-    assert reader.time_values == [0.0, 7.0]
-    assert [dataset.path for dataset in reader.datasets] == ["frames/step_0000.vtu", "frames/step_0007.vtu"]
-    assert reader.read()[0].n_points == len(make_frame().points)

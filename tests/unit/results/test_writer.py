@@ -6,7 +6,6 @@ import csv
 import io
 import json
 from dataclasses import replace
-from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -19,8 +18,8 @@ from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.leftovers import OWN_KEYS
 from crackgrow.results.lock import LOCK
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.result import Frame, FrameOnDemand, RunEnd
-from tests.unit.results.synthetic import make_case, make_end, make_event, make_frame, make_paths, make_result
+from crackgrow.run.result import RunEnd
+from tests.unit.results.synthetic import make_case, make_end, make_event, make_paths, make_result
 
 
 @pytest.fixture(autouse=True)
@@ -116,17 +115,6 @@ def test_a_picture_of_the_first_step_is_that_of_the_last_where_there_is_no_other
     assert (first == last) == (n_steps == 1)
 
 
-def test_frame_time_is_added_to_the_output_phase(tmp_path: Path) -> None:
-    writer = RunWriter(make_case(), tmp_path)
-    writer.begin()
-    writer.add(make_result(0))
-    assert float(column(tmp_path / "steps.csv", "seconds_output")[0]) > 0.0625
-    writer = RunWriter(make_case(frames="none"), tmp_path)
-    writer.begin()
-    writer.add(make_result(0))
-    assert float(column(tmp_path / "steps.csv", "seconds_output")[0]) == 0.0625
-
-
 @pytest.mark.parametrize(("policy", "steps"), [("every_step", [0, 1, 2]), ("first_and_last", [0, 2]), ("none", [])])
 def test_frames_policy(tmp_path: Path, policy: str, steps: list[int]) -> None:
     writer = RunWriter(make_case(frames=policy), tmp_path)
@@ -204,42 +192,6 @@ def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
     RunWriter(make_case(), tmp_path).begin()
     assert files(tmp_path) == TABLES | set(others)
     assert all((tmp_path / name).read_text() == name for name in others)
-
-
-@pytest.mark.parametrize(
-    ("policy", "figures", "wanted"),
-    [("every_step", False, [0, 1, 2]), ("first_and_last", True, [0, 2]), ("none", True, [0, 2]), ("none", False, [])],
-)
-def test_a_mesh_is_made_once_and_only_where_somebody_wants_it(
-    tmp_path: Path, policy: str, figures: bool, wanted: list[int]
-) -> None:
-    made = []
-
-    def mesh(step: int) -> Frame:
-        made.append(step)
-        return make_frame()
-
-    writer = RunWriter(make_case(frames=policy, figures=figures), tmp_path)
-    writer.begin()
-    for step in range(3):
-        writer.add(make_result(step, mesh=FrameOnDemand(partial(mesh, step))))
-    writer.finish(make_end(2))
-    assert sorted(made) == wanted
-
-
-@pytest.mark.parametrize("name", ["paths.csv", "case.yaml", "block.pvd", "frames/step_0003.vtu"])
-def test_files_that_no_run_has_written_are_not_replaced(name: str, tmp_path: Path) -> None:
-    (tmp_path / name).parent.mkdir(exist_ok=True)
-    (tmp_path / name).write_text("mine")
-    (tmp_path / "notes.txt").write_text("mine too")
-    for foreign in (None, '{"name": "of another program"}'):
-        if foreign is not None:
-            (tmp_path / "summary.json").write_text(foreign)
-        before = files(tmp_path)
-        with pytest.raises(OccupiedError, match=r"would be replaced, and nothing in .* shows that a run wrote it"):
-            RunWriter(make_case(), tmp_path).begin()
-        assert files(tmp_path) == before
-        assert (tmp_path / name).read_text() == "mine"
 
 
 @pytest.mark.parametrize("left", [None, ""])

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import judged
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.solving import at_once
 
-CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+CASE = "compression30"
 LENGTH = 10.0  # mm
 
 
@@ -27,8 +25,8 @@ def plate(path: str, stress: np.ndarray, *settings: str, tips: str = "both", **l
     loads = [f"{{on: {{body: rock, edge: {edge}}}, traction: [{x!r}, {y!r}]}}" for edge, (x, y) in sides.items()]
     faces = ", ".join(f"{key}: {value}" for key, value in {"friction": 0.3, "cohesion": 20, **law}.items())
     changes = (f"cracks.flaw.path={path}", f"cracks.flaw.tips={tips}", f"cracks.flaw.contact={{{faces}}}")
-    case = load_case(CASE, [*changes, f"loads=[{', '.join(loads)}]", "numerics.spacing=1.5", *settings])
-    growing = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    case = shipped_case(CASE, [*changes, f"loads=[{', '.join(loads)}]", "numerics.spacing=1.5", *settings])
+    growing = tuple(map(GrowingCrack.given, case.cracks))
     return assemble(make_scene(case), growing)
 
 

@@ -18,30 +18,24 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow, report
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.cautions import _overlapping, cautions, ripples
+from crackgrow.run.cautions import _overlapping, ripples
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.misfit import misfits
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.scene_cautions import settings_cautions
 from tests.one_size import one_size
-from tests.scenes import told
+from tests.scenes import shipped_case, told
 from tests.solving import solve_step
-
-CASES = Path(__file__).parents[3] / "cases"
 
 
 def first_step(scene: str, *settings: str) -> StepResult:
-    case = load_case(
-        CASES / f"{scene}.yaml", [*one_size(scene), *settings, "output.frames=none", "output.figures=false"]
-    )
+    case = shipped_case(scene, [*one_size(scene), *settings, "output.frames=none", "output.figures=false"])
     return next(grow(case))
 
 
 def solve_first(scene: Scene) -> StepSolution:
-    return solve_step(
-        scene, tuple(GrowingCrack(c, np.zeros(len(c.points), dtype=np.int64)) for c in scene.case.cracks), 1.0
-    )
+    return solve_step(scene, tuple(map(GrowingCrack.given, scene.case.cracks)), 1.0)
 
 
 def test_the_shipped_scenes_warn_of_nothing_but_their_loads() -> None:
@@ -64,7 +58,7 @@ CRITICAL = "loading=critical"
 def test_a_load_twice_the_critical_one_is_told_once(settings: list[str], times: float, told: bool) -> None:
     critical = first_step("compression30", CRITICAL).load_factor
     given = ["growth.steps=2", f"loading={{history: [{times * critical}]}}"]
-    case = load_case(CASES / "compression30.yaml", [*one_size("compression30"), *given, *settings])
+    case = shipped_case("compression30", [*one_size("compression30"), *given, *settings])
     run = Gathered()
     for step in grow(case):
         run.add(step.step, step.cautions)
@@ -146,7 +140,7 @@ def test_what_is_used_already_is_no_remedy_for_tractions_that_oscillate(
     settings: str, remedy: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("crackgrow.run.cautions.worst_ripple", lambda *_: Ripple(0, 0.17))
-    case = load_case(CASES / "compression30.yaml", [f"numerics.contact={settings}", "growth.steps=0"])
+    case = shipped_case("compression30", [f"numerics.contact={settings}", "growth.steps=0"])
     (told,) = ripples(solve_first(make_scene(case)))
     assert remedy in told.words
     assert "oscillate by 17 %" in told.words
@@ -158,7 +152,7 @@ def test_cohesion_that_comes_back_with_the_next_load_only_is_told(after: str) ->
     law = f"{{friction: 1.4, cohesion: 0.1, cohesion_after_slip: {after}, dilation_angle: 30}}"
     base = ["cracks.flaw.path.angle=80", f"cracks.flaw.contact={law}", "output.frames=none", "output.figures=false"]
     once, twice = (
-        list(grow(load_case(CASES / "slant_tension.yaml", [*base, "numerics.spacing=2", f"loading={loading}"])))[-1]
+        list(grow(shipped_case("slant_tension", [*base, "numerics.spacing=2", f"loading={loading}"])))[-1]
         for loading in ("{history: [1.0]}", "{history: [0.5, 1.0]}")
     )
     told = [words for words in once.warnings if "touch again" in words]
@@ -170,7 +164,7 @@ def test_a_full_overlap_is_told_in_plain_digits() -> None:
     result = first_step("compression30")
     (face,) = result.faces
     face = replace(face, opening=np.full_like(face.opening, -1e-3), slip=np.zeros_like(face.slip))
-    scene = make_scene(load_case(CASES / "compression30.yaml", one_size("compression30")))
+    scene = make_scene(shipped_case("compression30", one_size("compression30")))
     solution = solve_first(scene)
     (missed,) = misfits(solution, (face,))
     (told,) = _overlapping([missed])
@@ -280,8 +274,8 @@ def test_faces_without_contact_that_lie_in_each_other_are_told_first_with_the_si
 @pytest.mark.parametrize(("direction", "told"), [("explicit", 2), ("implicit", 0)])
 def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> None:
     settings = ("growth.criterion=max_hoop_stress", "growth.advance=all", f"growth.direction={direction}")
-    case = load_case(
-        CASES / "compression30.yaml", [*one_size("compression30"), *settings, "growth.steps=4", "output.frames=none"]
+    case = shipped_case(
+        "compression30", [*one_size("compression30"), *settings, "growth.steps=4", "output.frames=none"]
     )
     *_, last = grow(case)
     sawing = told_of(Cause.SAWING, last)
@@ -289,21 +283,9 @@ def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> 
     assert all("use growth.direction: implicit" in caution.words for caution in sawing)
 
 
-@pytest.mark.parametrize(("missed", "told"), [(0.02, 1), (1e-5, 0)])
-def test_energies_that_miss_each_other_are_told_with_the_size(missed: float, told: int) -> None:
-    scene = make_scene(load_case(CASES / "compression30.yaml", ["numerics.spacing=3"]))
-    solved = solve_first(scene)
-    state = replace(solved.state, energy=replace(solved.state.energy, error=missed))
-    faces = first_step("compression30", "numerics.spacing=3").faces
-    found = cautions(replace(solved, state=state), faces, [], 1)
-    words = [caution.words for caution in found if caution.cause is Cause.ENERGY]
-    assert len(words) == told
-    assert all("miss each other by 2 % of the largest" in text for text in words)
-
-
 def test_pressed_faces_that_stand_apart_are_told() -> None:
     """As far as faces that overlap, where three contact points in turn are pressed; not beside one that is open."""
-    scene = make_scene(load_case(CASES / "compression30.yaml", ["numerics.spacing=3"]))
+    scene = make_scene(shipped_case("compression30", ["numerics.spacing=3"]))
     solution, (face, *_) = solve_first(scene), first_step("compression30", "numerics.spacing=3").faces
     assert (face.state != OPEN).all()
     opening = np.zeros(len(face.s))
@@ -341,7 +323,7 @@ def test_a_crack_that_is_short_beside_the_length_for_shear_is_warned_of(
     criterion: str, share: float, warned: bool
 ) -> None:
     """K_II is 1 / sqrt(1 + R / L) of the toughness, 2.4 % below it at the limit; where K decides flaws never shear."""
-    scene = make_scene(load_case(CASES / "compression30.yaml"))
+    scene = make_scene(shipped_case("compression30"))
     flaw, rock = scene.case.cracks[0], scene.case.bodies[0]
     assert rock.strength is not None
     radius = share * line_length(flaw.points)
@@ -357,7 +339,7 @@ def test_a_point_that_is_held_otherwise_than_its_edge_is_told() -> None:
     edge = "{on: {body: rock, edge: bottom}, displacement: {x: 0, y: '0.1*x'}}"
     points = ["[0, -27.5], displacement: {y: 0}", "[3, -27.5], displacement: {y: 0}", "[3, 27.5], displacement: {y: 9}"]
     supports = f"supports=[{edge}, {', '.join(f'{{at: {point}}}' for point in points)}]"
-    scene = make_scene(load_case(CASES / "compression30.yaml", [*one_size("compression30"), supports]))
+    scene = make_scene(shipped_case("compression30", [*one_size("compression30"), supports]))
     found = [each.words for each in settings_cautions(scene, solve_first(scene).cover)]
     (told,) = [words for words in found if "otherwise than" in words]
     assert told.startswith("supports.2 holds a point of an edge otherwise than supports.0 does: y is 0 m and 0.3 mm at")

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.run import grow, layout
 from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
 from tests.unit.cell_sizes import with_sizes
 
-CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+CASE = "compression30"
 
 Step = Callable[..., StepResult]
 
@@ -32,7 +31,7 @@ def first_step(monkeypatch: pytest.MonkeyPatch) -> Step:
 
         monkeypatch.setattr(layout, "build_cover", build)
         return next(
-            grow(load_case(CASE, ["numerics.spacing=1.5", *settings, "output.frames=none", "output.figures=false"]))
+            grow(shipped_case(CASE, ["numerics.spacing=1.5", *settings, "output.frames=none", "output.figures=false"]))
         )
 
     return solve

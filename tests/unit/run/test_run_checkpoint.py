@@ -4,19 +4,17 @@ from __future__ import annotations
 
 import json
 from dataclasses import fields, is_dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.run.result import Checkpoint
+from tests.scenes import shipped_case
 from tests.slow_cracks import SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
-CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
 FRICTION = "cracks.flaw.contact.friction=0.3"
 SCENES = {
@@ -62,7 +60,7 @@ def scene(name: str) -> Case:
     if file == "slow_cracks":
         return slow_cracks(*settings)
     coarse = COARSE[1:] if any("spacing" in setting for setting in settings) else COARSE
-    return load_case(CASES / f"{file}.yaml", [*coarse, *settings])
+    return shipped_case(file, [*coarse, *settings])
 
 
 def stored(checkpoint: Checkpoint | None) -> Checkpoint:
@@ -103,7 +101,7 @@ def test_every_step_can_be_gone_on_from(name: str) -> None:
 
 
 def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
-    short, long = (load_case(CASES / "compression30.yaml", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
+    short, long = (shipped_case("compression30", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
     results, _ = whole_run(short)
     assert not any(tip.advanced for tip in results[-1].tips)
     whole, end = whole_run(long)

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import crackgrow.run.critical_load as critical_load
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
@@ -19,6 +18,7 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import from_state, held_loads, increment
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 from tests.whole_run import whole_run
 
@@ -29,11 +29,11 @@ MOST_SOLVES = 12
 
 
 def case_of(name: str, *settings: str) -> Case:
-    return load_case(CASES / f"{name}.yaml", [*CRITICAL, *TIPS, *settings])
+    return shipped_case(name, [*CRITICAL, *TIPS, *settings])
 
 
 def ready(case: Case) -> Configuration:
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return assemble(make_scene(case), cracks)
 
 
@@ -291,7 +291,7 @@ def test_tips_that_cannot_grow_have_no_critical_load(factors: list[float]) -> No
     only_end = critical_load.critically_loaded(configuration, 1.0)
     assert only_end.tips[1].verdict.criticality == pytest.approx(1.0, abs=1e-9)
     factors.clear()
-    (still,) = load_case(CASES / "tension0.yaml", ["cracks.flaw.tips=none"]).cracks
+    (still,) = shipped_case("tension0", ["cracks.flaw.tips=none"]).cracks
     configuration = replace(configuration, cracks=(GrowingCrack(still, growing.steps),))
     none = critical_load.critically_loaded(configuration, 0.7)
     assert (none.state.factor, factors) == (0.7, [0.7])

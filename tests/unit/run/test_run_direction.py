@@ -202,7 +202,7 @@ def test_a_crack_that_closes_into_a_ring_ends_both_its_tips(tips: str, n_events:
     ring = f"cracks={{ring: {{path: {{points: {points}}}, tips: {tips}, contact: none}}}}"
     case = load_case(CASE.with_stem("tension0"), [ring, "numerics.spacing=3"])
     (crack,) = case.cracks
-    growing = (GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)),)
+    growing = (GrowingCrack.given(crack),)
     found = advanced_by(front(make_scene(case), growing), [(0, True)], np.zeros(1))
     assert [(event.tip, event.met) for event in found.events] == [("end", "its own path"), ("start", "its own path")][
         :n_events

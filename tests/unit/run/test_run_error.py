@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import report
 from crackgrow.run.judging import StepSolution
@@ -15,21 +12,21 @@ from crackgrow.run.report import estimated_error
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.study.energy_distance import energy_distance
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 from tests.whole_run import whole_run
 
-CASES = Path(__file__).parents[3] / "cases"
 COARSE = "numerics.spacing=3"
 
 
 def solve(name: str, *settings: str, factor: float = 1.0) -> StepSolution:
-    case = load_case(CASES / f"{name}.yaml", settings)
-    cracks = tuple(GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks)
+    case = shipped_case(name, settings)
+    cracks = tuple(map(GrowingCrack.given, case.cracks))
     return solve_step(make_scene(case), cracks, factor)
 
 
 def run(*settings: str) -> tuple[list[StepResult], RunEnd]:
-    case = load_case(CASES / "compression30.yaml", (COARSE, "output.figures=false", *settings))
+    case = shipped_case("compression30", (COARSE, "output.figures=false", *settings))
     return whole_run(case)
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,9 +10,9 @@ import pytest
 
 from crackgrow.__main__ import main
 from crackgrow.case import load_case
-from crackgrow.errors import CaseError
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import History
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
 YOUNG, STRESS = 1e9, 1e6  # Pa
@@ -72,7 +71,6 @@ numerics: {spacing: 0.002}
 output: {frames: none, figures: false, points: {mouth: {crack: notch, at: [-0.01, 0]}}}
 """
 
-CASES = Path(__file__).parents[3] / "cases"
 FLAW_ON_ITS_WAY = (
     "growth.steps=0",
     "numerics.spacing=1.5",
@@ -158,38 +156,11 @@ def test_nothing_is_told_where_no_point_is_named(tmp_path: Path) -> None:
     assert result.history is None
 
 
-@pytest.mark.parametrize(
-    ("text", "edits", "key", "words"),
-    [
-        (BAR, [("at: [0.01, 0.02]", "at: [0.02, 0.02]")], "corner.at", "lies outside of body 'rock', 0.01 m from it"),
-        (BAR, [("[[0, -0.01], [0, 0.01]]", "[[0, 0], [0, 0]]")], "gauge.between", "the two points are one"),
-        (BAR, [("[[0, -0.01], [0, 0.01]]", "[[0, 0], [0, 1]]")], "gauge.between.1", "outside of body 'rock'"),
-        (BAR, [("at: [0.01, 0.02]", "at: [0.01, 0.02], body: roch")], "corner.body", "did you mean 'rock'?"),
-        (STACK, [("at: [0, 0.1], body: top", "at: [0, 0.1]")], "above.at", "say whose point it is"),
-        (STACK, [("interface: [top, low]", "interface: [top, top]")], "joint.interface", "no interface between"),
-        (STACK, [("[top, low], at: [0, 0.1]", "[top, low], at: [0, 0.11]")], "joint.at", "0.01 m from the interface"),
-        (NOTCHED, [("crack: notch", "crack: noch")], "mouth.crack", "did you mean 'notch'?"),
-        (NOTCHED, [("at: [-0.01, 0]", "at: [0, 0]")], "mouth.at", "0.004 m from crack 'notch'"),
-        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{at: [-0.005, 0]}")], "mouth.at", "two values"),
-        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{crack: notch}")], "mouth.at", "missing"),
-        (NOTCHED, [("{crack: notch, at: [-0.01, 0]}", "{}")], "mouth", "give either {at}"),
-    ],
-)
-def test_faults(text: str, edits: Sequence[tuple[str, str]], key: str, words: str, tmp_path: Path) -> None:
-    with pytest.raises(CaseError) as caught:
-        load_case(written(tmp_path, text, *edits))
-    (fault,) = caught.value.faults
-    assert fault.key == f"output.points.{key}"
-    assert words in fault.message
-
-
 @pytest.mark.parametrize("pressed", ["whole", "loose"])
 def test_states_found_together_are_those_found_alone(pressed: str, tmp_path: Path) -> None:
     """Of a flaw on its way to slip, and of a block that contact alone holds: displacements and support forces."""
-    if pressed == "whole":
-        case = load_case(CASES / "compression30.yaml", FLAW_ON_ITS_WAY)
-    else:
-        case = load_case(written(tmp_path, STACK))
+    flaw = pressed == "whole"
+    case = shipped_case("compression30", FLAW_ON_ITS_WAY) if flaw else load_case(written(tmp_path, STACK))
     _, solution = next(iter(solved_steps(case)))
     states = [*solution.passed, solution.state]
     assert len(states) > 1

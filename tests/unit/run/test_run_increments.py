@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 import crackgrow.run.increments as increments
-from crackgrow.case import load_case
 from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.faces import points_at
@@ -20,8 +18,8 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, carried, from_state, held_loads, increment, unloaded
 from crackgrow.run.judging import judged
 from crackgrow.run.scene import Scene, make_scene
+from tests.scenes import shipped_case
 
-CASES = Path(__file__).parents[3] / "cases"
 COARSE = ("numerics.spacing=3",)
 FRICTION = ("cracks.flaw.contact.friction=0.3", *COARSE)
 SMALL_SHEAR = (  # the sheared crack in a plate of five times its size
@@ -45,10 +43,10 @@ PUSHED = f"supports=[{{on: {{body: rock, edge: bottom}}, displacement: {{x: 0, y
 
 
 def ready(name: str, *settings: str) -> tuple[Scene, GrowingCrack, Configuration]:
-    case = load_case(CASES / f"{name}.yaml", settings)
+    case = shipped_case(name, settings)
     scene = make_scene(case)
     (crack,) = case.cracks
-    growing = GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64))
+    growing = GrowingCrack.given(crack)
     return scene, growing, assemble(scene, (growing,))
 
 
@@ -157,7 +155,7 @@ def test_a_bar_stores_half_of_force_times_displacement() -> None:
 @pytest.mark.parametrize("name", ["confined30", "two_flaws"])
 def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
     """Their dissipation is of the first order in the increments, and the balance of energies of the second."""
-    case = load_case(CASES / f"{name}.yaml", ["numerics.spacing=3"])
+    case = shipped_case(name, ["numerics.spacing=3"])
     cracks = tuple(map(GrowingCrack.given, case.cracks))
 
     def loaded(follow: int | None) -> LoadState:
@@ -259,7 +257,7 @@ def test_growth_releases_the_energy_that_K_says(name: str, settings: tuple[str, 
 def test_loads_move_by_their_work_over_their_force_even_if_a_tip_is_close_to_them(top: float) -> None:
     """Half of force times displacement is the energy. The tip at 26 mm enriches patches on the upper edge."""
     flaw = f"cracks.flaw={{path: {{points: [[1, -5], [-2, {top}]]}}, contact: none}}"
-    case = load_case(CASES / "compression30.yaml", [*COARSE, flaw, "growth.steps=0"])
+    case = shipped_case("compression30", [*COARSE, flaw, "growth.steps=0"])
     result = next(grow(case))
     force = 2.0 * 100e6 * 31e-3  # N/m, on both edges
     assert 0.5 * force * result.load_displacement == pytest.approx(result.energy.strain, rel=1e-9)
@@ -268,7 +266,7 @@ def test_loads_move_by_their_work_over_their_force_even_if_a_tip_is_close_to_the
 def test_a_load_that_is_not_followed_to_its_end_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     """Bonds that break one after the other take more pieces than are allowed here."""
     settings = ("cracks.flaw.contact.cohesion=10", "growth.steps=0", "output.frames=none", "output.figures=false")
-    case = load_case(CASES / "compression30.yaml", [*FRICTION, *settings])
+    case = shipped_case("compression30", [*FRICTION, *settings])
     assert not any("was not followed" in warning for warning in next(grow(case)).warnings)
     monkeypatch.setattr(increments, "MOST_PIECES", 1)
     warnings = [warning for warning in next(grow(case)).warnings if "was not followed" in warning]
@@ -277,9 +275,7 @@ def test_a_load_that_is_not_followed_to_its_end_is_told(monkeypatch: pytest.Monk
 
 @pytest.mark.parametrize(("share", "words"), [(1.5, "miss each other by"), (-1.0, "dissipates falls by")])
 def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPatch, share: float, words: str) -> None:
-    case = load_case(
-        CASES / "compression30.yaml", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"]
-    )
+    case = shipped_case("compression30", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"])
     assert not any(words in warning for warning in next(grow(case)).warnings)
     true = increments._dissipated
     monkeypatch.setattr(increments, "_dissipated", lambda *state: share * true(*state))

@@ -2,27 +2,25 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import numpy as np
 
-from crackgrow.case import load_case
 from crackgrow.contact.coulomb import STICK
 from crackgrow.fracture.advance import GrowingCrack, Way, advanced
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.solving import solve_step
 
-CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+CASE = "compression30"
 SHEAR = 100e6 * np.sin(np.deg2rad(30.0)) * np.cos(np.deg2rad(30.0))  # Pa, 43.3 MPa on the flaw's plane
 
 
 def solve(*settings: str, wings: float | None = None) -> StepSolution:
     """The flaw of the scene, with a segment of 3 mm added to its end that is turned by `wings` degrees."""
-    case = load_case(CASE, settings)
+    case = shipped_case(CASE, settings)
     scene = make_scene(case)
     (crack,) = case.cracks
-    growing = GrowingCrack(crack, np.zeros(len(crack.points), dtype=np.int64))
+    growing = GrowingCrack.given(crack)
     if wings is not None:
         growing, _ = advanced(growing, True, Way(np.deg2rad(wings), 3e-3), 1, scene.regions[0])
     return solve_step(scene, (growing,), 1.0)
@@ -38,9 +36,3 @@ def test_faces_that_growth_has_made_have_no_cohesion() -> None:
     assert set(solution.outcome.points.state[~new].tolist()) == {STICK}
     weights = solution.contact.weights[~new]
     assert np.abs(solution.outcome.points.tangential[~new] @ weights) > SHEAR * weights.sum()  # and more at its ends
-
-
-def test_seconds_are_given_phase_by_phase() -> None:
-    seconds = solve("numerics.spacing=3").seconds
-    assert set(seconds) == {"cover", "assembly", "factorize", "contact", "criterion"}
-    assert min(seconds.values()) > 0.0

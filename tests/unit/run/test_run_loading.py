@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import numpy as np
 
-from crackgrow.case import load_case
 from crackgrow.run import grow
-from tests.unit.run.test_run_critical_load import CASES, case_of
+from tests.scenes import shipped_case
+from tests.unit.run.test_run_critical_load import case_of
 from tests.unit.run.test_run_increments import SMALL_SHEAR
 from tests.whole_run import whole_run
 
 
 def test_a_history_is_gone_through_on_one_factorization() -> None:
     files = ("output.frames=none", "output.figures=false")
-    case = load_case(CASES / "cyclic_friction.yaml", [*SMALL_SHEAR, *files, "loading.history=[0.5, 1.0, 0.2]"])
+    case = shipped_case("cyclic_friction", [*SMALL_SHEAR, *files, "loading.history=[0.5, 1.0, 0.2]"])
     results, end = whole_run(case)
     assert [result.load_factor for result in results] == [0.5, 1.0, 0.2]
     assert [result.factorizations for result in results] == [1, 0, 0]

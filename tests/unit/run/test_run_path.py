@@ -16,10 +16,10 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import LoadState, from_state, held_loads, increment
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.stability.growing_scenes import growing_scene
 from tests.stability.random_scenes import text_of
 
-CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = "numerics.spacing=5"
 EXACT = 1e-10
 """Balance of energies, relative to the largest."""
@@ -35,7 +35,7 @@ LAWS = {
 
 
 def ready(*settings: str) -> Configuration:
-    case = load_case(CASES / "cyclic_friction.yaml", [COARSE, *settings])
+    case = shipped_case("cyclic_friction", [COARSE, *settings])
     return assemble(make_scene(case), beginning(case).cracks)
 
 

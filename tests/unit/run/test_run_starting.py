@@ -17,6 +17,7 @@ from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import restored
 from crackgrow.run.judging import verdicts
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.whole_run import whole_run
 
 PLATE = """
@@ -58,7 +59,6 @@ SECOND = (
     "output.figures=false",
     "output.frames=none",
 )
-CASES = Path(__file__).parents[3] / "cases"
 
 
 def plate(folder: Path, shape: str, at: str, *settings: str, criterion: str = "strength") -> Case:
@@ -100,7 +100,7 @@ def test_a_hole_in_tension_cracks_where_its_rim_is_stretched_most(tmp_path: Path
 
 
 def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
-    case = load_case(CASES / "compression30.yaml", [*SECOND])
+    case = shipped_case("compression30", [*SECOND])
     results, end = whole_run(case)
     started = [event for result in results for event in result.events if event.kind == "initiation"]
     assert len(started) > 0
@@ -114,7 +114,7 @@ def test_a_flaw_with_wings_starts_a_second_crack_in_shear() -> None:
 
 def test_ends_of_a_flaw_start_one_crack_each_and_equal_ones_together() -> None:
     """The flaw and its load are their own image turned by 180 degrees, and so is what starts."""
-    case = load_case(CASES / "compression30.yaml", [*SECOND, "growth.initiation=ends"])
+    case = shipped_case("compression30", [*SECOND, "growth.initiation=ends"])
     results, end = whole_run(case)
     started = [event for result in results for event in result.events if event.kind == "initiation"]
     assert len({event.step for event in started}) == 1
@@ -131,7 +131,7 @@ def test_a_toughness_in_shear_is_for_tips_not_for_starts() -> None:
     started, in_shear = [], []
     for key in ((), ("bodies.rock.strength.shear_toughness=0.1 MPa sqrt(m)",)):
         every = [*settings, "growth.steps=4", "loading={history: [0.03]}", *key]
-        results, _ = whole_run(load_case(CASES / "compression30.yaml", every))
+        results, _ = whole_run(shipped_case("compression30", every))
         events = [event for result in results for event in result.events if event.kind == "initiation"]
         started.append([(event.step, event.met, *event.point) for event in events])
         grown = [tip for result in results for tip in result.tips if tip.advanced]
@@ -142,7 +142,7 @@ def test_a_toughness_in_shear_is_for_tips_not_for_starts() -> None:
 
 
 def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent() -> None:
-    case = load_case(CASES / "compression30.yaml", [*SECOND, "cracks.flaw.contact.cohesion=0.01"])
+    case = shipped_case("compression30", [*SECOND, "cracks.flaw.contact.cohesion=0.01"])
     results, _ = whole_run(case)
     checkpoint = results[-1].checkpoint
     assert checkpoint is not None
@@ -154,7 +154,7 @@ def test_a_new_crack_is_broken_from_the_start_and_has_the_friction_of_its_parent
 
 def test_without_the_key_tips_alone_grow() -> None:
     without = [setting for setting in SECOND if "initiation" not in setting]
-    results, end = whole_run(load_case(CASES / "compression30.yaml", without))
+    results, end = whole_run(shipped_case("compression30", without))
     assert len(end.cracks) == 1
     assert all(event.kind != "initiation" for result in results for event in result.events)
 
@@ -177,7 +177,7 @@ def test_kinks_within_the_averaging_radius_at_which_cracks_may_start_are_warned_
         "growth.tip_stress.radius=1",
         "growth.steps=1",
     ]
-    result = next(grow(load_case(CASES / "compression30.yaml", [*settings, "numerics.spacing=3"])))
+    result = next(grow(shipped_case("compression30", [*settings, "numerics.spacing=3"])))
     assert any(caution.cause is Cause.SHORT_START for caution in result.cautions) == warned
 
 
@@ -192,7 +192,7 @@ def test_kinks_within_the_averaging_radius_at_which_cracks_may_start_are_warned_
 )
 def test_a_crack_that_has_started_in_shear_goes_on_so(in_shear: bool, K_I: float, shear: float, mode: str) -> None:
     """On rays under the hydrostatic pressure p and a shear of the rays' own, over cohesion + p tan(phi)."""
-    scene = make_scene(load_case(CASES / "compression30.yaml", ["growth.criterion=max_hoop_stress"]))
+    scene = make_scene(shipped_case("compression30", ["growth.criterion=max_hoop_stress"]))
     strength, angles = scene.case.bodies[0].strength, np.deg2rad(np.linspace(-177.5, 177.5, 72))
     assert strength is not None
     pressure = 1e6

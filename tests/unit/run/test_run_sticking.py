@@ -12,8 +12,8 @@ from crackgrow.results.log import told_line
 from crackgrow.results.summary import K_error
 from crackgrow.run import grow
 from crackgrow.run.result import STICK
+from tests.scenes import shipped_case
 
-CASES = Path(__file__).parents[3] / "cases"
 NETWORK = """
 title: zigzag joints that cross in pressed rock
 units: {length: mm, stress: MPa}
@@ -50,7 +50,7 @@ def test_a_kinked_network_that_sticks_is_told_to(friction: float, sticks: bool, 
 
 def test_a_crack_that_sticks_after_it_has_slipped_has_its_K() -> None:
     settings = ["loading={history: [1, 0.9]}", "output.frames=none", "output.figures=false"]
-    slipped, back = grow(load_case(CASES / "cyclic_friction.yaml", settings))
+    slipped, back = grow(shipped_case("cyclic_friction", settings))
     assert (back.contact.state == STICK).all()
     assert not any(tip.sticks for tip in (*slipped.tips, *back.tips))
     assert np.isfinite(K_error(back))

@@ -20,6 +20,8 @@ from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.linear import ConstrainedSystem
+from crackgrow.run import grow
+from crackgrow.study.setting import under_its_loads
 from crackgrow.study.uniqueness import (
     SecondSolution,
     friction_limit,
@@ -29,7 +31,6 @@ from crackgrow.study.uniqueness import (
 )
 from tests.contact_problems import contact_law, smooth
 from tests.solving import solve_contact
-from tests.stability.solved import solved as solved_scene
 
 ONE = np.ones(1)
 C = 0.5
@@ -335,7 +336,7 @@ def test_a_scene_that_asks_for_its_safety_is_examined_with_the_strength_that_it_
     case = load_case(FLAW.with_name("slope_safety.yaml"), ["numerics.spacing=2"])
     (told,) = unique_text(case)
     assert told.startswith("  at load factor 1: ")
-    assert solved_scene(case).result.load_factor == 1.0
+    assert next(grow(under_its_loads(case))).load_factor == 1.0
 
 
 def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:

@@ -1,0 +1,180 @@
+"""Case files spoilt at random are accepted or refused with a place; nothing else happens, and none takes long."""
+
+from __future__ import annotations
+
+import json
+import shutil
+import time
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+import yaml
+from jsonschema import Draft7Validator
+
+from crackgrow import cli
+from crackgrow.case import load_case
+from crackgrow.case.format import CASE
+from crackgrow.case.json_schema import case_schema
+from crackgrow.case.reader import Table, read_file
+from crackgrow.case.report import Report
+from crackgrow.case.scalars import Context
+from crackgrow.case.units import Units
+from crackgrow.cli.start import template_text, templates
+from crackgrow.errors import CaseError
+from tests.unit.case.scenes import EVERYTHING, text_of
+from tests.yaml12 import read_yaml12
+
+CASES = Path(__file__).parents[2] / "cases"
+LONGEST = 5.0
+"""Seconds of CPU that validation may take."""
+LEAST_AGREEMENT = 0.95
+"""Of the files that the reader refuses for one value alone, or as YAML: how many the JSON Schema refuses, too."""
+TAGS = ["!!python/object/apply:os.system [touch, escaped]", "!!python/name:os.system", "!!binary AAAA", "!x 1",
+        "!!python/object/new:subprocess.Popen [[touch, it]]", "!!set {a, b}", "!!timestamp 2001-01-01"]  # fmt: skip
+NAMES = ["../escape", "..", "/tmp/x", "a/b", "CON", "x" * 65, "a\u0301", "-a", ".hidden", "a b", "0", "~", "a.b", "ü"]
+VALUES = [
+    "[1, 2]", "{a: 1}", "~", "", "a text", "true", "''", '"5"', "[]", "{}", "[[1]]", "5", "-", "none", "!!str 5", *TAGS,
+    "3 parsec", "5 kg", "1 mm", "2 MPa", "4 deg", "2500 kg/m^3", "5mm", "mm", "5 mm mm", "1 MPa^2",
+    "1e308", "-1e308", "1e400", "1e-320", "1e61", "1e-61", ".inf", "-.inf", ".nan", "0", "-0.0", "-1", "9" * 400,
+    "0x10", "1_000", "017", "1e", "--1", "1.2.3", "1e+12", "1e-12", "STRAIN", "bothh", "on", "../../escape", "\u202e",
+    "__import__('os').system('true')", "x**9**9**9", "(" * 200 + "x" + ")" * 200, "lambda: x", "x^2", "1e999*x",
+    "{file: /etc/passwd.json}", "{file: /dev/zero}", "[" * 3000 + "1", "{a: " * 3000 + "1" + "}" * 3000, "x" * 100_000,
+]  # fmt: skip
+PIECES = [
+    b":", b"- ", b"[", b"]", b"{", b"}", b"&a ", b"*a", b"'", b'"', b"\n", b"  ", b"? ", b"| ", b"> ", b"%", b"---\n",
+    b"\xff", b"\0", b"\x1b[2J", b"\xe2\x80\xa8", b"\xed\xa0\x80", b"<<: ", b"#", b"\t", b"\r", b"\xef\xbb\xbf", b"~",
+]  # fmt: skip
+Span = tuple[int, int]
+
+
+@cache
+def good_cases() -> list[str]:
+    """All that are shipped, the templates, and one with everything in it."""
+    shipped = [file.read_text(encoding="utf-8") for file in sorted(CASES.glob("*.yaml"))]
+    return [*shipped, *map(template_text, templates()), text_of(EVERYTHING)]
+
+
+@cache
+def spans(text: str) -> tuple[tuple[Span, Span], ...]:
+    """Where keys and their values stand in a text."""
+
+    def inside(node: yaml.Node) -> Iterator[tuple[Span, Span]]:
+        for pair in node.value if isinstance(node, yaml.MappingNode) else ():
+            yield tuple((part.start_mark.index, part.end_mark.index) for part in pair)  # type: ignore[misc]
+        for part in node.value if isinstance(node, yaml.CollectionNode) else ():
+            yield from inside(part[1] if isinstance(part, tuple) else part)
+
+    return tuple(inside(yaml.compose(text, Loader=yaml.SafeLoader)))
+
+
+def spoilt(number: int) -> bytes:
+    """A good case in which a key or a value is another one, left out, twice there or cut off, or bytes are others'."""
+    rng = np.random.default_rng([1, number])
+    good = good_cases()
+    text = good[rng.integers(len(good))]
+    some = spans(text)
+    (key, key_end), (start, end) = some[rng.integers(len(some))]
+    kind, name = number % 8, text[key:key_end]
+    if kind < 3:
+        return (
+            text[:start] + VALUES[rng.integers(len(VALUES))] + "\n" * ("\n" in text[start:end]) + text[end:]
+        ).encode()
+    if kind == 3:
+        place = rng.integers(len(name))
+        names = [
+            name[:place] + name[place + 1 :],
+            name[:place] + "q" + name[place + 1 :],
+            f'"{NAMES[place % len(NAMES)]}"',
+        ]
+        return (text[:key] + names[rng.integers(3)] + text[key_end:]).encode()
+    if kind == 4:
+        return (text[:key] + text[end:].lstrip(", ")).encode()
+    if kind == 5:
+        aliases = "\n".join(["a0: &a0 [x, x]", *(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 30))])
+        return f"{aliases}\n{text}".encode() if rng.random() < 0.1 else (text[:end] + ", " + text[key:]).encode()
+    data = bytearray(text.encode())
+    if kind == 6:
+        return bytes(data[: rng.integers(len(data))])
+    for _ in range(rng.integers(1, 4)):
+        place = int(rng.integers(len(data)))
+        piece = PIECES[rng.integers(len(PIECES))] * int(rng.integers(4)) if rng.random() < 0.9 else rng.bytes(50)
+        data[place : place + int(rng.integers(12))] = piece
+    return bytes(data)
+
+
+def is_wrong_alone(path: Path) -> bool:
+    """Whether reading keys and values finds faults, before any of them is held against another, or against a file."""
+    report = Report(str(path))
+    root = read_file(path, report)
+    if isinstance(root, Table):
+        CASE.read(root, (), Context(report, Units(), path.parent))
+    return root is None or any(not fault.key.endswith(".file") for fault in report.faults)
+
+
+@pytest.mark.parametrize("numbers", [range(400), pytest.param(range(400, 20_000), marks=pytest.mark.slow)])
+def test_spoilt_cases_are_accepted_or_refused_with_a_place(numbers: range, tmp_path: Path) -> None:
+    """An editor with the JSON Schema refuses nothing that the reader takes, and nearly all that is wrong alone."""
+    schema, path = Draft7Validator(json.loads(case_schema())), tmp_path / "scene.yaml"
+    refused, alone, alike = 0, 0, 0
+    for number in numbers:
+        data = spoilt(number)
+        path.write_bytes(data)
+        start, accepted = time.process_time(), False
+        try:
+            load_case(path)
+            accepted = True
+        except CaseError as error:
+            n_lines = data.decode(errors="replace").replace("\u2028", "\n").count("\n") + 1
+            for fault in error.faults:
+                assert fault.source == str(path), number
+                assert fault.message, number
+                assert fault.line is not None, number
+                assert 1 <= fault.line <= n_lines, number
+                str(fault).encode()
+        assert time.process_time() - start < LONGEST, number
+        try:
+            valid = schema.is_valid(read_yaml12(data.decode("utf-8-sig")))
+        except (UnicodeDecodeError, yaml.YAMLError, RecursionError, ValueError):
+            valid = False
+        assert valid or not accepted, number
+        refused += not accepted
+        if not accepted and is_wrong_alone(path):
+            alone, alike = alone + 1, alike + (not valid)
+    assert 0.5 < refused / len(numbers) < 1.0
+    assert alike >= LEAST_AGREEMENT * alone
+
+
+@pytest.mark.parametrize("tag", TAGS)
+def test_tags_never_construct_anything(tag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "scene.yaml").write_text(template_text("tension").replace('source: ""', f"source: {tag}"))
+    with pytest.raises(CaseError, match=r"scene\.yaml:\d+: source: "):
+        load_case("scene.yaml")
+    assert [path.name for path in tmp_path.iterdir()] == ["scene.yaml"]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_names_cannot_lead_out_of_the_folder_of_the_results(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "inner").mkdir()
+    monkeypatch.chdir(tmp_path / "inner")
+    text = template_text("tension").replace("notch:", f'"{name}":').replace("steps: 6", "steps: 0")
+    Path("scene.yaml").write_text(text, encoding="utf-8")
+    code = cli.main(["run", "scene.yaml", "--quiet", "--set", "numerics.spacing=6", "--set", "output.figures=false"])
+    assert code in (0, 2)
+    assert [path.name for path in tmp_path.iterdir()] == ["inner"]
+    assert {path.name for path in Path().iterdir()} <= {"scene.yaml", "outputs"}
+    assert [path.name for path in Path("outputs").glob("*")] == ([] if code else ["scene"])
+
+
+def test_good_cases_are_good(tmp_path: Path) -> None:
+    """Else spoilt ones would be refused for what they were made from."""
+    for file in CASES.glob("*.geojson"):
+        shutil.copy(file, tmp_path)
+    for text in good_cases():
+        (tmp_path / "scene.yaml").write_text(text, encoding="utf-8")
+        assert load_case(tmp_path / "scene.yaml").bodies
