@@ -19,7 +19,7 @@ from crackgrow.run.reactions import imbalance
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.study.setting import under_its_loads
+from crackgrow.run.uniqueness import under_its_loads
 from tests.solving import displacement_size
 from tests.stability.placed import Placement, scaled
 
