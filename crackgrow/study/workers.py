@@ -24,6 +24,7 @@ from crackgrow.errors import CaseError, CrackgrowError
 
 ROOT: Final = Path(__file__).resolve().parents[2]  # that the package is imported from
 POLL: Final = 0.05  # s, between looks at whether a process has ended
+TRIM: Final = "MALLOC_TRIM_THRESHOLD_"  # Dask sets it so low for its workers that runs take half as long again
 CONNECT: Final = "15s"
 LEAST_MEMORY: Final = 200_000_000  # bytes: the program and its libraries alone take about so much
 MOST_MEMORY: Final = 2**60  # bytes: no machine has more, and systems count no further than 2^63
@@ -105,14 +106,17 @@ def run_process(
 ) -> str:
     """Run a command of the program in a process of one thread; returns why it failed, nothing where it did not.
 
-    left: kills it when it is set
+    left: kills it when it is set; None on a worker of Dask
     """
-    began, left = time.monotonic(), left or threading.Event()
     path = os.pathsep.join([str(ROOT), *filter(None, [os.environ.get("PYTHONPATH")])])
+    environment = {**os.environ, **dict.fromkeys(THREAD_SETTINGS, "1"), "PYTHONPATH": path}
+    if left is None:
+        environment.pop(TRIM, None)
+    began, left = time.monotonic(), left or threading.Event()
     with tempfile.TemporaryFile() as errors:
         process = subprocess.Popen(
             [sys.executable, "-m", "crackgrow", *words],
-            env={**os.environ, **dict.fromkeys(THREAD_SETTINGS, "1"), "PYTHONPATH": path},
+            env=environment,
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=errors,
