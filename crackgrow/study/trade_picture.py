@@ -24,7 +24,7 @@ OWN, OTHER, INCREMENT = "tab:red", "tab:blue", "tab:green"
 def draw(path: Path, found: Findings, table: Table) -> None:
     """Draw a panel for each number that any setting has into a PNG. Raises OutputError."""
     panels = {
-        "K off, % of the largest": ("error", 100.0, 100.0 * found.plan.tolerance),
+        "off, %": ("error", 100.0, 100.0 * found.plan.tolerance),
         "path off, % of what has grown": ("path_share", 100.0, 100.0 * found.path_tolerance),
         "memory, MB": ("peak_memory_mb", 1.0, math.nan),
     }

@@ -10,14 +10,14 @@ from crackgrow.case.units import Metres
 from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import INTENSITIES, aligned, or_null, unit_of
-from crackgrow.study.findings import MODES, Findings, Quantity
+from crackgrow.study.findings import DISPLACEMENT, MODES, Findings, Quantity
 from crackgrow.study.table import Table, Values
 from crackgrow.study.trade_plan import OWN, TradePlan
 
 COLUMNS = declared(columns_of("study")["trade"])[1].header
 """Of convergence.csv."""
 
-HEADINGS = ("setting", "unknowns", "CPU s", "MB", "K off, %", "path off, mm", "of grown, %")
+HEADINGS = ("setting", "unknowns", "CPU s", "MB", "off, %", "path off, mm", "of grown, %")
 
 
 def convergence_csv(found: Findings) -> str:
@@ -62,7 +62,8 @@ def trade_record(found: Findings, table: Table) -> dict[str, Any]:
 def trade_text(found: Findings, table: Table) -> str:
     """What each setting costs and misses, and whether the case's own one is good enough."""
     rows = [_cells(found, table.row(run)) for run in found.plan.study.runs]
-    lines = aligned([HEADINGS, *rows], 1)
+    shown = len(HEADINGS) if found.paths else -2  # of a scene that does not grow without those of paths
+    lines = aligned([row[:shown] for row in [HEADINGS, *rows]], 1)
     if found.worst is not None:
         lines.append(_worst_line(found, found.worst))
     if not found.quantities:
@@ -96,7 +97,9 @@ def _cells(found: Findings, row: Values) -> list[str]:
 
 def _worst_line(found: Findings, worst: Quantity) -> str:
     """The values of the quantity by which the own setting is off most."""
-    scale, unit = unit_of([worst.limit], INTENSITIES) if worst.name in MODES else (1.0, "")
+    scale, unit = (
+        unit_of([worst.limit], INTENSITIES) if worst.name in MODES else (1.0, "m" * (worst.name == DISPLACEMENT))
+    )
     values = ", ".join(f"{worst.values[name] / scale:.5g}" for name in found.plan.settings)
     order = "" if math.isnan(worst.order) else f" with order {worst.order:.2g}"
     return f"{_words(worst)}: {values} {unit}".rstrip() + f", which tend to {worst.limit / scale:.5g}{order}"
