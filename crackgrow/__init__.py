@@ -19,10 +19,9 @@ if TYPE_CHECKING:
     from crackgrow.results.folder import FolderError, RunFolder, open_run
     from crackgrow.run import grow
     from crackgrow.study.compare import compare_paths
-    from crackgrow.study.converge.plan import plan_convergence
-    from crackgrow.study.converge.runner import converge
-    from crackgrow.study.sweep.plan import plan_sweep
-    from crackgrow.study.sweep.runner import sweep
+    from crackgrow.study.sweep import plan_sweep, sweep
+    from crackgrow.study.trade import trade
+    from crackgrow.study.trade_plan import plan_trade
 
 __version__ = "0.1.0"
 
@@ -40,16 +39,16 @@ __all__ = [
     "SolveError",
     "__version__",
     "compare_paths",
-    "converge",
     "export",
     "grow",
     "load_case",
     "open_run",
-    "plan_convergence",
     "plan_sweep",
+    "plan_trade",
     "run_case",
     "solve",
     "sweep",
+    "trade",
 ]
 
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
@@ -63,10 +62,9 @@ _HOMES = {
     "results.folder": "FolderError RunFolder open_run",
     "run": "grow",
     "study.compare": "compare_paths",
-    "study.converge.plan": "plan_convergence",
-    "study.converge.runner": "converge",
-    "study.sweep.plan": "plan_sweep",
-    "study.sweep.runner": "sweep",
+    "study.sweep": "plan_sweep sweep",
+    "study.trade": "trade",
+    "study.trade_plan": "plan_trade",
 }
 
 

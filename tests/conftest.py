@@ -59,10 +59,9 @@ PHYSICS = (
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
     "unit/results/test_style.py", "unit/run/",
     "unit/solid/test_solid_stiffness.py::test_more_than_64",
-    "unit/solid/test_solid_varying_loads.py", "unit/study/converge/test_converge_runs.py",
-    "unit/study/sweep/test_sweep_runs.py", "unit/study/test_energy_distance.py",
-    "unit/study/test_uniqueness.py::test_a_second_solution", "unit/study/test_uniqueness.py::test_below_the_limit",
-    "unit/study/trade/test_trade_plan.py::test_default_axes_suit_every", "unit/study/trade/test_trade_runs.py",
+    "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade_runs.py",
+    "unit/study/test_sweep_runs.py",
+    "unit/contact/test_uniqueness.py::test_a_second_solution", "unit/contact/test_uniqueness.py::test_below_the_limit",
     "unit/test_api.py::test_events_of_a_run", "unit/test_blas.py::test_a_case_is_solved",
     "unit/test_cli_new_and_schema.py::test_every_template",
 )  # fmt: skip

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Generator, Sequence
 from itertools import islice
 from pathlib import Path
 
@@ -12,8 +11,8 @@ from PIL import Image
 from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.run.result import StepResult
-from crackgrow.study.timed_run import write_run
+from crackgrow.run.loop import through
+from crackgrow.run.result import RunEnd, StepResult
 from tests.scenes import shipped_case
 
 CASES = Path(__file__).resolve().parents[1] / "cases"
@@ -26,15 +25,14 @@ def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", cas
     scene = shipped_case(case, [*COARSE, *overrides])
     writer = RunWriter(scene, folder)
     writer.begin()
-    if failing:
-        with suppress(SolveError):
-            write_run(writer, broken_off(grow(scene), failing))
-    else:
-        write_run(writer, grow(scene))
+    try:
+        writer.finish(through(broken_off(grow(scene), failing) if failing else grow(scene), writer.add))
+    except SolveError as error:
+        writer.break_off(error)
     return folder
 
 
-def broken_off(steps: Iterator[StepResult], reason: str) -> Iterator[StepResult]:
+def broken_off(steps: Generator[StepResult, None, RunEnd], reason: str) -> Generator[StepResult, None, RunEnd]:
     """The first two steps, then the failure."""
     yield from islice(steps, 2)
     raise SolveError(reason)

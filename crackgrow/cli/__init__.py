@@ -1,7 +1,7 @@
 """The command line: the only place that prints.
 
 Exit codes: 0 done, 1 a bug (which shows its traceback), 2 the case is wrong, 3 it can't be solved or written as asked,
-4 paths that `compare` finds further apart than the tolerance, or a setting that `converge` finds not good enough,
+4 paths that `compare` finds further apart than the tolerance, or a setting that `trade` finds not good enough,
 130 interrupted.
 """
 

@@ -14,7 +14,7 @@ from pathlib import Path
 from crackgrow.results.atomic import OutputError
 
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
-EXIT_DIFFERENT = 4  # of compare and converge
+EXIT_DIFFERENT = 4  # of compare and trade
 
 
 def write_any_character() -> None:

@@ -24,10 +24,19 @@ GROUPS: Final = {
     "start": ("list", "new", "check", "explain"),
     "run": ("run",),
     "look": ("report", "render", "view", "export"),
-    "study": ("compare", "sweep", "converge", "trade"),
+    "study": ("compare", "sweep", "trade"),
     "tools": ("schema", "completion"),
 }
 """Commands by what one wants: those of a group are in the module of its name, each with the function `add_COMMAND`."""
+
+GONE: Final = {
+    "converge": "`crackgrow trade` tells whether a setting is good enough",
+    "--axis": "`crackgrow sweep` varies the keys of a case",
+    "--reference": "`reference` of a sweep file holds runs against finer ones",
+    "--repeat": "run `crackgrow trade` again",
+    "--no-increments": "--increments none",
+}
+"""Words of earlier versions, and what does their work."""
 
 
 class Parser(argparse.ArgumentParser):
@@ -71,6 +80,8 @@ class Parser(argparse.ArgumentParser):
     def hint(self, rest: Sequence[str], words: Sequence[str]) -> str:
         """What may have been meant by words that a command does not take."""
         option, given, value = rest[0].partition("=")
+        if option in GONE and self.prog.endswith(" trade"):
+            return f"; it is gone: {GONE[option]}"
         known = list(self._option_string_actions)
         if not option.startswith("--"):
             triples = zip(words, words[1:], words[2:], strict=False)
@@ -87,6 +98,8 @@ class Parser(argparse.ArgumentParser):
         """Refuse a word that is none of a few; argparse's own way lists them and says no more."""
         if action.choices is None or value in action.choices:
             return
+        if value in GONE:
+            raise argparse.ArgumentError(action, f"{value!r} is gone: {GONE[value]}")
         near = difflib.get_close_matches(str(value), [str(choice) for choice in action.choices], n=1)
         hint = f"; did you mean {near[0]}?" if near else ""
         allowed = ", ".join(str(choice) for choice in action.choices)

@@ -180,7 +180,7 @@ def check(arguments: argparse.Namespace) -> int:
         draw_scene(arguments.picture, case)
         tell(f"picture in {arguments.picture}")
     if arguments.unique:
-        from crackgrow.study.uniqueness import unique_text  # only now: it loads the solver
+        from crackgrow.run.uniqueness import unique_text  # only now: it loads the solver
 
         tell("\nsolutions of the contact")
         record["unique"] = list(_told(unique_text(case), tell))

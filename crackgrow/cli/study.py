@@ -1,10 +1,9 @@
-"""The commands that learn from several runs: `crackgrow compare`, `sweep`, `converge` and `trade`."""
+"""The commands that learn from several runs: `crackgrow compare`, `sweep` and `trade`."""
 
 from __future__ import annotations
 
 import argparse
-from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import crackgrow
 from crackgrow.cli.console import (
@@ -23,7 +22,8 @@ from crackgrow.results.atomic import write_text
 from crackgrow.results.units import counted
 
 if TYPE_CHECKING:
-    from crackgrow.study.sweep.plan import SweepPlan
+    from crackgrow.study.plan import Study
+    from crackgrow.study.table import Row
 
 COMPARE_HELP = """\
 Compare the crack paths of two result folders, or of a folder and a CSV file, crack by crack and tip by tip:
@@ -85,126 +85,102 @@ def _two_names(text: str) -> tuple[str, ...]:
 
 
 SWEEP_HELP = """\
-Run a case for each combination of parameters, several at a time: a folder for each run, and all of it in sweep.csv,
-sweep.parquet and sweep.png. Every combination is checked before anything runs; one that is refused or fails is a row.
+Run a case for each combination of parameters, several at a time: a folder for each run, and all of it in sweep.csv and
+sweep.png. Every combination is checked before anything runs; one that is refused or fails is a row.
 """
 SWEEP_EXAMPLES = """\
 The sweep file: base (a case), parameters (keys of the case with lists or {from, to, n, scale}), design (grid, zip,
-latin_hypercube), set, output, responses. cases/sweeps/angle_friction.yaml has all of them with comments.
+latin_hypercube), set, reference, output, responses. cases/sweeps/angle_friction.yaml has them with comments.
 
 examples:
   crackgrow sweep cases/sweeps/angle_friction.yaml --workers 2
   crackgrow sweep cases/sweeps/angle_friction.yaml --resume
   crackgrow sweep cases/sweeps/angle_friction.yaml --scheduler tcp://127.0.0.1:8786
+  crackgrow sweep cases/sweeps/angle_friction.yaml --list
 """
 
 
 def sweep(arguments: argparse.Namespace) -> int:
     """`crackgrow sweep`: a run for each combination of parameters."""
-    plan = crackgrow.plan_sweep(arguments.sweep, arguments.out)
+    study = crackgrow.plan_sweep(arguments.sweep, arguments.out)
+    if arguments.list:
+        return _list(study)
+    say(f"{study.name}: {counted(len(study.runs), 'run')} over {', '.join(study.parameters)}")
+    told = _Told(study)
     try:
-        n_done = _run(plan, arguments)
+        for row in crackgrow.sweep(study, **_asked(arguments)):
+            told.show(row)
     except KeyboardInterrupt:
-        complain(
-            f"crackgrow: interrupted, what has ended is in {plan.folder}; go on with: {_resuming(arguments, plan)}"
-        )
-        return EXIT_INTERRUPTED
-    return EXIT_DONE if n_done else EXIT_UNSOLVED
-
-
-def _run(plan: SweepPlan, arguments: argparse.Namespace) -> int:
-    """Run the sweep and tell of each run; returns how many are done."""
-    from crackgrow.study.sweep.runner import sweep_line  # only now: it loads numpy
-
-    n_runs, n_before, n_failed = len(plan.runs), 0, 0
-    say(f"{plan.name}: {counted(n_runs, 'run')} over {', '.join(plan.parameters)}")
-    rows = crackgrow.sweep(
-        plan,
-        workers=arguments.workers,
-        scheduler=arguments.scheduler,
-        memory=arguments.memory,
-        resume=arguments.resume,
-    )
-    for number, row in enumerate(rows, start=1):
-        n_before += not row.new
-        n_failed += not row.done
-        if row.new:
-            say(f"[{number}/{n_runs}] {sweep_line(row)}")
-    before = f", {n_before} of them done before" if n_before else ""
-    say(f"{counted(n_runs - n_failed, 'run')} done{before}, {n_failed} not\nresults in {plan.folder}")
-    return n_runs - n_failed
-
-
-def _resuming(arguments: argparse.Namespace, plan: SweepPlan) -> str:
-    """The command that goes on."""
-    given = {"--workers": arguments.workers, "--scheduler": arguments.scheduler, "--memory": arguments.memory}
-    settings = [word for name, value in given.items() if value is not None for word in (name, str(value))]
-    return spelled("sweep", str(arguments.sweep), "--out", str(plan.folder), *settings, "--resume")
+        return _interrupted(arguments, study, str(arguments.sweep))
+    before = f", {told.n_before} of them done before" if told.n_before else ""
+    say(f"{counted(told.n_done, 'run')} done{before}, {told.n - told.n_done} not\nresults in {study.folder}")
+    return EXIT_DONE if told.n_done else EXIT_UNSOLVED
 
 
 def add_sweep(commands: Commands) -> None:
     what = "run a case for each combination of parameters"
     command = add_command(commands, sweep, "sweep", what, (SWEEP_HELP, SWEEP_EXAMPLES))
     command.add_argument("sweep", type=path, metavar="SWEEP.yaml", help="the sweep file")
-    place = command.add_mutually_exclusive_group()
-    place.add_argument("--workers", type=count, metavar="N", help="processes of this machine (default: one a core)")
-    place.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler: tcp://HOST:PORT")
-    command.add_argument("--memory", metavar="SIZE", help="of each worker, such as 2GB")
-    command.add_argument("--resume", action="store_true", help="run what is missing, go on with what was broken off")
+    _add_running(command, "one a core", None)
     command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/<sweep>)")
 
 
-CONVERGE_HELP = """\
-Run a case on three settings of its cells and tell what K at each tip and step, and the critical load factor, tend to,
-what each setting misses of it, and whether the case's own setting is good enough. Where cracks grow also how far apart
-the paths are, and whether finer cells or a shorter increment would move them more.
-It takes about as long as five runs of the case; `--steps` makes it shorter.
+TRADE_HELP = """\
+Tell what accuracy costs in a case and whether its own setting is good enough: it is run on three settings or more of
+its cells, and as it is; where cracks grow also with half the increment. The table says what each is off by (K at each
+tip and step, and the critical load factor, against what they tend to; paths against that on the finest cells), its
+CPU seconds and memory.
+It takes about as long as six runs of the case; `--steps` makes it shorter.
 """
-CONVERGE_EXAMPLES = """\
-Settings are presets or targets of the error of K, the coarsest first. Results are in runs/ of the folder, all rows in
-converge.csv. To choose among other settings of a case, or hold many of them against time, use `crackgrow trade`.
+TRADE_EXAMPLES = """\
+Settings are presets or targets of the error of K, the coarsest first. Results are in trade.csv, trade.png and
+convergence.csv. To vary other keys of a case, and hold runs against finer ones, use `crackgrow sweep` with `reference`.
 
 exit codes: 0 the case's own setting is good enough; 2 the case is wrong; 3 a setting has no first step; 4 it is not.
 
 examples:
-  crackgrow converge cases/compression30.yaml --steps 4
-  crackgrow converge cases/edge_tension.yaml --at 3% 1% 0.3% --tolerance 0.5%
-  crackgrow converge cases/two_flaws.yaml --no-increments --json
+  crackgrow trade cases/compression30.yaml --steps 4
+  crackgrow trade cases/edge_tension.yaml --at 3% 1% 0.3% 0.1% --tolerance 0.5%
+  crackgrow trade cases/two_flaws.yaml --increments "1 mm" "0.5 mm" --json
 """
 
 
-def converge(arguments: argparse.Namespace) -> int:
-    """`crackgrow converge`: whether a case's own setting is good enough."""
+def trade(arguments: argparse.Namespace) -> int:
+    """`crackgrow trade`: what accuracy costs, and whether a case's own setting is good enough."""
     from crackgrow.run.loop import through  # only now: they load numpy
-    from crackgrow.study.converge.text import convergence_record, convergence_text, run_line
+    from crackgrow.study.trade_text import trade_record, trade_text
 
-    case = load_case_file(arguments)
-    folder = arguments.out or Path("outputs/converge") / case.name
-    plan = crackgrow.plan_convergence(
+    load_case_file(arguments)  # tells best what is wrong with the file
+    plan = crackgrow.plan_trade(
         arguments.case,
-        folder,
+        arguments.out,
         overrides=arguments.overrides,
         settings=arguments.at,
         tolerance=arguments.tolerance,
         increments=arguments.increments,
         steps=arguments.steps,
     )
-    found = through(
-        crackgrow.converge(plan, arguments.timeout), lambda run: None if arguments.json else say(run_line(run))
-    )
+    if arguments.list:
+        return _list(plan.study)
+    told = _Told(plan.study)
+    try:
+        show = (lambda row: None) if arguments.json else told.show
+        found, table = through(crackgrow.trade(plan, **_asked(arguments)), show)
+    except KeyboardInterrupt:
+        return _interrupted(arguments, plan.study, str(arguments.case))
     if arguments.json:
-        hand_out_json(convergence_record(found))
+        hand_out_json(trade_record(found, table))
     else:
-        say(f"\n{convergence_text(found)}\nresults in {folder}")
+        say(f"\n{trade_text(found, table)}\nresults in {plan.study.folder}")
     return EXIT_DONE if found.good_enough else EXIT_DIFFERENT
 
 
-def add_converge(commands: Commands) -> None:
-    what = "say whether a case's cells and increments are small enough"
-    command = takes_case(add_command(commands, converge, "converge", what, (CONVERGE_HELP, CONVERGE_EXAMPLES)))
+def add_trade(commands: Commands) -> None:
+    what = "say what accuracy costs in a case, and whether its setting is good enough"
+    command = takes_case(add_command(commands, trade, "trade", what, (TRADE_HELP, TRADE_EXAMPLES)))
     command.add_argument(
         "--at",
-        nargs=3,
+        nargs="+",
         default=["draft", "standard", "fine"],
         metavar="SETTING",
         help="presets or targets (draft standard fine)",
@@ -212,79 +188,75 @@ def add_converge(commands: Commands) -> None:
     command.add_argument("--tolerance", default="1 %", metavar="SHARE", help="of K, over the largest of a step (1 %%)")
     command.add_argument(
         "--increments",
-        action=argparse.BooleanOptionalAction,
-        default=None,
-        help="run half the increment, too (default: where that takes no longer than the rest)",
+        nargs="+",
+        default=["half"],
+        metavar="LENGTH",
+        help="other increments, with steps to the same length: lengths, half (the default), or none",
     )
     command.add_argument("--steps", type=int, metavar="N", help="growth steps (default: those of the case)")
-    command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
     command.add_argument("--json", action="store_true", help="print all of it as JSON, SI, in place of the table")
-    command.add_argument(
-        "--out", type=path, metavar="DIR", help="folder of the results (default outputs/converge/<case>)"
-    )
-
-
-TRADE_HELP = """\
-Run a scene over a grid of settings and hold each run against a finer one: trade.csv has errors, seconds and memory of
-every setting, trade.png draws errors over time with the Pareto front and the presets draft, standard and fine.
-Whether the cells and the increment of a case are small enough `crackgrow converge` tells, in three to five runs.
-"""
-TRADE_EXAMPLES = """\
-axes: spacing, support, quadrature, contact_spacing, stiffness, solver, tip_radius, increment, accuracy (names and
-targets), tips, kinks, corners (refinement levels), tip_functions; every combination of their values is run, each in a
-process of its own, one after another. Without --axis: spacings round the automatic one, and what else matters to
-the scene. The reference is a run at half the finest spacing, a result folder, or settings of the case. A setting that
-fails is a row with its reason.
-
-examples:
-  crackgrow trade cases/compression30.yaml --axis spacing=3,2,1.5,1 support=1.5,2 --steps 4
-  crackgrow trade cases/edge_tension.yaml --reference numerics.spacing=0.3 --repeat 3
-  crackgrow trade cases/compression30.yaml --reference outputs/very_fine --resume
-"""
-
-
-def trade(arguments: argparse.Namespace) -> int:
-    """`crackgrow trade`: errors and seconds over a grid of settings."""
-    from crackgrow.study.setting import CaseFile  # only now: they load the solver
-    from crackgrow.study.trade.plan import plan_trade
-    from crackgrow.study.trade.row import trade_line
-    from crackgrow.study.trade.runner import trade as trials
-
-    case = load_case_file(arguments)
-    folder = arguments.out or Path("outputs/trade") / case.name
-    plan = plan_trade(
-        CaseFile(arguments.case, tuple(arguments.overrides)),
-        folder,
-        axes=arguments.axis,
-        reference=arguments.reference,
-        steps=arguments.steps,
-    )
-    say(f"{case.name}: {len(plan.settings)} settings")
-    rows = []
-    for row in trials(plan, repeat=arguments.repeat, resume=arguments.resume, timeout=arguments.timeout):
-        rows.append(row)
-        say(trade_line(row))
-    say(f"{len(rows)} new rows, {sum(not row.solved for row in rows)} not solved\nresults in {folder}")
-    names = {setting.name for setting in plan.settings}
-    solved = [row.solved for row in rows if row.name in names]  # not the reference, which is solved or ends it all
-    return EXIT_UNSOLVED if solved and not any(solved) else EXIT_DONE
-
-
-def add_trade(commands: Commands) -> None:
-    what = "measure what accuracy costs over a grid of settings"
-    command = takes_case(add_command(commands, trade, "trade", what, (TRADE_HELP, TRADE_EXAMPLES)))
-    command.add_argument("--axis", nargs="+", default=[], metavar="NAME=A,B,C", help="settings to vary, with values")
-    command.add_argument(
-        "--reference",
-        nargs="+",
-        default=["finest"],
-        metavar="WHAT",
-        help="finest (default: half the finest spacing), a result folder, or KEY=VALUE...",
-    )
-    command.add_argument(
-        "--steps", type=int, metavar="N", help="growth steps of the case's increment (default: its own)"
-    )
-    command.add_argument("--repeat", type=count, default=1, metavar="N", help="runs of each setting; the median counts")
-    command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
-    command.add_argument("--resume", action="store_true", help="keep the rows that are there, run what is missing")
+    _add_running(command, "1, for seconds that nothing else has a part in", 1)
     command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/trade/<case>)")
+
+
+class _Told:
+    """Tells of each run of a study as it ends, and counts."""
+
+    def __init__(self, study: Study) -> None:
+        self.n = len(study.runs)
+        self.n_met = self.n_done = self.n_before = 0
+
+    def show(self, row: Row) -> None:
+        self.n_met += 1
+        self.n_done += row.done
+        self.n_before += not row.new
+        if row.new:
+            say(f"[{self.n_met}/{self.n}] {row}")
+
+
+def _list(study: Study) -> int:
+    """Print the command of each run."""
+    for run in study.runs:
+        if run.case is None:
+            complain(f"{run.name}: refused: {run.refusal}")
+        else:
+            say(spelled(*run.command))
+    return EXIT_DONE
+
+
+OPTIONS = ("workers", "scheduler", "memory", "timeout")
+
+
+def _asked(arguments: argparse.Namespace) -> dict[str, Any]:
+    """How the runs of a study are to be made."""
+    return {name: getattr(arguments, name) for name in (*OPTIONS, "resume")}
+
+
+def _interrupted(arguments: argparse.Namespace, study: Study, file: str) -> int:
+    """Say how to go on."""
+    settings = [] if study.command == "sweep" else _of_trade(arguments)
+    given = {f"--{name}": getattr(arguments, name) for name in OPTIONS}
+    settings += [word for name, value in given.items() if value is not None for word in (name, str(value))]
+    command = spelled(study.command, file, "--out", str(study.folder), *settings, "--resume")
+    complain(f"crackgrow: interrupted, what has ended is in {study.folder}; go on with: {command}")
+    return EXIT_INTERRUPTED
+
+
+def _of_trade(arguments: argparse.Namespace) -> list[str]:
+    sets = [word for setting in arguments.overrides for word in ("--set", setting)]
+    steps = [] if arguments.steps is None else ["--steps", str(arguments.steps)]
+    tolerance = ["--tolerance", arguments.tolerance]
+    return [*sets, "--at", *arguments.at, *tolerance, "--increments", *arguments.increments, *steps]
+
+
+def _add_running(command: argparse.ArgumentParser, default: str, workers: int | None) -> None:
+    """The options of how runs are made, which all studies have."""
+    place = command.add_mutually_exclusive_group()
+    place.add_argument(
+        "--workers", type=count, default=workers, metavar="N", help=f"processes of this machine (default: {default})"
+    )
+    place.add_argument("--scheduler", metavar="ADDRESS", help="use the workers of this Dask scheduler: tcp://HOST:PORT")
+    place.add_argument("--list", action="store_true", help="print the command of each run, for job arrays; run nothing")
+    command.add_argument("--memory", metavar="SIZE", help="of each run, such as 2GB")
+    command.add_argument("--timeout", type=float, metavar="SECONDS", help="give up a run after so long")
+    command.add_argument("--resume", action="store_true", help="run what is missing, go on with what was broken off")

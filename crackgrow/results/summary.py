@@ -113,7 +113,13 @@ def load_point(result: StepResult) -> LoadPoint:
 
 
 def summarize(
-    case: Case, tally: Tally, end: RunEnd, wall_seconds: float, memory: float, resumed: Sequence[int] = ()
+    case: Case,
+    tally: Tally,
+    end: RunEnd,
+    wall_seconds: float,
+    memory: float,
+    resumed: Sequence[int] = (),
+    cpu_seconds: float = math.nan,
 ) -> dict[str, object]:
     """The summary as a mapping that JSON can hold: SI units, seconds, MB; null for what has no value.
 
@@ -133,6 +139,7 @@ def summarize(
         "git_modified": modified,
         "n_dofs": {"first": tally.n_dofs[0], "last": tally.n_dofs[-1]} if tally.n_dofs else None,
         "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
+        "cpu_seconds": or_null(round(cpu_seconds, 3)),
         "peak_memory_mb": round(memory, 1),
         "resumed_with_steps": list(resumed),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),

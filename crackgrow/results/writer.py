@@ -56,7 +56,7 @@ class RunWriter:
         tables     by file name: number of bytes and their checksum
         frames, cracks     steps and files of the two series
         tally, curve     what the summary and the load curve need of the steps
-        seconds, memory     wall time since the run began and most memory, MB
+        seconds, cpu, memory     wall and CPU time since the run began and most memory, MB
         resumed     the steps with which the run was gone on
     """
 
@@ -75,6 +75,7 @@ class RunWriter:
         self._last: StepResult | None = None
         self._series: dict[str, list[tuple[int, str]]] = {"frames": [], "cracks": []}
         self._memory = 0.0  # MB, of the processes before
+        self._cpu_began = time.process_time()  # less what the processes before have taken
         self._spare = bytes(SPARE)  # given back when the run breaks off: memory may have run out
         self._resumed: list[int] = []
 
@@ -116,6 +117,7 @@ class RunWriter:
         self._tally = Tally.of(results["tally"])
         self._curve = [LoadPoint(**point) for point in results["curve"]]
         self._memory, self._resumed = results["memory"], [*results["resumed"], step]
+        self._cpu_began -= results.get("cpu", 0.0)
         remove_half_written(self.folder, self.case.name)
         remove_files([self.folder / REPORT])  # of a run that had ended
         write_text(self.folder / CASE, self._settings)
@@ -211,8 +213,12 @@ class RunWriter:
 
     def _write_summary(self, end: RunEnd) -> None:
         memory = max(self._memory, peak_memory_mb())
-        summary = summarize(self.case, self._tally, end, self._log.seconds, memory, self._resumed)
+        summary = summarize(self.case, self._tally, end, self._log.seconds, memory, self._resumed, self._cpu_seconds)
         write_text(self.folder / SUMMARY, summary_text(summary))
+
+    @property
+    def _cpu_seconds(self) -> float:
+        return time.process_time() - self._cpu_began
 
     def _write_report(self) -> None:
         """Made from the files, so it comes last; a run that ends without one has told why."""
@@ -230,6 +236,7 @@ class RunWriter:
             "tally": self._tally.record(),
             "curve": [asdict(point) for point in self._curve],
             "seconds": self._log.seconds,
+            "cpu": self._cpu_seconds,
             "memory": max(self._memory, peak_memory_mb()),
             "resumed": self._resumed,
         }

@@ -37,7 +37,7 @@ NEEDS_A_WINDOW = (
 )
 """Never run: the program is none of ours, and waits for its user."""
 
-EXIT_CODES = {"crackgrow converge cases/compression30.yaml --steps 4": 4}
+EXIT_CODES = {"crackgrow trade cases/compression30.yaml --steps 4": 4}
 """Of commands that are meant to end otherwise than with 0."""
 
 BESIDE = " &"

@@ -10,7 +10,7 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.case.load import read_case
 from crackgrow.errors import CaseError
-from crackgrow.study.sweep.sweep_file import read_sweep_file
+from crackgrow.study.sweep_file import read_sweep_file
 
 CASES = Path(__file__).parents[3] / "cases"
 FILE = CASES / "compression30.yaml"

@@ -41,7 +41,7 @@ def test_status_paths_and_warnings_are_those_of_the_run(both: tuple[crackgrow.Ru
     memory, files = both
     assert (files.status, files.reason, files.finished) == (memory.status, memory.reason, True)
     assert files.warnings == memory.warnings
-    spent = {"wall_seconds", "peak_memory_mb"}
+    spent = {"wall_seconds", "cpu_seconds", "peak_memory_mb"}
     assert files.summary["n_solves"] == 3
     assert {key: value for key, value in files.summary.items() if key not in spent} == {
         key: value for key, value in memory.summary.items() if key not in spent

@@ -11,7 +11,7 @@ from crackgrow.run.judging import StepSolution
 from crackgrow.run.report import estimated_error
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.study.energy_distance import energy_distance
+from tests.energy_distance import energy_distance
 from tests.scenes import shipped_case
 from tests.solving import solve_step
 from tests.whole_run import whole_run

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from crackgrow.study.setting import LONGEST, folder_names
+from crackgrow.study.plan import LONGEST, folder_names
 
 
 def test_letters_are_those_that_every_file_system_takes():

@@ -1,0 +1,135 @@
+"""The sweep file: which parameters of which case take which values. Read as strictly as a case, faults with lines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping as AnyMapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from crackgrow.case.declared import Doc, made, mapping_of, written
+from crackgrow.case.reader import Table, read_file
+from crackgrow.case.report import Path as KeyPath
+from crackgrow.case.report import Place, Report, did_you_mean
+from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Context, Integer, Text
+from crackgrow.case.schema import OPTIONAL, ListOf
+from crackgrow.case.units import Units
+from crackgrow.study.values import KeyedValues, Listed, ParameterValues, Range, ValueText
+
+MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """Which files each run keeps."""
+
+    frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("frames of each run")] = "none"
+    figures: Annotated[bool, Doc("pictures of each run")] = False
+    report: Annotated[bool, Doc("report.html of each run")] = False
+
+
+@dataclass(frozen=True, slots=True)
+class SweepFile:
+    """A sweep file that has no faults of its own; what the case says of its values is not known yet."""
+
+    path: Path
+    places: AnyMapping[KeyPath, Place]  # of all keys
+    base: Annotated[Path, Text(), Doc("the case file, relative to the sweep file")]
+    parameters: Annotated[
+        AnyMapping[str, Listed | Range],
+        KeyedValues(ParameterValues()),
+        Doc("keys of the case, each with a list of values or {from, to, n, scale}"),
+    ]
+    settings: Annotated[
+        AnyMapping[str, str],
+        KeyedValues(ValueText()),
+        Doc("keys of the case with the values that all runs have", key="set", default={}),
+    ]
+    reference: Annotated[
+        AnyMapping[str, str],
+        KeyedValues(ValueText()),
+        Doc("keys of the case with finer values: each run is held against the same one with these", default={}),
+    ]
+    design: Annotated[Literal["grid", "zip", "latin_hypercube"], Doc("how values are combined")] = "grid"
+    samples: Annotated[int | None, Integer(Bounds(at_least=1, at_most=MOST_RUNS)), Doc("runs of a Latin hypercube")] = (
+        None
+    )
+    seed: Annotated[int, Integer(NOT_NEGATIVE), Doc("of the random numbers of a Latin hypercube", default=OPTIONAL)] = 0
+    output: Annotated[Kept, Doc("which files the runs keep")] = Kept()
+    responses: Annotated[tuple[str, ...] | None, ListOf(Text()), Doc("columns of the table that the picture shows")] = (
+        None
+    )
+
+    @property
+    def fixed(self) -> tuple[str, ...]:
+        """Overrides that all runs have."""
+        kept = (f"output.{key}={str(value).lower()}" for key, value in written(self.output).items())
+        return (*kept, *(f"{key}={text}" for key, text in self.settings.items()))
+
+
+def read_sweep_file(path: Path) -> SweepFile:
+    """The sweep of a YAML file; raises CaseError with all its faults."""
+    report = Report(str(path))
+    root = read_file(path, report)
+    if not isinstance(root, Table):
+        if root is not None and not report.faults:
+            report.fault((), "the file holds no mapping; a sweep is written as key: value", root.place)
+        raise report.error()
+    if "bodies" in root.entries and "parameters" not in root.entries:
+        sweep = f"a sweep has `base: {path.name}` and `parameters`, such as cases/sweeps/angle_friction.yaml"
+        report.fault((), f"this is a case, not a sweep file: `crackgrow run {path}` runs it; {sweep}", root.place)
+        raise report.error()
+    values: Any = mapping_of(SweepFile).read(root, (), Context(report, Units(), path.parent))
+    base = path.parent / values["base"] if report.sound("base") else path
+    if report.sound("base"):
+        _check_base(base, report)
+    if report.sound("parameters") and report.sound("set"):
+        for key in values["parameters"]:
+            if key in values["set"]:
+                report.fault(("set", key), "is a parameter too; give it in one place", report.places["set", key])
+    if report.sound("parameters") and report.sound("design"):
+        _check_design(values, report)
+    if report.faults:
+        raise report.error()
+    return made(SweepFile, values, path=path, base=base, places=report.places)
+
+
+def _check_base(base: Path, report: Report) -> None:
+    if not base.is_file():
+        names = sorted(file.name for file in base.parent.glob("*.yaml"))
+        report.fault(("base",), f"there is no case file {base}{did_you_mean(base.name, names)}")
+
+
+def _check_design(values: Any, report: Report) -> None:
+    """Report what doesn't suit the design: numbers of values, keys of another design."""
+    design, parameters = values["design"], values["parameters"]
+    if design == "latin_hypercube":
+        if "samples" not in values and report.sound("samples"):
+            report.fault(("samples",), f"missing: a Latin hypercube needs a number of runs, 1 to {MOST_RUNS}")
+    else:
+        for key in ("samples", "seed"):
+            if key in values:
+                report.fault((key,), f"is for design: latin_hypercube; this is a {design}")
+    for key, value in parameters.items():
+        _check_parameter(("parameters", key), value, design, report)
+    if not report.sound("parameters"):
+        return
+    counts = {key: value.count for key, value in parameters.items()}
+    if design == "zip" and len(set(counts.values())) > 1:
+        listed = ", ".join(f"{key}: {count}" for key, count in counts.items())
+        report.fault(("parameters",), f"a zip takes as many values of each parameter; given are {listed}")
+    n_runs = 1
+    for count in counts.values():
+        n_runs *= count if design == "grid" else 1
+    if max(n_runs, *counts.values()) > MOST_RUNS:
+        report.fault(("parameters",), f"this makes {max(n_runs, *counts.values())} runs; at most {MOST_RUNS} are taken")
+
+
+def _check_parameter(path: KeyPath, value: Listed | Range, design: str, report: Report) -> None:
+    if isinstance(value, Range) and design == "latin_hypercube" and value.n is not None:
+        report.fault((*path, "n"), "has no place in a Latin hypercube: `samples` is the number of its values")
+    if isinstance(value, Range) and design != "latin_hypercube" and value.n is None:
+        report.fault((*path, "n"), f"missing: the number of values from {value.low:g} to {value.high:g}")
+    if isinstance(value, Listed) and design == "grid":
+        for text in dict.fromkeys(text for text in value.texts if value.texts.count(text) > 1):
+            report.fault(path, f"has the value {text} twice: a grid would make the same run again")

@@ -1,0 +1,99 @@
+"""Errors of results against a reference: hand-made tables whose errors are known."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.results.folder import TextTable
+from crackgrow.study.errors import K_errors, contact_errors, errors_of
+
+
+def table(columns: str, *rows: tuple[str | float, ...]) -> TextTable:
+    names = columns.split()
+    return TextTable(Path("table.csv"), {name: [str(row[i]) for row in rows] for i, name in enumerate(names)})
+
+
+def tips(*K: tuple[float, float]) -> TextTable:
+    return table("crack tip K_I K_II", *((f"c{i}", "end", *both) for i, both in enumerate(K)))
+
+
+def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> TextTable:
+    """A pressure of 3, a shear of 4 and an elliptic slip, on a face of length 2; `shift` is added to the pressure."""
+    slip = scale * np.sqrt(np.maximum(s * (2 - s), 0.0))
+    rows = [("flaw", x, -3.0 + shift, 4.0, y) for x, y in zip(s.tolist(), slip.tolist(), strict=True)]
+    return table("crack s normal_traction tangential_traction slip", *rows)
+
+
+def test_K_errors_are_relative_to_the_largest_K():
+    K_error, K_II_error = K_errors(tips((0.3, 5.4), (0.0, 2.0)), tips((0.0, 5.0), (0.0, 2.0)))
+    assert K_error == pytest.approx(0.5 / 5.0)  # (0.3, 0.4)
+    assert K_II_error == pytest.approx(0.4 / 5.0)
+
+
+def test_K_II_without_a_size_has_no_relative_error():
+    K_error, K_II_error = K_errors(tips((2.2, 1e-4)), tips((2.0, 2e-4)))
+    assert K_error == pytest.approx(0.1, rel=1e-6)
+    assert math.isnan(K_II_error)
+    assert all(map(math.isnan, K_errors(tips(), tips((1.0, 1.0)))))
+
+
+def test_contact_errors_do_not_depend_on_where_the_points_lie():
+    fine, coarse = contact(np.linspace(0.02, 1.98, 197)), contact(np.linspace(0.3, 1.7, 5), scale=1.1, shift=0.1)
+    pressure, shear, slip = contact_errors(coarse, fine)
+    assert pressure == pytest.approx(0.1 / 5.0, rel=1e-12)  # of hypot(3, 4)
+    assert shear == 0.0
+    assert slip == pytest.approx(0.1, rel=1e-4)  # the interpolation between points 0.01 apart is better than that
+
+
+@pytest.mark.parametrize("rounding", [0.0, 1e-14])
+def test_each_side_of_a_kink_is_held_against_its_own(rounding: float) -> None:
+    """Two contact points lie at a kink, one for each side, and the pressure jumps there, from 3 to 5."""
+
+    def kinked(before: int, after: int, off: float = 0.0) -> TextTable:
+        places = [np.linspace(1.0, 0.1, before)[::-1], np.linspace(1.0 + off, 1.9, after)]
+        rows = [("flaw", x, -p, 0.0, p) for p, s in zip((3.0, 5.0), places, strict=True) for x in s.tolist()]
+        return table("crack s normal_traction tangential_traction slip", *rows)
+
+    pressure, _, slip = contact_errors(kinked(4, 3, rounding), kinked(9, 8))
+    assert (pressure, slip) == (0.0, 0.0)
+    assert contact_errors(kinked(4, 1, rounding), kinked(1, 8)) == (0.0, 0.0, 0.0)
+
+
+def test_equal_results_have_no_error_and_a_single_point_counts():
+    points = contact(np.array([0.2, 0.9, 1.4]))
+    assert contact_errors(points, points) == (0.0, 0.0, 0.0)
+    one = contact(np.array([1.0]), scale=1.5)
+    assert contact_errors(one, points)[2] == pytest.approx(0.5, rel=0.05)
+    assert all(map(math.isnan, contact_errors(contact(np.empty(0)), points)))
+
+
+def results(folder: Path, end: tuple[float, float], *, steps: int = 2) -> Path:
+    """A folder with a crack along x from 0 to 1 that has grown from its end to `end`."""
+    folder.mkdir()
+    (folder / "case.yaml").write_text("title: a crack\n")
+    (folder / "tips.csv").write_text("step,crack,tip,K_I,K_II\n0,a,end,1.0,2.0\n1,a,end,9.0,9.0\n")
+    (folder / "contact.csv").write_text("step,crack,s,normal_traction,tangential_traction,slip\n")
+    (folder / "steps.csv").write_text("step,strain_energy\n0,4.0\n1,7.0\n")
+    grown = f"a,2,{end[0]},{end[1]},{steps}\n"
+    (folder / "paths.csv").write_text(f"crack,vertex,x,y,step\na,0,0.0,0.0,0\na,1,1.0,0.0,0\n{grown}")
+    return folder
+
+
+def test_paths_are_compared_as_far_as_both_have_grown(tmp_path: Path):
+    long, short = results(tmp_path / "long", (3.0, 0.0)), results(tmp_path / "short", (2.0, 0.01))
+    errors = errors_of(short, long, grows=True)
+    assert errors["path_hausdorff"] == pytest.approx(0.01, rel=1e-4)
+    assert errors["length_error"] == pytest.approx(1.0, rel=1e-4)
+    assert (errors["K_error"], errors["energy_error"]) == (0.0, 0.0)
+    assert math.isnan(errors["pressure_error"])
+
+
+def test_step_that_is_judged(tmp_path: Path):
+    first, last = (results(tmp_path / name, (2.0, 0.0)) for name in ("a", "b"))
+    (last / "steps.csv").write_text("step,strain_energy\n0,4.0\n1,14.0\n")
+    assert errors_of(first, last, grows=True)["energy_error"] == 0.0  # step 0
+    assert errors_of(first, last, grows=False)["energy_error"] == 0.5  # the last load factor

@@ -1,0 +1,212 @@
+"""What a sweep file may say, and what is said of one that is wrong."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from crackgrow.case.model import PointSupport
+from crackgrow.errors import CaseError
+from crackgrow.study.sweep import combinations, plan_sweep, short_names
+from crackgrow.study.sweep_file import SweepFile, read_sweep_file
+
+CASES = Path(__file__).parents[3] / "cases"
+FLAW = CASES / "compression30.yaml"
+ANGLE, FRICTION = "cracks.flaw.path.angle", "cracks.flaw.contact.friction"
+
+
+def written(folder: Path, text: str, base: Path = FLAW) -> Path:
+    path = folder / "study.yaml"
+    path.write_text(f"base: {base}\n{text}", encoding="utf-8")
+    return path
+
+
+def read(folder: Path, text: str) -> SweepFile:
+    return read_sweep_file(written(folder, text))
+
+
+def faults(folder: Path, text: str) -> list[str]:
+    """What is said of a file, without its folder."""
+    with pytest.raises(CaseError) as caught:
+        plan_sweep(written(folder, text))
+    return [str(fault).removeprefix(f"{folder}/") for fault in caught.value.faults]
+
+
+def test_grid_takes_every_combination_the_first_parameter_slowest(tmp_path: Path):
+    file = read(tmp_path, f"parameters: {{{ANGLE}: [20, 30], {FRICTION}: {{from: 0, to: 0.3, n: 4}}}}")
+    expected = [(angle, friction) for angle in ("20", "30") for friction in ("0", "0.1", "0.2", "0.3")]
+    assert combinations(file) == expected
+
+
+def test_zip_takes_first_with_first(tmp_path: Path):
+    file = read(tmp_path, f"design: zip\nparameters: {{{ANGLE}: [20, 30, 20], {FRICTION}: [0.3, 0.2, 0.1]}}")
+    assert combinations(file) == [("20", "0.3"), ("30", "0.2"), ("20", "0.1")]
+
+
+def test_range_on_a_logarithmic_scale_has_equal_ratios_and_keeps_its_unit(tmp_path: Path):
+    file = read(tmp_path, "parameters: {numerics.spacing: {from: 1 mm, to: 8 mm, n: 4, scale: log}}")
+    assert combinations(file) == [("1 mm",), ("2 mm",), ("4 mm",), ("8 mm",)]
+
+
+def test_latin_hypercube_meets_every_part_of_every_range_once(tmp_path: Path):
+    n = 40
+    text = f"""
+design: latin_hypercube
+samples: {n}
+seed: 3
+parameters:
+  {ANGLE}: {{from: 20, to: 60}}
+  numerics.spacing: {{from: 1, to: 100, scale: log}}
+  growth.advance: [all, most_critical]
+"""
+    file = read(tmp_path, text)
+    angle, spacing, advance = zip(*combinations(file), strict=True)
+    parts = (np.array(angle, dtype=float) - 20) / 40, np.log10(np.array(spacing, dtype=float)) / 2
+    for part in parts:
+        assert sorted(np.floor(part * n)) == list(range(n))
+    assert not np.array_equal(np.argsort(parts[0]), np.argsort(parts[1]))
+    assert advance.count("all") == advance.count("most_critical") == n // 2
+    assert combinations(file) == combinations(read(tmp_path, text))
+    assert combinations(file) != combinations(read(tmp_path, text.replace("seed: 3", "seed: 4")))
+
+
+def test_values_of_any_kind_reach_the_case(tmp_path: Path):
+    text = """
+parameters:
+  loads.1.traction: [[0, "0.1 GPa"], [0, 90]]
+  supports.2.displacement: [{x: 0}, {x: "0.001*y", y: 0}]
+set: {title: "a, b: [c]"}
+"""
+    cases = [run.case for run in plan_sweep(written(tmp_path, text)).runs]
+    assert [case.resolved["loads"][1]["traction"] for case in cases if case] == [[0, 1e8], [0, 1e8], [0, 9e7], [0, 9e7]]
+    up = np.array([[0.0, 2.0]])
+    held = [case.supports[2].displacement for case in cases if case and isinstance(case.supports[2], PointSupport)]
+    assert held[0] == held[2] == (0.0, None)
+    assert all(not isinstance(x, float) and x is not None and x(up) == 0.002 and y == 0.0 for x, y in held[1::2])
+    assert {case.title for case in cases if case} == {"a, b: [c]"}
+
+
+def test_runs_keep_only_tables_unless_asked(tmp_path: Path):
+    text = f"parameters: {{{ANGLE}: [30]}}\n"
+    for more, frames, figures in (("", "none", False), ("output: {frames: first_and_last}", "first_and_last", False)):
+        case = plan_sweep(written(tmp_path, text + more)).runs[0].case
+        assert case is not None
+        assert (case.output.frames, case.output.figures, case.output.report) == (frames, figures, False)
+
+
+def test_all_faults_of_a_file_are_told_at_once_with_their_lines(tmp_path: Path):
+    text = f"""parametres: {{}}
+parameters:
+  {ANGLE}: []
+  {FRICTION}: {{from: 0, to: 0.5, m: 3}}
+  numerics.spacing: {{from: 1 mm, to: 2, n: 2}}
+  numerics.support: {{from: 0, to: 2, n: 2, scale: log}}
+desing: zip
+output: {{frames: never}}
+"""
+    told = faults(tmp_path, text)
+    starts = [
+        "study.yaml:2: parametres: unknown key",
+        f"study.yaml:4: parameters.{ANGLE}: an empty list given",
+        f"study.yaml:5: parameters.{FRICTION}.m: unknown key",
+        "study.yaml:6: parameters.numerics.spacing: from has the unit 'mm', to has ''",
+        "study.yaml:7: parameters.numerics.support: scale: log needs",
+        "study.yaml:8: desing: unknown key",
+        "study.yaml:9: output.frames: 'never' is not one of",
+    ]
+    assert len(told) == len(starts)
+    for line, start in zip(told, starts, strict=True):
+        assert line.startswith(start)
+    assert told[5].endswith("did you mean 'design'?")
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (f"parameters: {{{ANGLE}: [30, 30]}}", "has the value 30 twice"),
+        (f"parameters: {{{ANGLE}: {{from: 1, to: 2}}}}", "missing: the number of values from 1 to 2"),
+        (f"design: zip\nparameters: {{{ANGLE}: [1, 2], {FRICTION}: [0]}}", f"{ANGLE}: 2, {FRICTION}: 1"),
+        (f"samples: 3\nparameters: {{{ANGLE}: [30]}}", "is for design: latin_hypercube; this is a grid"),
+        (f"design: latin_hypercube\nparameters: {{{ANGLE}: [30]}}", "missing: a Latin hypercube needs"),
+        (f"parameters: {{{ANGLE}: [30]}}\nset: {{{ANGLE}: 40}}", "is a parameter too"),
+        (f"parameters: {{{ANGLE}: {{from: 1, to: 60, n: 10001}}}}", "this makes 10001 runs; at most 10000"),
+        ("parameters: {}", "parameters: a mapping given"),
+    ],
+)
+def test_what_makes_no_sense_is_refused(tmp_path: Path, text: str, message: str):
+    told = faults(tmp_path, text)
+    assert len(told) == 1
+    assert message in told[0]
+
+
+def test_missing_base_case_suggests_a_near_name(tmp_path: Path):
+    path = written(tmp_path, f"parameters: {{{ANGLE}: [30]}}", base=CASES / "compresion30.yaml")
+    with pytest.raises(
+        CaseError, match=r"study.yaml:1: base: there is no case file .*did you mean 'compression30.yaml'"
+    ):
+        plan_sweep(path)
+
+
+def test_key_that_no_combination_can_set_is_a_fault_of_the_file(tmp_path: Path):
+    told = faults(tmp_path, f"parameters:\n  {ANGLE}: [20, 30]\n  cracks.flaw.contact.fricton: [0, 0.1]\n")
+    assert len(told) == 1
+    assert told[0].startswith("study.yaml:4: cracks.flaw.contact.fricton: unknown key")
+
+
+def test_refused_combinations_are_part_of_the_plan_with_their_reason(tmp_path: Path):
+    plan = plan_sweep(written(tmp_path, f"parameters: {{{FRICTION}: [0, -1, 0.2]}}"))
+    assert [run.case is None for run in plan.runs] == [False, True, False]
+    assert plan.runs[1].refusal.startswith(f"{FRICTION}: '-1' is out of range")
+    assert [run.refusal for run in plan.runs if run.case] == ["", ""]
+
+
+def test_sweep_of_which_every_combination_is_refused_tells_all_reasons(tmp_path: Path):
+    told = faults(tmp_path, f"parameters: {{{FRICTION}: [-1, -2]}}")
+    assert [line.split("'")[1] for line in told] == ["-1", "-2"]
+    assert all(line.startswith("study.yaml:2: ") for line in told)
+
+
+def test_response_that_is_no_column_is_refused(tmp_path: Path):
+    told = faults(tmp_path, f"parameters: {{{ANGLE}: [30]}}\nresponses: [steps, flaw.end.K_III_first]")
+    assert len(told) == 1
+    assert told[0].startswith("study.yaml:3: responses.1: 'flaw.end.K_III_first' is no column")
+
+
+def test_names_are_as_short_as_they_can_be(tmp_path: Path):
+    keys = ("cracks.a.path.angle", "cracks.b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
+    assert short_names(keys) == ("a.path.angle", "b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
+    assert short_names((ANGLE, FRICTION)) == ("angle", "friction")
+    assert short_names(("growth.steps",)) == ("growth.steps",)  # steps is a column of its own
+    plan = plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {{from: 0, to: 1, n: 4}}}}"), tmp_path)
+    assert [run.folder.name for run in plan.runs][1] == "angle=0.333333"
+    assert plan.runs[1].values == ("0.333333333333",)
+
+
+def test_each_run_is_held_against_the_same_one_with_finer_values(tmp_path: Path):
+    """One reference for each friction, none for what is no case, and keys of it that no case has are faults."""
+    text = f"parameters: {{numerics.spacing: [4, 3], {FRICTION}: [0, -1, 0.3]}}\nreference: {{numerics.spacing: 2}}"
+    plan = plan_sweep(written(tmp_path, text), tmp_path)
+    assert [run.name for run in plan.runs[6:]] == ["reference spacing=2 friction=0", "reference spacing=2 friction=0.3"]
+    assert [run.reference for run in plan.runs] == [6, None, 7, 6, None, 7, None, None]
+    assert [run.case.numerics.spacing for run in plan.runs if run.case] == [4e-3, 4e-3, 3e-3, 3e-3, 2e-3, 2e-3]
+    assert plan.asked == plan.runs[:6]
+    told = faults(tmp_path, f"parameters: {{{ANGLE}: [20]}}\nreference: {{numerics.spacng: 2}}")
+    assert len(told) == 1
+    assert told[0].startswith("study.yaml:3: numerics.spacng: unknown key")
+
+
+def test_more_values_leave_the_folders_of_runs_as_they_are(tmp_path: Path):
+    few, more = (
+        plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {values}}}"), tmp_path)
+        for values in ("[30, 60]", "[15, 30, 45, 60]")
+    )
+    assert [run.folder for run in few.runs] == [more.runs[1].folder, more.runs[3].folder]
+
+
+def test_shipped_sweep_has_24_runs_that_are_cases():
+    plan = plan_sweep(CASES / "sweeps" / "angle_friction.yaml")
+    assert len(plan.runs) == len({run.folder for run in plan.runs}) == 24
+    assert all(run.case is not None and run.case.growth is not None for run in plan.runs)
+    assert all(run.case.numerics.auto_rule is not None for run in plan.runs if run.case)

@@ -1,0 +1,305 @@
+"""Real, short sweeps: rows are those of single runs, and what breaks is told, and completed when it is gone on with."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from types import SimpleNamespace
+
+import dask
+import pytest
+from distributed import Client, LocalCluster
+
+import crackgrow
+from crackgrow import cli
+from crackgrow.case import load_case
+from crackgrow.errors import CaseError
+from crackgrow.study import workers
+from crackgrow.study.plan import Study
+from crackgrow.study.sweep import plan_sweep, sweep
+from crackgrow.study.table import Row, Values
+from crackgrow.study.workers import ClusterError
+from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, ROOT, process_of
+
+SHIPPED = "cases/sweeps/angle_friction.yaml"
+SHORT = "growth.steps: 1"
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def written(folder: Path, friction: str = "[0, -1, 0.3]", settings: str = SHORT) -> Path:
+    """A sweep over friction; a negative one is refused."""
+    path = folder / "study.yaml"
+    path.write_text(
+        f"base: {FLAW}\nset: {{numerics.spacing: 4, {settings}}}\n"
+        f"parameters: {{cracks.flaw.contact.friction: {friction}}}\n"
+    )
+    return path
+
+
+LASTING = ", ".join(setting.replace("=", ": ") for setting in LONG if setting.startswith("growth"))
+
+
+def tables(folder: Path) -> dict[str, str]:
+    return {name: (folder / name).read_text() for name in ("tips.csv", "paths.csv", "contact.csv", "case.yaml")}
+
+
+def alone(plan: Study, number: int, folder: Path) -> dict[str, str]:
+    """The tables of a run without any study."""
+    run = plan.runs[number]
+    crackgrow.run_case(load_case(run.file.path, run.file.overrides), folder)
+    return tables(folder)
+
+
+@pytest.fixture(scope="module")
+def address() -> Iterator[str]:
+    """A scheduler with two workers, as another program would offer it."""
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.admin.tick.limit": "1h"}),
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+    ):
+        yield cluster.scheduler_address
+
+
+def test_command_line_runs_what_is_missing_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    path, out = written(tmp_path), tmp_path / "out"
+    command = ["sweep", str(path), "--out", str(out), "--workers", "2", "--memory", "2GB"]
+    assert cli.main(command) == 0
+    told, complaints = capfd.readouterr()
+    assert complaints == ""
+    assert "[3/3]" in told
+    assert "001 friction=-1: refused: cracks.flaw.contact.friction: '-1' is out of range" in told
+    assert "2 runs done, 1 not" in told
+    rows = rows_of(out / "sweep.csv")
+    assert [row["status"] for row in rows] == ["completed", "refused", "completed"]
+    assert float(rows[0]["cpu_seconds"]) > 0.0
+    assert (out / "sweep.png").exists()
+    assert not (out / "friction=0" / "frames").exists()
+    plan = plan_sweep(path, out)
+    assert tables(plan.runs[2].folder) == alone(plan, 2, tmp_path / "alone")
+
+    when = (plan.runs[0].folder / "summary.json").stat().st_mtime_ns
+    summary = plan.runs[2].folder / "summary.json"
+    summary.write_text(summary.read_text().replace('"status": "completed"', '"status": "running"'))
+    assert cli.main([*command, "--resume"]) == 0
+    told, complaints = capfd.readouterr()
+    assert complaints == ""
+    assert "2 runs done, 1 of them done before, 1 not" in told
+    assert "000 friction=0" not in told
+    assert (plan.runs[0].folder / "summary.json").stat().st_mtime_ns == when
+    spent = ("seconds", "cpu_seconds", "peak_memory_mb")
+    before, again = ([{**row, **dict.fromkeys(spent)} for row in found] for found in (rows, rows_of(out / "sweep.csv")))
+    assert again == before
+
+
+def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path, out = written(tmp_path), tmp_path / "out"
+    assert cli.main(["sweep", str(path), "--out", str(out), "--list"]) == 0
+    commands, complaints = capsys.readouterr()
+    assert "friction=-1: refused" in complaints
+    assert not out.exists()
+    for command in commands.splitlines():
+        subprocess.run(command, shell=True, check=True, env=ENVIRONMENT, cwd=tmp_path)
+    plan = plan_sweep(path, out)
+    assert [row.new for row in sweep(plan, resume=True) if row.done] == [False, False]
+    assert [row["status"] for row in rows_of(out / "sweep.csv")] == ["completed", "refused", "completed"]
+
+
+@pytest.mark.parametrize(("status", "code"), [("failed", 3), ("arrested", 0)])
+def test_exit_code_tells_whether_any_run_is_done(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, status: str, code: int
+) -> None:
+    def ended(plan: Study, **_: object) -> Iterator[Row]:
+        values: Values = {"status": status, "reason": "so", "steps": 1, "seconds": 1.0, "peak_memory_mb": 1.0}
+        yield Row(plan.runs[0], values, True)
+
+    monkeypatch.setattr("crackgrow.sweep", ended)
+    assert cli.main(["sweep", str(written(tmp_path, "[0]")), "--out", str(tmp_path)]) == code
+
+
+@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"])
+def test_a_scheduler_s_address_without_a_port_is_refused_at_once(scheduler: str, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    assert cli.main(["sweep", str(written(tmp_path)), "--scheduler", scheduler, "--out", str(out)]) == 2
+    assert f"--scheduler: '{scheduler}' is no address of a scheduler; wanted: such as tcp://" in capsys.readouterr().err
+    assert not out.exists()
+
+
+@pytest.mark.parametrize("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"])
+def test_a_memory_that_no_machine_has_is_refused(memory: str, tmp_path: Path, capsys) -> None:
+    out = tmp_path / "out"
+    assert cli.main(["sweep", str(written(tmp_path)), f"--memory={memory}", "--out", str(out)]) == 2
+    assert f"--memory: '{memory}' is " in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
+    """And a value that has no letter in it has a name of a folder."""
+    path = tmp_path / "study.yaml"
+    flaw = "{flaw: {path: {center: [0, 0], length: 10, angle: 30}, tips: both, contact: {friction: 0, cohesion: 0}}}"
+    scene = f"base: {FLAW}\nset: {{numerics.spacing: 4, growth.steps: 0}}\n"
+    path.write_text(f"{scene}parameters: {{cracks: [{{}}, {flaw}]}}\n")
+    rows = sorted(sweep(plan_sweep(path, tmp_path / "out"), workers=1), key=lambda row: row.run.number)
+    assert [row.values["status"] for row in rows] == ["completed"] * 2
+    without, with_flaw = (str(row.values["reason"]) for row in rows)
+    assert without == "the static solve is done"
+    assert with_flaw.startswith(f"{without}; the most critical is at ")
+    assert rows[0].run.folder.name == "cracks=none"
+    assert (tmp_path / "out" / "sweep.png").is_file()
+
+
+def test_workers_are_not_asked_for_beside_a_scheduler(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        cli.main(["sweep", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"])
+    assert stopped.value.code == 2
+    assert "--scheduler: not allowed with argument --workers" in capsys.readouterr().err
+
+
+def test_memory_that_the_system_does_not_bound_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "platform", "darwin")
+    with pytest.raises(CaseError, match="--memory: only Linux bounds the memory of a process"):
+        next(sweep(plan_sweep(written(tmp_path), tmp_path), memory="1GB"))
+
+
+@pytest.mark.parametrize("scheduled", [True, False])
+def test_killed_runs_are_told_and_gone_on_with(scheduled: bool, address: str, tmp_path: Path) -> None:
+    """To the same digits as without a break."""
+    plan = plan_sweep(written(tmp_path, "[0, 0.1]", LASTING), tmp_path / "out")
+    where = {"scheduler": address} if scheduled else {"workers": 2}
+    killer = threading.Thread(target=lambda: os.kill(process_of(plan.runs[0].folder), signal.SIGKILL))
+    killer.start()
+    rows = {row.run.number: row.values for row in sweep(plan, **where)}  # type: ignore[arg-type]
+    killer.join()
+    assert [rows[number]["status"] for number in range(2)] == ["failed", "completed"]
+    assert str(rows[0]["reason"]).startswith("killed by SIGKILL")
+    assert [row["status"] for row in rows_of(plan.folder / "sweep.csv")] == ["failed", "completed"]
+    assert [row.new for row in sweep(plan, **where, resume=True)] == [False, True]  # type: ignore[arg-type]
+    assert [row["status"] for row in rows_of(plan.folder / "sweep.csv")] == ["completed", "completed"]
+    assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
+    assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
+
+
+def test_a_run_that_is_out_of_memory_is_told(tmp_path: Path) -> None:
+    """The linear algebra of many points takes more than the rest of them."""
+    path = tmp_path / "study.yaml"
+    path.write_text(f"base: {FLAW}\nset: {{growth.steps: 0}}\nparameters: {{numerics.spacing: [4, 0.1]}}\n")
+    rows = {row.run.number: row.values for row in sweep(plan_sweep(path, tmp_path / "out"), memory="600MB")}
+    assert [rows[number]["status"] for number in range(2)] == ["completed", "failed"]
+    assert str(rows[1]["reason"]).startswith("out of memory")
+
+
+def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path: Path) -> None:
+    plan = plan_sweep(written(tmp_path, "[0]", LASTING), tmp_path / "out")
+
+    def kill() -> None:
+        process_of(plan.runs[0].folder)
+        busy = next(worker for worker, keys in client.processing().items() if keys)
+        os.kill(client.run(os.getpid)[busy], signal.SIGKILL)
+
+    killer = threading.Thread(target=kill)
+    with Client(address, set_as_default=False) as client:
+        killer.start()
+        rows = list(sweep(plan, scheduler=address))
+        killer.join()
+    assert [row.values["status"] for row in rows] == ["completed"]
+    assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
+
+
+def test_sweep_that_is_left_ends_its_runs_at_once(tmp_path: Path) -> None:
+    rows = sweep(plan_sweep(written(tmp_path, "[-1, 0, 0.1]", LASTING), tmp_path), workers=2)
+    next(rows)
+    began = time.monotonic()
+    rows.close()  # type: ignore[attr-defined]
+    assert time.monotonic() - began < PATIENCE / 2
+
+
+def test_recipe_for_slurm_needs_no_more_of_its_cluster_than_an_address(
+    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The script of the README, with the workers of this machine in place of SLURM's."""
+
+    class Cluster:
+        scheduler_address = address
+
+        def __init__(self, **settings: object) -> None:
+            assert settings["cores"] == settings["processes"] == 1
+
+        def __enter__(self) -> Cluster:
+            return self
+
+        def __exit__(self, *_: object) -> None:
+            pass
+
+        def scale(self, jobs: int) -> None:
+            assert jobs > 0
+
+    scripts = (ROOT / "cases/sweeps/README.md").read_text(encoding="utf-8").split("```text\n")[1:]
+    script = next(text for text in scripts if "SLURMCluster" in text).split("```")[0]
+    monkeypatch.setitem(sys.modules, "dask_jobqueue", SimpleNamespace(SLURMCluster=Cluster))
+    monkeypatch.chdir(tmp_path)
+    assert script.count(SHIPPED) == 1
+    exec(script.replace(SHIPPED, str(written(tmp_path, "[0.3]"))), {"__name__": "__main__"})
+    assert capsys.readouterr().out == "friction=0.3 completed\n"
+    assert (tmp_path / "outputs" / "study" / "sweep.csv").exists()
+
+
+def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = plan_sweep(written(tmp_path, "[0, -1]"), tmp_path)
+    for path in (tmp_path / "sweep.csv", plan.runs[0].folder / "summary.json"):
+        path.parent.mkdir(exist_ok=True)
+        path.write_text("earlier")
+    monkeypatch.setattr(workers, "CONNECT", "0.2s")
+    with pytest.raises(ClusterError, match=r"no Dask scheduler at tcp://127\.0\.0\.1:9"):
+        list(sweep(plan, scheduler="tcp://127.0.0.1:9"))
+    monkeypatch.setattr(workers, "find_spec", lambda name: None)
+    with pytest.raises(ClusterError, match=r"needs Dask, .* pip install 'crackgrow\[sweep\]'"):
+        list(sweep(plan, scheduler="tcp://127.0.0.1:9"))
+    assert (tmp_path / "sweep.csv").read_text() == (plan.runs[0].folder / "summary.json").read_text() == "earlier"
+
+
+def test_folders_with_files_of_somebody_else_or_of_another_case(tmp_path: Path) -> None:
+    """The first fails its own run alone, the second is replaced, also by a study that goes on."""
+    plan = plan_sweep(written(tmp_path, "[0, 0.1, 0.2]"), tmp_path)
+    own = plan.runs[1].folder / "paths.csv"
+    own.parent.mkdir()
+    own.write_text("digitised")
+    alone(plan, 0, plan.runs[2].folder)
+    found = {row.run.number: row.values for row in sweep(plan, resume=True)}
+    assert [found[number]["status"] for number in range(3)] == ["completed", "failed", "completed"]
+    assert "would be replaced" in str(found[1]["reason"])
+    assert own.read_text() == "digitised"
+    assert found[2]["flaw.end.K_II_first"] != found[0]["flaw.end.K_II_first"]
+
+
+@pytest.mark.slow
+def test_interrupted_sweep_leaves_a_whole_table_and_says_how_to_go_on(tmp_path: Path) -> None:
+    path, out = written(tmp_path, "[0, 0.1, 0.2]", "growth.steps: 6"), tmp_path / "out"
+    command = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
+    process = subprocess.Popen(
+        command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    assert process.stdout is not None
+    for line in process.stdout:
+        if line.startswith("[1/3]"):
+            break
+    os.killpg(process.pid, signal.SIGINT)  # as a terminal does
+    _, complaints = process.communicate(timeout=PATIENCE)
+    assert process.returncode == 130
+    assert complaints.splitlines() == [
+        f"crackgrow: interrupted, what has ended is in {out}; go on with: {' '.join(command)} --resume"
+    ]
+    rows = rows_of(out / "sweep.csv")
+    assert [row["status"] for row in rows] == ["completed", "waiting", "waiting"]
+    done = subprocess.run([*command, "--resume"], env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert [row["status"] for row in rows_of(out / "sweep.csv")] == 3 * ["completed"]
