@@ -61,8 +61,8 @@ def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
         shown = pixels(path)[140:420, 110:230]  # the middle of the rock
         return float((shown == behind).all(axis=2).mean())
 
-    assert share_open(0.0) == 0.0
-    assert 0.0 < share_open(10.0) < share_open(30.0)
+    assert share_open(10.0) < share_open(30.0)
+    assert share_open(0.0) < 0.05 * share_open(10.0)  # colours may mix to that of the background in a pixel
 
 
 @pytest.mark.parametrize("field", ["displacement", "sigma_3", "stress_xy", "body", "energy_error"])
