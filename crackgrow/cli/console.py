@@ -57,7 +57,7 @@ def count(text: str) -> int:
 def spelled(*words: str) -> str:
     """A command of this program, as the user would type it."""
     script = Path(sys.argv[0]).name == "crackgrow"
-    program = [sys.argv[0]] if script else [sys.executable, "-m", "crackgrow"]
+    program = [str(Path(sys.argv[0]).resolve())] if script else [sys.executable, "-m", "crackgrow"]
     return shlex.join([*program, *words])
 
 

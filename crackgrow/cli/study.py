@@ -136,7 +136,7 @@ TRADE_EXAMPLES = """\
 Settings are presets or targets of the error of K, the coarsest first. Results are in trade.csv, trade.png and
 convergence.csv. To vary other keys of a case, and hold runs against finer ones, use `crackgrow sweep` with `reference`.
 
-exit codes: 0 the case's own setting is good enough; 2 the case is wrong; 3 a setting has no first step; 4 it is not.
+exit codes: 0 the case's own setting is good enough; 2 the case is wrong; 3 a run has not ended; 4 it is not.
 
 examples:
   crackgrow trade cases/compression30.yaml --steps 4

@@ -38,10 +38,10 @@ def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
 def towards(
     problem: ContactProblem, begin: ContactProblem, left: float, active: ActiveSet, x: Floats
 ) -> tuple[Floats, Floats, float]:
-    """The unknowns x (2 n + l,) of an active set to the last digit, the way that they go, and how `left` changes on it.
+    """The tractions x (2 n,) of an active set to the last digit, the way that they go, and how `left` changes on it.
 
-    Free jumps and pulls are those of the problem and a share `left` of what they lack of those at the `begin`. Where
-    nothing that is closed sees a motion, or points share a traction in any way, they change alone.
+    Free jumps are those of the problem and a share `left` of what they lack of those at the `begin`. Where points share
+    a traction in any way tractions change alone.
     """
     K, right, unknowns = _equations(problem, active)
     other = _equations(begin, active)[1] - right

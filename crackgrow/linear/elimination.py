@@ -14,12 +14,11 @@ from crackgrow.compiled import add_product, add_square, cholesky, dependent_of, 
 
 ROUND_OFF = 1e-13
 """Of its entry on the diagonal: a pivot below is what round-off has left of zero. So it is with slivers of rock between
-a crack and an outline, or with many functions on little rock, which then depend on each other, and with constraints
-that repeat others."""
+a crack and an outline, or with many functions on little rock, which then depend on each other."""
 
 DEPENDENT = 1e-11
 """Of its entry on the diagonal, when the largest pivots come first: a smaller pivot is that of a function that depends
-on others, or of a constraint that repeats others."""
+on others, or of a constraint that repeats others of its front."""
 
 STIFF = 1e100
 """Times its entry on the diagonal: what is held like this does not move."""
@@ -106,7 +105,7 @@ def eliminate(U: Floats, V: Floats, C: Floats, size: Floats, n_placed: int, care
     """Replace U and V by the rows of L', C by what is left; `size` (n_placed,) are of the diagonal of functions.
 
     False, with nothing of use, where a pivot is round-off. If it is `careful` functions that depend on others are held
-    at zero before, as multipliers of constraints that repeat others always are: what the others give is the solution.
+    at zero before, as multipliers of constraints that repeat others of the front always are: the others give all.
     """
     p, k = len(U), n_placed
     own, beside = U[:k, :k], U[:k, k:]
@@ -141,7 +140,7 @@ def _is_factorized(matrix: Floats, size: Floats) -> bool:
     """Replace the upper triangle by its Cholesky factor; False where a pivot is round-off of its `size`."""
     if cholesky(matrix) != 0:
         return False
-    return not np.any(np.diag(matrix) ** 2 < ROUND_OFF * size)
+    return bool(np.all(np.diag(matrix) ** 2 >= ROUND_OFF * size))  # false for what is not a number
 
 
 @kernel

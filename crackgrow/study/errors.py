@@ -120,18 +120,18 @@ def _lengths(s: Floats) -> Floats:
 
 def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
     """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
-    if not any(_has_grown(folder) for folder in (run, reference)):
-        return math.nan, math.nan, math.nan
+    both = run, reference
+    if not all(RunFolder(folder).n_rows("paths") for folder in both) or not any(map(_has_grown, both)):
+        return math.nan, math.nan, math.nan  # without cracks, or growth
     pairs = [pair for pair in compare_paths(run, reference).pairs if pair.part in ("start", "end")]
     common = [pair.common.deviation for pair in pairs if pair.common is not None]
     hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
     frechet = max((deviation.frechet for deviation in common), default=math.nan)
-    return hausdorff, frechet, max(abs(pair.length_a - pair.length_b) for pair in pairs)
+    lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)
+    return hausdorff, frechet, lengths
 
 
 def _has_grown(folder: Path) -> bool:
-    if not RunFolder(folder).n_rows("paths"):
-        return False  # a scene without cracks
     lines = read_paths(folder).cracks.values()
     return any(line.steps is not None and line.steps.max() > 0 and line.length > 0 for line in lines)
 

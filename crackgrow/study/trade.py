@@ -27,7 +27,7 @@ def trade(
 
     workers: processes of this machine; with one the seconds are those of a run alone. The rest as for `sweep`.
 
-    Raises what `sweep` raises, and SolveError where a run has no first step: then there is nothing to compare.
+    Raises what `sweep` raises, and SolveError where a run has not come to its end: what it lacks would not be compared.
     """
     there = Workers.of(workers, scheduler, memory, timeout)
     study = plan.study
@@ -35,9 +35,9 @@ def trade(
         table = yield from run_study(study, there, resume)
         for run in study.runs:
             row = table.row(run)
-            if row.get("n_dofs") is None:
+            if not table.done(run):
                 what = f"the run '{run.name}' is {row['status']}: {row['reason']}"
-                raise SolveError(f"{what}; mend that and --resume, or ask for other settings by --at")
+                raise SolveError(f"{what}; mend that and --resume, or ask for fewer --steps, or other settings by --at")
         found = findings(plan)
         for run in study.runs:
             table.found[run.number] |= trade_values(found)[run.name]

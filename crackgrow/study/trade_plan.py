@@ -14,6 +14,7 @@ from crackgrow.case.accuracy import TARGETS
 from crackgrow.case.declared import keys_of
 from crackgrow.case.model import ContactNumerics, Numerics
 from crackgrow.errors import CaseError, Fault
+from crackgrow.geometry.tolerance import SAME_PART
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
 
 OWN: Final = "own"
@@ -120,13 +121,15 @@ def _increments(file: CaseFile, base: Case, lengths: Sequence[str]) -> dict[str,
         if tuple(lengths) not in ((HALF,), (NONE,)):
             raise CaseError.at("--increments", "the case does not grow: it has no increments")
         return {}
-    found = {}
+    found: dict[str, tuple[float, tuple[str, ...]]] = {}
     for text in () if tuple(lengths) == (NONE,) else lengths:
         length = f"{0.5 * growth.increment!r} m" if text == HALF else text
         case, faults = file.tried(f"growth.increment={length}")
         if case is None or case.growth is None:
             raise CaseError([Fault("--increments", None, "", f.message) if f.key == "growth.increment" else f
                              for f in faults])  # fmt: skip
+        if case.growth.increment > (1.0 - SAME_PART) * growth.increment:
+            raise CaseError.at("--increments", f"{text} given; wanted: shorter than the case's own one")
         n_steps = math.ceil(growth.steps * growth.increment / case.growth.increment - 1e-9)
         found[f"{text} increment"] = case.growth.increment, (f"growth.increment={length}", f"growth.steps={n_steps}")
     return {name: found[name][1] for name in sorted(found, key=lambda name: -found[name][0])}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import ctypes
+import math
 import os
 import re
 import signal
@@ -26,7 +27,7 @@ ROOT: Final = Path(__file__).resolve().parents[2]  # that the package is importe
 POLL: Final = 0.05  # s, between looks at whether a process has ended
 TRIM: Final = "MALLOC_TRIM_THRESHOLD_"  # Dask sets it so low for its workers that runs take half as long again
 CONNECT: Final = "15s"
-LEAST_MEMORY: Final = 200_000_000  # bytes: the program and its libraries alone take about so much
+LEAST_MEMORY: Final = 400_000_000  # bytes: of less a run may take too little data to begin (`cli.LEAST`), measured
 MOST_MEMORY: Final = 2**60  # bytes: no machine has more, and systems count no further than 2^63
 DATA_PART: Final = 0.8  # of the memory that a run's data may take: the rest is for programs and libraries
 END_WITH_STARTER: Final = 1  # PR_SET_PDEATHSIG of Linux
@@ -62,6 +63,8 @@ class Workers:
             raise CaseError.at("--memory", "only Linux bounds the memory of a process; leave it out here")
         if scheduler is not None and find_spec("distributed") is None:
             raise ClusterError("--scheduler needs Dask, not installed here: pip install 'crackgrow[sweep]'")
+        if timeout is not None and not 0.0 < timeout < math.inf:
+            raise CaseError.at("--timeout", f"{timeout:g} given; wanted: seconds, more than 0")
         return cls(number or available_cores(), scheduler, None if memory is None else bytes_of(memory), timeout)
 
     @contextlib.contextmanager
@@ -170,7 +173,7 @@ def bytes_of(memory: str) -> int:
     if size > MOST_MEMORY:
         raise CaseError.at("--memory", f"'{memory}' is more than a machine can have; {wanted}")
     if size < LEAST_MEMORY:
-        least = f"a worker takes {LEAST_MEMORY // 10**6} MB at least"
+        least = f"a run takes {LEAST_MEMORY // 10**6} MB at least"
         raise CaseError.at("--memory", f"'{memory}' is {size:.0f} bytes; {least}; {wanted}")
     return int(size)
 

@@ -113,6 +113,13 @@ def test_constraints_that_contradict_are_refused_whatever_acts_besides(load: flo
     assert np.isfinite(u).all()
 
 
+def test_a_contradiction_is_not_hidden_by_what_other_constraints_prescribe() -> None:
+    """One unknown is given two values, and another one a far larger value."""
+    constraints = csr_array(np.eye(N)[[0, 0, 3]])
+    with pytest.raises(SolveError, match="contradict each other"):
+        ConstrainedSystem(definite(45), constraints).solve(np.zeros(N), np.array([1.0, 2.0, 1e7]))
+
+
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("given", [0.0, 1e-12])
 def test_constraints_that_take_all_loads_do_not_contradict(given: float, seed: int) -> None:

@@ -97,3 +97,12 @@ def test_step_that_is_judged(tmp_path: Path):
     (last / "steps.csv").write_text("step,strain_energy\n0,4.0\n1,14.0\n")
     assert errors_of(first, last, grows=True)["energy_error"] == 0.0  # step 0
     assert errors_of(first, last, grows=False)["energy_error"] == 0.5  # the last load factor
+
+
+def test_what_only_one_of_two_has_grown_has_no_distance(tmp_path: Path):
+    """A crack that starts in one of two scenes without any."""
+    grown, bare = (results(tmp_path / name, (2.0, 0.0)) for name in ("a", "b"))
+    (bare / "paths.csv").write_text("crack,vertex,x,y,step\n")
+    for pair in ((grown, bare), (bare, grown)):
+        errors = errors_of(*pair, grows=True)
+        assert all(math.isnan(errors[name]) for name in ("path_hausdorff", "path_frechet", "length_error"))

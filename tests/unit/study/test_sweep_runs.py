@@ -143,6 +143,12 @@ def test_a_memory_that_no_machine_has_is_refused(memory: str, tmp_path: Path, ca
     assert not out.exists()
 
 
+@pytest.mark.parametrize("timeout", ["0", "-5", "nan", "inf"])
+def test_a_time_that_no_run_can_take_is_refused(timeout: str, tmp_path: Path, capsys) -> None:
+    assert cli.main(["sweep", str(written(tmp_path)), f"--timeout={timeout}", "--out", str(tmp_path / "out")]) == 2
+    assert "--timeout: " in capsys.readouterr().err
+
+
 def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
     """And a value that has no letter in it has a name of a folder."""
     path = tmp_path / "study.yaml"

@@ -38,7 +38,7 @@ def test_targets_are_settings_too(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     ("increments", "steps"),
-    [(("half",), [6]), (("2 mm", "1", "4", "0.3"), [2, 3, 6, 20]), (("5 mm",), [2]), (("none",), [])],
+    [(("half",), [6]), (("1.5 mm", "1", "0.3"), [4, 6, 20]), (("none",), [])],
 )
 def test_increments_grow_by_the_same_length(tmp_path: Path, increments: tuple[str, ...], steps: list[int]) -> None:
     """Of three increments of 2 mm; the longest first."""
@@ -53,6 +53,8 @@ def test_increments_grow_by_the_same_length(tmp_path: Path, increments: tuple[st
     ("asked", "key", "words"),
     [
         ({"settings": ("draft", "fine")}, "--at", "three settings"),
+        ({"increments": ("1 mm", "5 mm")}, "--increments", "shorter than the case's own"),
+        ({"increments": ("2 mm",)}, "--increments", "shorter than the case's own"),
         ({"settings": ("draft", "fine", "fine")}, "--at", "three settings"),
         ({"settings": ("draft", "fin", "fine")}, "--at", "fine"),
         ({"settings": ("1%", "3%", "0.3%")}, "--at", "largest error first"),

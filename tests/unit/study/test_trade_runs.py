@@ -51,3 +51,7 @@ def test_a_setting_without_a_first_step_is_told_and_run_again(tmp_path: Path) ->
     with pytest.raises(SolveError, match=r"'draft' is failed: not done after 0\.01 s; mend that and --resume"):
         list(trade(plan, timeout=0.01))
     assert [row.done for row in trade(plan, resume=True)] == [True, True, True]
+    summary = tmp_path / "out" / "draft" / "summary.json"
+    summary.write_text(summary.read_text().replace('"completed"', '"failed"'))
+    with pytest.raises(SolveError, match=r"'draft' is failed: .*; mend that and --resume"):  # though it has steps
+        list(trade(plan, resume=True, timeout=0.01))
