@@ -9,18 +9,14 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
-from crackgrow.run import grow
+from crackgrow.run.loop import grow, through
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 
 
 def whole_run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
     """The results of all steps, of those from a `checkpoint` on if there is one, and why the run ended."""
-    results, steps = [], grow(case, checkpoint)
-    while True:
-        try:
-            results.append(next(steps))
-        except StopIteration as stop:
-            return results, stop.value
+    results: list[StepResult] = []
+    return results, through(grow(case, checkpoint), results.append)
 
 
 def steps_of(text: str, *settings: str) -> list[StepResult]:

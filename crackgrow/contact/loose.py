@@ -9,7 +9,7 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.problem import ContactProblem
+from crackgrow.contact.problem import ContactProblem, Motions
 
 UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
@@ -23,7 +23,7 @@ def settled(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats],
     if problem.motions is None:
         return problem, np.array
     B, F, A, m = problem.motions.jump, problem.motions.force, problem.compliance, problem.free.size
-    balance = np.linalg.pinv(F @ B, rcond=UNSEEN, hermitian=True)  # with W the projection is one of symmetric A W^-1
+    balance = balancing(problem.motions)  # with W the projection is one of symmetric A W^-1
     moving, pushed = balance @ (F @ A), (A @ B) @ balance
     pushed -= B @ (moving @ B @ balance)
     softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
@@ -32,6 +32,11 @@ def settled(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats],
     moved = balance @ (F @ free)
     other = replace(problem, compliance=A - B @ moving - pushed @ F, free=free - B @ moved)
     return other, lambda x: np.append(x[:m], x[m:] + moving @ x[:m] - moved)
+
+
+def balancing(motions: Motions) -> Floats:
+    """Amplitudes (l, l) of motions whose jumps, as tractions, are a unit of force on each of them; pseudoinverse."""
+    return np.asarray(np.linalg.pinv(motions.force @ motions.jump, rcond=UNSEEN, hermitian=True))
 
 
 def split(jump: Floats) -> tuple[Floats, Floats]:

@@ -19,7 +19,7 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.continuation import followed
 from crackgrow.contact.coulomb import ActiveSet, active_set, project
 from crackgrow.contact.equations import solve_active
-from crackgrow.contact.loose import UNSEEN
+from crackgrow.contact.loose import balancing
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
@@ -65,8 +65,7 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
     """
     motions, m, x, iterations = problem.motions, problem.free.size, found.unknowns, found.iterations
     assert motions is not None
-    balance = np.linalg.pinv(motions.force @ motions.jump, rcond=UNSEEN, hermitian=True)
-    soft = SOFT * float(np.median(problem.scale)) * balance  # (l, l) m per N/m
+    soft = SOFT * float(np.median(problem.scale)) * balancing(motions)  # (l, l) m per N/m
     best, least = found, as_far(problem)
     for _ in range(MOST_SPRINGS):
         still, springs = x[m:] + soft @ motions.pull, motions.jump @ soft @ motions.force

@@ -121,10 +121,8 @@ def eliminate(U: Floats, V: Floats, C: Floats, size: Floats, n_placed: int, care
         between, after = U[k:, k:], V[k:]
         add_square(beside, between, -1.0)
         add_product(beside, V[:k], after, -1.0, True)
-        for row in range(p - k):  # D is -1
-            for column in range(row, p - k):
-                between[row, column] *= -1.0
-            after[row] *= -1.0
+        between *= -1.0  # D
+        after *= -1.0
         met = np.diag(between).copy()
         for i in _hold(between, met):
             after[i] = 0.0

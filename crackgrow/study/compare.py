@@ -14,6 +14,7 @@ from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import QuantityError, Units, parse_quantity
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.polyline import arc_lengths
+from crackgrow.results.folder import RunFolder
 from crackgrow.study.distance import between, farthest, frechet, nearest, overhang, point_at
 from crackgrow.study.path_files import PathLine, PathSet, Tip, read_paths
 
@@ -177,6 +178,16 @@ def compare_paths(
     if tip is not None and shared and not pairs:
         raise CaseError.at("--tip", f"the {tip} has not grown in {a} nor in {b}")
     return Comparison(set_a, set_b, tuple(pairs), only_a, only_b, limit)
+
+
+def grown_pairs(a: Path, b: Path) -> list[Pair]:
+    """The tips that have grown in one of two result folders at least; none where one has no cracks.
+
+    Raises CaseError where paths can't be read.
+    """
+    if not all(RunFolder(folder).n_rows("paths") for folder in (a, b)):
+        return []
+    return [pair for pair in compare_paths(a, b).pairs if pair.part in ("start", "end")]
 
 
 def _tolerance(given: str | float | None, faults: list[Fault]) -> float | None:

@@ -14,8 +14,7 @@ from scipy.interpolate import PchipInterpolator
 
 from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder, TextTable
-from crackgrow.study.compare import compare_paths
-from crackgrow.study.path_files import read_paths
+from crackgrow.study.compare import grown_pairs
 
 ERRORS = (
     "K_error", "K_II_error", "pressure_error", "shear_error", "slip_error", "energy_error",
@@ -120,20 +119,12 @@ def _lengths(s: Floats) -> Floats:
 
 def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
     """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
-    both = run, reference
-    if not all(RunFolder(folder).n_rows("paths") for folder in both) or not any(map(_has_grown, both)):
-        return math.nan, math.nan, math.nan  # without cracks, or growth
-    pairs = [pair for pair in compare_paths(run, reference).pairs if pair.part in ("start", "end")]
+    pairs = grown_pairs(run, reference)
     common = [pair.common.deviation for pair in pairs if pair.common is not None]
     hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
     frechet = max((deviation.frechet for deviation in common), default=math.nan)
     lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)
     return hausdorff, frechet, lengths
-
-
-def _has_grown(folder: Path) -> bool:
-    lines = read_paths(folder).cracks.values()
-    return any(line.steps is not None and line.steps.max() > 0 and line.length > 0 for line in lines)
 
 
 def _judged(run: RunFolder, name: str, grows: bool) -> TextTable:

@@ -15,9 +15,8 @@ from pathlib import Path
 import numpy as np
 
 from crackgrow.case.model import CriticalLoad
-from crackgrow.errors import CaseError
 from crackgrow.results.folder import RunFolder
-from crackgrow.study.compare import compare_paths
+from crackgrow.study.compare import grown_pairs
 from crackgrow.study.extrapolation import distinct, limit_of
 from crackgrow.study.trade_plan import TradePlan
 
@@ -150,10 +149,15 @@ class Findings:
         return self.paths.get(self.plan.increments[-1]) if self.plan.increments else None
 
     @property
+    def moves(self) -> dict[str, Apart]:
+        """What would move the own path, in words, and by how much; as far as it was run."""
+        moves = {"finer cells": self.path_of_cells, "a shorter increment": self.path_of_increments}
+        return {what: apart for what, apart in moves.items() if apart is not None}
+
+    @property
     def paths_good_enough(self) -> bool:
-        """Whether neither the finest cells nor another increment, as far as they were run, move the path by more."""
-        off = [apart.share for apart in (self.path_of_cells, self.path_of_increments) if apart is not None]
-        return max(off, default=0.0) <= self.path_tolerance
+        """Whether nothing of that moves the path by more than it may."""
+        return max((apart.share for apart in self.moves.values()), default=0.0) <= self.path_tolerance
 
     @property
     def good_enough(self) -> bool:
@@ -243,11 +247,7 @@ def _paths(plan: TradePlan, folders: Mapping[str, Path]) -> dict[str, Apart]:
 
 def _apart(first: Path, second: Path) -> Apart | None:
     """How far the paths are apart over what both have grown; None where nothing has grown in both."""
-    try:
-        pairs = compare_paths(first, second).pairs
-    except CaseError:  # a scene without cracks
-        return None
-    grown = [pair.common for pair in pairs if pair.part in ("start", "end") and pair.common is not None]
+    grown = [pair.common for pair in grown_pairs(first, second) if pair.common is not None]
     apart = [(common.deviation.hausdorff, min(common.length_a, common.length_b)) for common in grown]
     if not apart:
         return None

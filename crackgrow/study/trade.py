@@ -39,8 +39,9 @@ def trade(
                 what = f"the run '{run.name}' is {row['status']}: {row['reason']}"
                 raise SolveError(f"{what}; mend that and --resume, or ask for fewer --steps, or other settings by --at")
         found = findings(plan)
+        values = trade_values(found)
         for run in study.runs:
-            table.found[run.number] |= trade_values(found)[run.name]
+            table.found[run.number] |= values[run.name]
         table.write()
         write_text(study.folder / "convergence.csv", convergence_csv(found))
         from crackgrow.study.trade_picture import draw  # here: it loads matplotlib

@@ -60,24 +60,24 @@ def plan_trade(
     increments: lengths, run with as many steps as make the length of the case's own; or "half", or "none"
     steps: growth steps (default: those of the case)
     """
-    given = (*overrides, *(() if steps is None else (f"growth.steps={steps}",)))
-    base = CaseFile(Path(case), tuple(overrides)).load()
-    if steps is not None and (base.growth is None or steps < 0):
-        wanted = "wanted: 0 or more" if base.growth else "the case has no `growth`, so no steps"
-        raise CaseError.at("--steps", f"{steps} given; {wanted}")
-    file = CaseFile(Path(case), given)
+    file = CaseFile(Path(case), tuple(overrides))
     base = file.load()
-    asked = _settings(file, settings)
-    numerics = base.resolved["numerics"]
-    same = (name for name, cells in asked.items() if file.load(*cells).resolved["numerics"] == numerics)
-    own = next(same, OWN)
+    if steps is not None:
+        if base.growth is None or steps < 0:
+            wanted = "wanted: 0 or more" if base.growth else "the case has no `growth`, so no steps"
+            raise CaseError.at("--steps", f"{steps} given; {wanted}")
+        file = CaseFile(file.path, (*file.overrides, f"growth.steps={steps}"))
+        base = file.load()
+    made = _settings(file, settings)
+    asked = {name: accuracy_overrides(one.numerics.accuracy) for name, one in made.items()}
+    own = next((name for name, one in made.items() if one.resolved["numerics"] == base.resolved["numerics"]), OWN)
     cells = {**asked, **({} if own in asked else {OWN: ()})}
     shorter = {name: (*cells[own], *growth) for name, growth in _increments(file, base, increments).items()}
     names = [*cells, *shorter]
     folder = Path("outputs/trade") / base.name if folder is None else Path(folder)
     runs = []
     for number, (name, words) in enumerate(zip(names, folder_names(names), strict=True)):
-        one = CaseFile(file.path, (*given, *({**cells, **shorter}[name]), *UNWRITTEN))
+        one = CaseFile(file.path, (*file.overrides, *({**cells, **shorter}[name]), *UNWRITTEN))
         runs.append(Run(number, name, folder / words, (name,), one, one.load()))
     study = Study("trade", base.name, base.title, folder, ("setting",), tuple(runs))
     return TradePlan(study, base, tuple(asked), own, tuple(shorter), _tolerance(tolerance))
@@ -96,20 +96,19 @@ def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
     )
 
 
-def _settings(file: CaseFile, names: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """The overrides of the settings asked for, by name."""
+def _settings(file: CaseFile, names: Sequence[str]) -> dict[str, Case]:
+    """The case with the settings asked for, by name."""
     if len(names) < LEAST or len(set(names)) < len(names):
         wanted = "wanted: three settings or more, the coarsest first, such as draft standard fine"
         message = f"{', '.join(names)} given; {wanted}"
         raise CaseError.at("--at", message)
-    found, targets = {}, []
+    found = {}
     for name in names:
         case, faults = file.tried(f"numerics.accuracy={name}")
         if case is None:
             raise CaseError([Fault("--at", None, "", f.message) if f.key == "numerics.accuracy" else f for f in faults])
-        found[name] = accuracy_overrides(case.numerics.accuracy)
-        targets.append(file.load(*found[name]).numerics.target)
-    if any(a <= b for a, b in pairwise(targets)):
+        found[name] = file.load(*accuracy_overrides(case.numerics.accuracy))
+    if any(a <= b for a, b in pairwise(case.numerics.target for case in found.values())):
         raise CaseError.at("--at", f"{', '.join(names)} given; wanted: the largest error first")
     return found
 

@@ -75,11 +75,10 @@ def trade_text(found: Findings, table: Table) -> str:
             "at some tips two settings have the same cells: there errors are those that the run itself states; ask for "
             "settings further apart by --at"
         )
-    cells, increments = found.path_of_cells, found.path_of_increments
-    if cells is not None and increments is not None:
-        moves = {"a shorter increment": increments.distance, "finer cells": cells.distance}
-        (most, far), (least, near) = sorted(moves.items(), key=lambda move: -move[1])
-        lines.append(f"{most} would move the path by {1e3 * far:.2g} mm, {least} by {1e3 * near:.2g} mm")
+    if len(found.moves) > 1:
+        (least, near), (most, far) = sorted(found.moves.items(), key=lambda move: move[1].distance)
+        far_mm, near_mm = 1e3 * far.distance, 1e3 * near.distance
+        lines.append(f"{most} would move the path by {far_mm:.2g} mm, {least} by {near_mm:.2g} mm")
     return "\n".join([*lines, "", verdict(found)])
 
 
@@ -128,14 +127,12 @@ def verdict(found: Findings) -> str:
 
 def _path_off(found: Findings) -> str:
     """What would move the path most, and by how much of it; empty where nothing has grown."""
-    moved = {"finer cells": found.path_of_cells, "a shorter increment": found.path_of_increments}
-    known = {what: apart.share for what, apart in moved.items() if apart is not None}
-    if not known:
+    if not found.moves:
         return ""
-    what = max(known, key=lambda name: known[name])
+    what, apart = max(found.moves.items(), key=lambda move: move[1].share)
     word = "within" if found.paths_good_enough else "more than"
     allowed = f"{100.0 * found.path_tolerance:.3g} %"
-    return f"; {what} would move the path by {100.0 * known[what]:.2g} % of what has grown, {word} {allowed}"
+    return f"; {what} would move the path by {100.0 * apart.share:.2g} % of what has grown, {word} {allowed}"
 
 
 def own_name(plan: TradePlan) -> str:
