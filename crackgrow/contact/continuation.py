@@ -17,7 +17,7 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import ActiveSet
-from crackgrow.contact.equations import solve_active, towards
+from crackgrow.contact.equations import SINGULAR, ActiveEquations, solve_active
 from crackgrow.contact.problem import ContactProblem
 
 MOST_EVENTS: Final = 200
@@ -39,7 +39,7 @@ def followed(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
     begin, x, active = _pressed(problem)
     lacks, left, entered = begin.free - problem.free, 1.0, -1
     for event in range(1, MOST_EVENTS + 1):
-        x, way, less = towards(problem, begin, left, active, x)
+        x, way, less = ActiveEquations(problem, active, SINGULAR).towards(begin, left, x)
         du, more = problem.jump(x) + left * lacks, problem.jump(way) - problem.free + less * lacks
         room, rate = _room(problem, active, x, du), _room(problem, active, way, more, 0.0)
         if (less > 0.0) if entered < 0 else (rate[entered] < 0.0):

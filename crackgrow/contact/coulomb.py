@@ -227,6 +227,13 @@ class ActiveSet:
         """Bytes that are equal for equal sets."""
         return b"".join(part.astype(np.int8).tobytes() for part in (self.closed, self.slip, self.sense))
 
+    def differs(self, other: ActiveSet, problem: ContactProblem) -> Bools:
+        """Which points (n,) have other equations on other branches: open ones that carry no shear slip either way."""
+        closed, bears = self.closed | other.closed, problem.cohesion > 0.0
+        slips = (self.slip != other.slip) & (closed | bears)
+        turns = (self.sense != other.sense) & closed & (problem.dilation > 0.0)
+        return np.asarray((self.closed != other.closed) | slips | turns)
+
     def states(self) -> Ints:
         """(n,) OPEN, STICK or SLIP; an open point is OPEN whatever shear its cohesion carries."""
         return np.where(self.closed, np.where(self.slip == 0, STICK, SLIP), OPEN).astype(np.int64)
@@ -301,27 +308,32 @@ class Branches:
 
     def tractions(self, unknown: Floats) -> Floats:
         """(2 n,) all tractions, of the unknown ones (k,)."""
-        p, slip = self.known(), self._active.slip
+        p = self.known()
         p[self.rows] = unknown
-        p[self._n :] -= slip * self._problem.friction * p[: self._n]
+        return self.with_shear(p)
+
+    def with_shear(self, p: Floats) -> Floats:
+        """(2 n, ...) tractions with the shear that goes with pressure where points slip added to them, in place."""
+        slope = self._active.slip * self._problem.friction
+        p[self._n :] -= (slope * p[: self._n].T).T
         return p
 
     def matrix(self) -> Floats:
         """(k, k) jumps that unknown tractions take away, of the branches."""
         compliance = self._problem.compliance
-        return self._of_rows(lambda some: self.per_unknown(compliance.take(some, axis=0)))
+        return self.of_rows(lambda some: self.per_unknown(compliance.take(some, axis=0)))
 
     def right(self) -> Floats:
         """(k,) of the same rows without unknown tractions."""
         problem, given = self._problem, self.known()
         A = problem.compliance
-        right = self._of_rows(lambda some: problem.free[some] - A.take(some, axis=0) @ given)
+        right = self.of_rows(lambda some: problem.free[some] - A.take(some, axis=0) @ given)
         right[: len(self._closed)] -= (self._lean * problem.slipped)[self._closed]
         return right
 
     def of_motions(self, jump: Floats) -> Floats:
         """(k, l) what the branches see of motions with the jumps (2 n, l)."""
-        return self._of_rows(lambda some: jump.take(some, axis=0))
+        return self.of_rows(lambda some: jump.take(some, axis=0))
 
     def per_unknown(self, of: Floats) -> Floats:
         """(r, k) per unknown traction, with the shear that goes with pressure, of something (r, 2 n) per traction."""
@@ -330,7 +342,7 @@ class Branches:
             found[:, self._sliding] -= of.take(self._n + self._points, axis=1) * self._slope
         return found
 
-    def _of_rows(self, of: Callable[[Ints], Floats]) -> Floats:
+    def of_rows(self, of: Callable[[Ints], Floats]) -> Floats:
         """What `of` says of the unknown rows, with the part of the slip that dilation adds to gaps."""
         found, lean = of(self.rows), self._lean[self._points]
         if lean.any():

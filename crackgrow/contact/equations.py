@@ -1,17 +1,17 @@
-"""The equations of one active set of the contact problem, solved for the tractions and motions that it leaves unknown.
+"""The equations of one active set of the contact problem, factorized.
 
-Where contact alone holds pieces of rock the balance of the tractions and the loads on them, F p = pull, is among these.
+They are solved for the tractions and motions that the set leaves unknown. Where contact alone holds pieces of rock the
+balance of the tractions and the loads on them, F p = pull, is among these.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import ActiveSet, Branches
 from crackgrow.contact.problem import ContactProblem
 
@@ -22,60 +22,91 @@ LEAST_SQUARES: Final = 1e-12
 """Part of the largest singular value below which the others count as zero then."""
 
 
+class ActiveEquations:
+    """The equations of one active set. Singular ones have least-squares solutions.
+
+    They are singular where contact is rigid at more points than the displacement can follow, or no closed point sees a
+    motion.
+    """
+
+    def __init__(self, problem: ContactProblem, active: ActiveSet, singular: float | None = None) -> None:
+        """`singular` is the reciprocal condition that counts as such; None: `SINGULAR` where there are motions."""
+        self.problem, self.active, self.branches = problem, active, Branches(problem, active)
+        self._least = (0.0 if problem.motions is None else SINGULAR) if singular is None else singular
+        self._size = float(problem.scale.mean()) if problem.n_motions else 1.0
+        K, self._force = self.branches.matrix(), 1.0
+        if problem.motions is not None:
+            motions, none = problem.motions, np.zeros((problem.n_motions, problem.n_motions))
+            self._force = float(np.abs(motions.force).max()) or 1.0
+            balance = self.branches.per_unknown(motions.force) / self._force
+            K = np.block([[K / self._size, -self.branches.of_motions(motions.jump)], [balance, none]])
+        self._K, self.singular = K, False
+        if len(K):
+            self._lu, self._pivots, info = dgetrf(K.T)  # LAPACK wants columns: rows of K are those of its transpose
+            self.singular = bool(info) or (
+                self._least > 0.0 and dgecon(self._lu, np.abs(K).sum(axis=1).max(), norm="1")[0] <= self._least
+            )
+
+    def solution(self) -> Floats:
+        """All unknowns (2 n + l,)."""
+        problem, branches, right = self.problem, self.branches, self.branches.right()
+        if problem.motions is not None:
+            given = problem.motions.pull - problem.motions.force @ branches.known()
+            right = np.append(right, given * (self._size / self._force))
+        x = self._solved(right)
+        return np.concatenate([branches.tractions(x[: len(branches.rows)] / self._size), x[len(branches.rows) :]])
+
+    def relaxed(self, at: Ints) -> Floats:
+        """How all unknowns change, (2 n + l, k), as the equation of each of some rows `at` (k,) is not fulfilled.
+
+        It is off by a traction of a unit, or by the jump that this makes at its point. Raises no error: the equations
+        must not be singular.
+        """
+        problem, branches, k = self.problem, self.branches, np.arange(len(at))
+        place = np.minimum(np.searchsorted(branches.rows, at), max(len(branches.rows) - 1, 0))
+        unknown = branches.rows[place] == at if len(branches.rows) else np.zeros(len(at), dtype=bool)
+        given = np.zeros((problem.free.size, len(at)))
+        given[at[~unknown], k[~unknown]] = 1.0
+        given = branches.with_shear(given)
+        some = np.flatnonzero(given.any(axis=1))
+        right = -branches.of_rows(lambda rows: problem.compliance[np.ix_(rows, some)] @ given[some])
+        right[place[unknown], k[unknown]] += problem.scale[at[unknown]]
+        if problem.motions is not None:
+            right = np.vstack([right, -problem.motions.force @ given * (self._size / self._force)])
+        x, rows = self._solved(right), branches.rows
+        tractions = np.zeros_like(given)
+        tractions[rows] = x[: len(rows)] / self._size
+        return np.vstack([given + branches.with_shear(tractions), x[len(rows) :]])
+
+    def towards(self, begin: ContactProblem, left: float, x: Floats) -> tuple[Floats, Floats, float]:
+        """The tractions x (2 n,) to the last digit, the way that they go, and how `left` changes on it.
+
+        Free jumps are those of the problem and a share `left` of what they lack of those at the `begin`. Where points
+        share a traction in any way tractions change alone.
+        """
+        right, unknowns = self.branches.right(), self.branches.tractions
+        other = Branches(begin, self.active).right() - right
+        if not self.singular:
+            both = self._solved(np.column_stack([right, other]))
+            end, x = unknowns(both[:, 0]), unknowns(both[:, 0] + left * both[:, 1])
+            return x, end - x, -left
+        size = float(np.abs(self._K).max(initial=0.0)) / (float(np.abs(other).max(initial=0.0)) or 1.0)
+        way = np.linalg.svd(np.column_stack([self._K, -size * other]))[2][-1]
+        return x, unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
+
+    def _solved(self, right: Floats) -> Floats:
+        """x of K x = `right`, of one column or some."""
+        if not right.size:
+            return right
+        if not self.singular:
+            x = np.asarray(dgetrs(self._lu, self._pivots, right, trans=1)[0])
+            if self._least:  # supports carry what the balance of pieces misses: all digits count
+                x += dgetrs(self._lu, self._pivots, right - self._K @ x, trans=1)[0]
+            if np.isfinite(x).all():
+                return x
+        return np.asarray(np.linalg.lstsq(self._K, right, rcond=LEAST_SQUARES if self._least else None)[0])
+
+
 def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
-    """Unknowns (2 n + l,) of the problem with the equations of one active set.
-
-    A singular system (rigid contact, more points than the displacement can follow) gets its least-squares solution.
-    """
-    K, right, unknowns = _equations(problem, active)
-    singular = 0.0 if problem.motions is None else SINGULAR
-    x = _by_lu(K, right, singular)
-    if x is None:
-        x = np.asarray(np.linalg.lstsq(K, right, rcond=LEAST_SQUARES if singular else None)[0])
-    return unknowns(x)
-
-
-def towards(
-    problem: ContactProblem, begin: ContactProblem, left: float, active: ActiveSet, x: Floats
-) -> tuple[Floats, Floats, float]:
-    """The tractions x (2 n,) of an active set to the last digit, the way that they go, and how `left` changes on it.
-
-    Free jumps are those of the problem and a share `left` of what they lack of those at the `begin`. Where points share
-    a traction in any way tractions change alone.
-    """
-    K, right, unknowns = _equations(problem, active)
-    other = _equations(begin, active)[1] - right
-    both = _by_lu(K, np.column_stack([right, other]), SINGULAR)
-    if both is not None:
-        end, x = unknowns(both[:, 0]), unknowns(both[:, 0] + left * both[:, 1])
-        return x, end - x, -left
-    size = float(np.abs(K).max(initial=0.0)) / (float(np.abs(other).max(initial=0.0)) or 1.0)
-    way = np.linalg.svd(np.column_stack([K, -size * other]))[2][-1]
-    return x, unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
-
-
-def _equations(problem: ContactProblem, active: ActiveSet) -> tuple[Floats, Floats, Callable[[Floats], Floats]]:
-    """Matrix (k + l, k + l) and right side (k + l,) of unknown tractions and motions, and all unknowns of them."""
-    branches, motions = Branches(problem, active), problem.motions
-    K, right = branches.matrix(), branches.right()
-    if motions is None:
-        return K, right, branches.tractions
-    k, n_motions, given = len(right), len(motions.pull), branches.known()
-    size, pull = float(problem.scale.mean()), float(np.abs(motions.force).max()) or 1.0
-    balance = branches.per_unknown(motions.force) / pull
-    K = np.block([[K / size, -branches.of_motions(motions.jump)], [balance, np.zeros((n_motions, n_motions))]])
-    right = np.append(right, (motions.pull - motions.force @ given) * (size / pull))
-    return K, right, lambda x: np.concatenate([branches.tractions(x[:k] / size), x[k:]])
-
-
-def _by_lu(K: Floats, right: Floats, singular: float) -> Floats | None:
-    """Solution (k,) of K x = `right`; None where K is singular, or worse conditioned than that."""
-    if not right.size:
-        return right
-    lu, pivots, info = dgetrf(K.T)  # LAPACK wants columns: the rows of K are those of its transpose
-    if info or (singular and dgecon(lu, np.abs(K).sum(axis=1).max(), norm="1")[0] <= singular):
-        return None
-    x = np.asarray(dgetrs(lu, pivots, right, trans=1)[0])
-    if singular:  # supports carry what the balance of pieces misses: all digits count
-        x += dgetrs(lu, pivots, right - K @ x, trans=1)[0]
-    return x if np.isfinite(x).all() else None
+    """Unknowns (2 n + l,) of the problem with the equations of one active set."""
+    return ActiveEquations(problem, active).solution()

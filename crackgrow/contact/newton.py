@@ -15,10 +15,11 @@ from typing import Final
 
 import numpy as np
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Bools, Floats
+from crackgrow.contact.condensed import Condensed
 from crackgrow.contact.continuation import followed
 from crackgrow.contact.coulomb import ActiveSet, active_set, project
-from crackgrow.contact.equations import solve_active
+from crackgrow.contact.equations import ActiveEquations, solve_active
 from crackgrow.contact.loose import balancing
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 
@@ -28,32 +29,28 @@ UNIT: Final = 1e-15  # round-off of a term of A p; its sum, weighed by r, is as 
 SOFT: Final = 1e4  # times the rock at a contact point: of the first springs; from 1e2 to 1e5 most need one release
 SOFTER: Final = 1.5  # times the springs before: where many releases are needed stiff ones gain little
 MOST_SPRINGS: Final = 30  # releases: of 3,855 problems at random they find all but 13, of which most are limit states
+FEW: Final = 0.1  # share of the points: where so few leave their branches the problem is condensed onto them
+MOST_MOVING: Final = 0.2  # the same, and so many in the end: their columns cost as much as another factorization
 MOST_STEPS: Final = 100  # of Newton: 937 of 1,000 problems at random take 14 at most, one of 807 points 28
 
 
 def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the last ones found.
 
-    `start` (2 n + l,) are unknowns to start from, `first_guess` if None. An iteration is one linear solve. Where an
-    active set comes back, or none stays, the solution is followed from a state that is known (`continuation`); loose
+    `start` (2 n + l,) are unknowns to start from; None: all points stick. An iteration is one linear solve. Where few
+    points leave their branches the problem is condensed onto them; where an active set comes back, onto those that have
+    changed since. Where these are all, the solution is followed from a state that is known (`continuation`); loose
     pieces are held by springs for it.
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
     """
-    found = _stepped(problem, first_guess(problem) if start is None else _checked(problem, start))
-    if found.status != "solved":
-        found = _around(problem, found) if problem.motions is None else _by_springs(problem, found)
+    n = problem.n_points
+    stuck = ActiveSet(np.ones(n, dtype=bool), *np.zeros((2, n), dtype=np.int64))
+    found = _stepped(problem, stuck if start is None else _branches(problem, _checked(problem, start)))
+    if found.status != "solved" and problem.motions is not None:
+        found = _by_springs(problem, found)
     return found
-
-
-def _around(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
-    """The solution followed from a state that is known, where supports hold all of the rock; `found` where none is."""
-    way = followed(problem)
-    if way is None:
-        return found
-    there = _stepped(problem, way[0])
-    return replace(there, iterations=found.iterations + way[2] + there.iterations)
 
 
 def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
@@ -71,9 +68,7 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
         still, springs = x[m:] + soft @ motions.pull, motions.jump @ soft @ motions.force
         free = problem.free + motions.jump @ still
         held = replace(problem, compliance=problem.compliance + springs, free=free, motions=None)
-        there = _stepped(held, x[:m])
-        if there.status != "solved":
-            there = _around(held, there)
+        there = _stepped(held, _branches(held, x[:m]))
         iterations += there.iterations
         if there.status != "solved":
             break
@@ -83,7 +78,7 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
             best, least = replace(there, motion=x[m:]), left
         if left <= ROUND_OFF:
             break
-        there = _stepped(problem, x)
+        there = _stepped(problem, _branches(problem, x))
         iterations += there.iterations
         if there.status == "solved":
             best = there
@@ -92,33 +87,83 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
     return replace(best, iterations=iterations)
 
 
-def _stepped(problem: ContactProblem, x: Floats) -> ContactSolution:
-    """What Newton's steps from unknowns x (2 n + l,) on come to."""
-    m, iterations = problem.free.size, 0
-    active = active_set(problem, x[:m], problem.jump(x))
-    seen: set[bytes] = set()
+def _stepped(problem: ContactProblem, active: ActiveSet) -> ContactSolution:
+    """What Newton's steps from an active set on come to."""
+    passed: list[ActiveSet] = []
     as_good = as_far(problem)
-    while active.key() not in seen and iterations < MOST_STEPS:
-        seen.add(active.key())
-        x, iterations = solve_active(problem, active), iterations + 1
-        du = problem.jump(x)
-        following = _through_stick(problem, active, active_set(problem, x[:m], du))
-        if missed(problem, x, du) <= (as_good if following.key() == active.key() else ROUND_OFF):
-            x[: problem.n_points] = np.minimum(x[: problem.n_points], 0.0)
-            return ContactSolution(x[:m], "solved", iterations, active.states(), x[m:])
-        active = following
-    return ContactSolution(x[:m], "limit", iterations, active.states(), x[m:])
+    while True:
+        passed.append(active)
+        equations = ActiveEquations(problem, active)
+        x = equations.solution()
+        now = _through_stick(problem, active, _branches(problem, x))
+        if missed(problem, x, problem.jump(x)) <= (as_good if now.key() == active.key() else ROUND_OFF):
+            return _ended(problem, x, active, "solved", len(passed))
+        moving, back = active.differs(now, problem), [n for n, known in enumerate(passed) if known.key() == now.key()]
+        for known in passed[back[0] :] if back else ():
+            moving |= active.differs(known, problem)
+        if back or moving.mean() <= FEW or len(passed) == MOST_STEPS:
+            found = _of_some(problem, equations, x, moving, 1.0 if back else MOST_MOVING)
+            if found.status != "solved" and (back or len(passed) >= MOST_STEPS):
+                found = _around(problem, found)
+            found = replace(found, iterations=found.iterations + len(passed))
+            if found.status == "solved" or back or len(passed) >= MOST_STEPS:
+                return found
+            now = _branches(problem, found.unknowns)
+        active = now
+
+
+def _of_some(
+    problem: ContactProblem, equations: ActiveEquations, x: Floats, moving: Bools, most: float
+) -> ContactSolution:
+    """The solution where few points leave the branches of the equations of an active set, whose unknowns are x.
+
+    These points are `moving` (n,), and those that leave their branches with them, up to a share `most` of all; status
+    "limit" where it takes more, or all.
+    """
+    moving, there, iterations = moving.copy(), x, 0
+    while moving.any() and not moving.all() and moving.mean() <= most:
+        part = Condensed.onto(equations, x, moving)
+        if part is None:
+            break
+        found = solve_by_newton(part.problem, np.append(there[part.at], np.zeros(part.problem.n_motions)))
+        iterations += found.iterations
+        if found.status != "solved":
+            break
+        there = part.expanded(found)
+        now = _branches(problem, there)
+        leaving = equations.active.differs(now, problem) & ~moving
+        if not leaving.any():
+            good = missed(problem, there, problem.jump(there)) <= as_far(problem)
+            return _ended(problem, there, now, "solved" if good else "limit", iterations)
+        moving |= leaving
+    return _ended(problem, there, equations.active, "limit", iterations)
+
+
+def _around(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
+    """The solution followed from a state that is known, where supports hold all of the rock; `found` where none is."""
+    way = None if problem.motions is not None else followed(problem)
+    if way is None:
+        return found
+    x = solve_active(problem, way[1])
+    status = "solved" if missed(problem, x, problem.jump(x)) <= as_far(problem) else "limit"
+    return _ended(problem, x, way[1], status, found.iterations + way[2])
+
+
+def _ended(problem: ContactProblem, x: Floats, active: ActiveSet, status: str, iterations: int) -> ContactSolution:
+    n, m = problem.n_points, problem.free.size
+    if status == "solved":
+        x[:n] = np.minimum(x[:n], 0.0)
+    return ContactSolution(x[:m], status, iterations, active.states(), x[m:])
+
+
+def _branches(problem: ContactProblem, x: Floats) -> ActiveSet:
+    """The branches that points are on with unknowns x (2 n + l,)."""
+    return active_set(problem, x[: problem.free.size], problem.jump(x))
 
 
 def as_far(problem: ContactProblem) -> float:
     """The change of tractions by `project` that another step cannot lower, relative to the largest."""
     return max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
-
-
-def first_guess(problem: ContactProblem) -> Floats:
-    """Unknowns (2 n + l,) to start from: all points stick."""
-    stuck = np.zeros(problem.n_points, dtype=np.int64)
-    return solve_active(problem, ActiveSet(np.ones(problem.n_points, dtype=bool), stuck, stuck))
 
 
 def _checked(problem: ContactProblem, start: Floats) -> Floats:

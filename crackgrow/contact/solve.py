@@ -28,7 +28,6 @@ from crackgrow.contact.equations import solve_active
 from crackgrow.contact.loose import settled
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
-from crackgrow.contact.stuck import solve_where_points_move
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -429,7 +428,7 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
         lying, unknowns = settled(problem)
         m, other = problem.free.size, ""
         near = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
-        found = solve_where_points_move(lying, near) or solve_by_newton(lying, near)
+        found = solve_by_newton(lying, near)
         found = replace(found, motion=unknowns(found.unknowns)[m:])
         if found.status != "solved":  # pieces that friction holds only just, where the way ends in round-off
             pivoted = solve_by_lemke(problem)

@@ -1,0 +1,77 @@
+"""The contact problem as some of its points see it, while all others stay on their branches of the law.
+
+Let the equations of an active set be fulfilled but for those of the points S, by which they are off by l,
+
+    p = p0 + P l,    du_S = du0 + D l,    D = -A_S P.
+
+So the points S are in a contact problem of their own, with the compliance -D P_S^-1, a Schur complement. Where pieces
+of rock are seen by the points S alone P_S has as many singular values that are zero, and their motions remain.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.contact.equations import ActiveEquations
+from crackgrow.contact.loose import UNSEEN, balancing, split
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+from crackgrow.errors import NotSolvedError
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Condensed:
+    """A contact problem of some points of another one, whose rows they have there, and how the others follow."""
+
+    problem: ContactProblem
+    at: Ints  # (2 s,)
+    unknowns: Floats  # (2 n + l,) of the other problem where its equations are fulfilled
+    relaxed: Floats  # (2 n + l, 2 s) what they change by with l
+    jump: Floats  # (2 s,) m: du0
+    jumps: Floats  # (2 s, 2 s) D
+
+    @classmethod
+    def onto(cls, equations: ActiveEquations, unknowns: Floats, points: Bools) -> Condensed | None:
+        """The problem of `points` (n,), while others stay on the branches of the equations, which have some `unknowns`.
+
+        None where there is none: others could move without end.
+        """
+        whole, m = equations.problem, equations.problem.free.size
+        at = np.flatnonzero(np.tile(points, 2))
+        if equations.singular:
+            return None
+        relaxed = equations.relaxed(at)
+        du, jumps = whole.jump(unknowns)[at], -whole.compliance[at] @ relaxed[:m]
+        motions = None
+        if whole.motions is not None:
+            jumps += whole.motions.jump[at] @ relaxed[m:]
+            others = ~np.isin(equations.branches.rows, at)
+            kept = split(equations.branches.of_motions(whole.motions.jump)[others])[1]
+            force = kept @ whole.motions.force[:, at]
+            motions = Motions(whole.motions.jump[at] @ kept.T, force, force @ unknowns[at]) if len(kept) else None
+        left, sizes, right = np.linalg.svd(relaxed[at])
+        rank = len(at) - (0 if motions is None else len(motions.pull))
+        if rank < len(at) and sizes[rank:].max() > UNSEEN * sizes[0] or rank and sizes[rank - 1] <= UNSEEN * sizes[0]:
+            return None
+        compliance = -((jumps @ right[:rank].T) / sizes[:rank]) @ left[:, :rank].T
+        if motions is not None:  # springs along what is left, as soft as the rock
+            springs = float(np.median(whole.scale[at])) * balancing(motions)
+            compliance += motions.jump @ springs @ motions.force
+        some = np.flatnonzero(points)
+        laws = whole.friction[some], whole.cohesion[some], whole.dilation[some], whole.slipped[some]
+        try:
+            small = ContactProblem(compliance, du + compliance @ unknowns[at], *laws, motions)
+        except NotSolvedError:
+            return None
+        return cls(small, at, unknowns, relaxed, du, jumps)
+
+    def expanded(self, found: ContactSolution) -> Floats:
+        """All unknowns (2 n + l,) of the other problem with a solution of this one."""
+        p, scale = found.traction, self.problem.scale
+        more = np.concatenate([p - self.unknowns[self.at], (self.problem.jump(found.unknowns) - self.jump) / scale])
+        both = np.vstack([self.relaxed[self.at], self.jumps / scale[:, None]])
+        x = self.unknowns + self.relaxed @ np.linalg.lstsq(both, more)[0]
+        x[self.at] = p
+        return np.asarray(x)
