@@ -53,7 +53,9 @@ class Condensed:
             motions = Motions(whole.motions.jump[at] @ kept.T, force, force @ unknowns[at]) if len(kept) else None
         left, sizes, right = np.linalg.svd(relaxed[at])
         rank = len(at) - (0 if motions is None else len(motions.pull))
-        if rank < len(at) and sizes[rank:].max() > UNSEEN * sizes[0] or rank and sizes[rank - 1] <= UNSEEN * sizes[0]:
+        if (rank < len(at) and sizes[rank:].max() > UNSEEN * sizes[0]) or (
+            rank and sizes[rank - 1] <= UNSEEN * sizes[0]
+        ):
             return None
         compliance = -((jumps @ right[:rank].T) / sizes[:rank]) @ left[:, :rank].T
         if motions is not None:  # springs along what is left, as soft as the rock

@@ -321,7 +321,15 @@ class Branches:
     def matrix(self) -> Floats:
         """(k, k) jumps that unknown tractions take away, of the branches."""
         compliance = self._problem.compliance
-        return self.of_rows(lambda some: self.per_unknown(compliance.take(some, axis=0)))
+        columns = self._n + self._points
+
+        def per_unknown(some: Ints) -> Floats:
+            found = compliance[np.ix_(some, self.rows)]
+            if len(columns):
+                found[:, self._sliding] -= compliance[np.ix_(some, columns)] * self._slope
+            return found
+
+        return self.of_rows(per_unknown)
 
     def right(self) -> Floats:
         """(k,) of the same rows without unknown tractions."""

@@ -13,7 +13,7 @@ from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import ActiveSet, Branches
-from crackgrow.contact.problem import ContactProblem
+from crackgrow.contact.problem import ContactProblem, absolute_product
 
 SINGULAR: Final = 1e-14
 """Reciprocal condition from which equations with motions have no digits: nothing that is closed sees some of them."""
@@ -34,18 +34,26 @@ class ActiveEquations:
         self.problem, self.active, self.branches = problem, active, Branches(problem, active)
         self._least = (0.0 if problem.motions is None else SINGULAR) if singular is None else singular
         self._size = float(problem.scale.mean()) if problem.n_motions else 1.0
-        K, self._force = self.branches.matrix(), 1.0
-        if problem.motions is not None:
-            motions, none = problem.motions, np.zeros((problem.n_motions, problem.n_motions))
-            self._force = float(np.abs(motions.force).max()) or 1.0
-            balance = self.branches.per_unknown(motions.force) / self._force
-            K = np.block([[K / self._size, -self.branches.of_motions(motions.jump)], [balance, none]])
-        self._K, self.singular = K, False
+        self._force = 1.0 if problem.motions is None else float(np.abs(problem.motions.force).max()) or 1.0
+        K = self._matrix()
+        self._largest, self.singular = float(np.abs(K).max(initial=0.0)), False
         if len(K):
-            self._lu, self._pivots, info = dgetrf(K.T)  # LAPACK wants columns: rows of K are those of its transpose
-            self.singular = bool(info) or (
-                self._least > 0.0 and dgecon(self._lu, np.abs(K).sum(axis=1).max(), norm="1")[0] <= self._least
-            )
+            norm = float(absolute_product(K, np.ones(len(K))).max())
+            # LAPACK wants columns: the rows of K are those of its transpose
+            self._lu, self._pivots, info = dgetrf(K.T, overwrite_a=1)
+            self.singular = bool(info) or (self._least > 0.0 and dgecon(self._lu, norm, norm="1")[0] <= self._least)
+
+    def _matrix(self) -> Floats:
+        """K (k + l, k + l), of unknown tractions and motions."""
+        branches, motions = self.branches, self.problem.motions
+        K = branches.matrix()
+        if motions is None:
+            return K
+        k, whole = len(K), np.zeros((len(K) + len(motions.pull),) * 2)
+        np.divide(K, self._size, out=whole[:k, :k])
+        whole[:k, k:] = -branches.of_motions(motions.jump)
+        whole[k:, :k] = branches.per_unknown(motions.force) / self._force
+        return whole
 
     def solution(self) -> Floats:
         """All unknowns (2 n + l,)."""
@@ -90,8 +98,8 @@ class ActiveEquations:
             both = self._solved(np.column_stack([right, other]))
             end, x = unknowns(both[:, 0]), unknowns(both[:, 0] + left * both[:, 1])
             return x, end - x, -left
-        size = float(np.abs(self._K).max(initial=0.0)) / (float(np.abs(other).max(initial=0.0)) or 1.0)
-        way = np.linalg.svd(np.column_stack([self._K, -size * other]))[2][-1]
+        size = self._largest / (float(np.abs(other).max(initial=0.0)) or 1.0)
+        way = np.linalg.svd(np.column_stack([self._matrix(), -size * other]))[2][-1]
         return x, unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
 
     def _solved(self, right: Floats) -> Floats:
@@ -101,10 +109,22 @@ class ActiveEquations:
         if not self.singular:
             x = np.asarray(dgetrs(self._lu, self._pivots, right, trans=1)[0])
             if self._least:  # supports carry what the balance of pieces misses: all digits count
-                x += dgetrs(self._lu, self._pivots, right - self._K @ x, trans=1)[0]
+                x += dgetrs(self._lu, self._pivots, right - self._times(x), trans=1)[0]
             if np.isfinite(x).all():
                 return x
-        return np.asarray(np.linalg.lstsq(self._K, right, rcond=LEAST_SQUARES if self._least else None)[0])
+        return np.asarray(np.linalg.lstsq(self._matrix(), right, rcond=LEAST_SQUARES if self._least else None)[0])
+
+    def _times(self, x: Floats) -> Floats:
+        """K x, of one column or some."""
+        problem, branches, k = self.problem, self.branches, len(self.branches.rows)
+        p = np.zeros((problem.free.size, *x.shape[1:]))
+        p[branches.rows] = x[:k] / self._size
+        jumps = problem.compliance @ branches.with_shear(p)
+        if problem.motions is None:
+            return branches.of_rows(lambda rows: jumps[rows])
+        jumps -= problem.motions.jump @ x[k:]
+        balance = problem.motions.force @ p * (self._size / self._force)
+        return np.concatenate([branches.of_rows(lambda rows: jumps[rows]), balance])
 
 
 def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:

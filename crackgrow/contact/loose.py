@@ -30,7 +30,7 @@ def settled(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats],
     moving -= softness * balance @ F
     free = problem.free - pushed @ problem.motions.pull
     moved = balance @ (F @ free)
-    other = replace(problem, compliance=A - B @ moving - pushed @ F, free=free - B @ moved)
+    other = replace(problem, compliance=A - np.hstack([B, pushed]) @ np.vstack([moving, F]), free=free - B @ moved)
     return other, lambda x: np.append(x[:m], x[m:] + moving @ x[:m] - moved)
 
 

@@ -23,6 +23,9 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.errors import NotSolvedError
 
+ROWS_AT_ONCE = 256
+"""Rows of a large compliance that are worked on together."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Motions:
@@ -71,7 +74,7 @@ class ContactProblem:
                 "too ill conditioned, for cracks, tips or outlines too close to each other"
             )
         object.__setattr__(self, "scale", read_only("scale", diagonal))
-        object.__setattr__(self, "reach", read_only("reach", np.abs(self.compliance).sum(axis=1)))
+        object.__setattr__(self, "reach", read_only("reach", absolute_product(self.compliance, np.ones(2 * n))))
 
     @property
     def n_points(self) -> int:
@@ -134,6 +137,16 @@ class ContactSolution:
     def unknowns(self) -> Floats:
         """x (2 n + l,)."""
         return np.concatenate([self.traction, self.motion])
+
+
+def absolute_product(A: Floats, x: Floats, left: Floats | None = None, right: Floats | None = None) -> Floats:
+    """(n,) |A - left right| x of A (n, m), in blocks of rows: large ones are never held twice."""
+    found = np.empty(len(A))
+    for start in range(0, len(A), ROWS_AT_ONCE):
+        some = slice(start, start + ROWS_AT_ONCE)
+        block = A[some] if left is None or right is None else A[some] - left[some] @ right
+        found[some] = np.abs(block) @ x
+    return found
 
 
 def read_only(name: str, value: Floats) -> Floats:

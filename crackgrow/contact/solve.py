@@ -27,7 +27,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemor
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.loose import settled
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions, absolute_product
 from crackgrow.contact.system import ContactSystem, spoilt
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -109,6 +109,7 @@ class PointStates:
     dilation: Floats  # (n,) m: what slip has opened
     state: Ints  # (n,)
     coheres: Bools  # (n,)
+    touching: Floats  # (n,) m: gaps up to which faces that cohere touch
     solution: ContactSolution | None = None  # None: no point has to be dealt with
     active: ActiveSet | None = None  # the branches of the law that taken points are on
     problem: ContactProblem | None = None  # that it is of, while it is kept: it is large
@@ -132,21 +133,16 @@ class PointStates:
         return self.gap + self.dilation
 
     @property
-    def touching(self) -> Floats:
-        """Gaps (n,) m up to which faces that cohere touch."""
-        gaps = np.zeros(len(self.gap))
-        if self.problem is not None and self.solution is not None:
-            gaps[self.trial.taken] = _nothing(self.problem, self.solution)
-        return gaps
-
-    @property
     def tractions(self) -> Floats:
         """(2 n,) Pa, all normals, then all tangentials."""
         return np.concatenate([self.normal, self.tangential])
 
     def scaled(self, share: float) -> PointStates:
         """The states under `share` times the loads, where they are in proportion to them."""
-        numbers = {name: share * getattr(self, name) for name in ("normal", "tangential", "gap", "slip", "dilation")}
+        numbers = {
+            name: share * getattr(self, name)
+            for name in ("normal", "tangential", "gap", "slip", "dilation", "touching")
+        }
         solution, problem = self.solution, self.problem and self.problem.scaled(share)
         if solution is not None:
             solution = replace(solution, traction=share * solution.traction, motion=share * solution.motion)
@@ -287,7 +283,7 @@ class Increment:
             taken |= law.bound_of(self.memory.lost)[1] == 0.0
         none, nothing = np.zeros(n, dtype=bool), np.zeros(n)
         trial = Trial(taken, self.memory.lost, none, nothing)
-        return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none)
+        return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none, nothing)
 
     def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
         """Tractions and jumps of a trial, looked for from those of another one on."""
@@ -365,12 +361,13 @@ class Increment:
         gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
         rate, risen = self.memory.dilates(law, trial.lost)
         dilation = rate * np.abs(slip - law.shear_compliance * p_t) + risen
-        state, coheres = np.full(n, OPEN), np.zeros(n, dtype=bool)
+        state, coheres, touching = np.full(n, OPEN), np.zeros(n, dtype=bool), np.zeros(n)
+        touching[rows] = _nothing(problem, solution)
         coheres[rows] = (problem.cohesion > 0.0) | strong[rows]
         apart = gap - dilation - law.compliance * np.maximum(p_n, 0.0)
-        state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], problem.cohesion))
+        state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], touching[rows]))
         return PointStates(
-            trial, p_n, p_t, gap - dilation, slip, dilation, state, coheres, solution, active, problem,
+            trial, p_n, p_t, gap - dilation, slip, dilation, state, coheres, touching, solution, active, problem,
             problem.n_unknowns, complementarity_residual(problem, solution.unknowns),
         )  # fmt: skip
 
@@ -458,12 +455,13 @@ def _advice(problem: ContactProblem) -> str:
     return f", or less friction: of {problem.friction.max():.3g} it may leave several solutions, or none"
 
 
-def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, cohesion: Floats) -> Ints:
+def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, nothing: Floats) -> Ints:
     """The states (k,): of `coulomb`, but for what round-off makes of points nearly open.
 
-    Each is weighed by the terms that its own jumps are the sums of, whatever goes on elsewhere.
+    `nothing` (k,) m are gaps that are none: each point is weighed by the terms that its own jumps are the sums of,
+    whatever goes on elsewhere.
     """
-    n, nothing = problem.n_points, _nothing(problem, solution)
+    n, cohesion = problem.n_points, problem.cohesion
     unpressed = solution.traction[:n] >= -nothing / problem.scale[:n]
     held = np.where(np.abs(solution.traction[n:]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
     touches = (cohesion > 0.0) & (gap <= nothing)
@@ -482,9 +480,14 @@ def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
         force = np.where(counts, motions.force, 0.0)
         balance, settled = np.linalg.pinv(force), np.linalg.pinv(motions.jump)
         loads = balance @ (force @ p)
-        free, A, p = free - A @ loads, A - (A @ balance) @ force, p - loads
-        free, A = free - motions.jump @ (settled @ free), A - motions.jump @ (settled @ A)
-    terms = np.abs(A) @ np.abs(p) + np.abs(free)
+        free, p = free - A @ loads, p - loads
+        free = free - motions.jump @ (settled @ free)
+        per_load = A @ balance
+        still = settled @ A - (settled @ per_load) @ force
+        terms = absolute_product(A, np.abs(p), np.hstack([per_load, motions.jump]), np.vstack([force, still]))
+    else:
+        terms = absolute_product(A, np.abs(p))
+    terms += np.abs(free)
     return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
 
 

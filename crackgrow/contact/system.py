@@ -199,10 +199,13 @@ class ContactSystem:
     def _compliance(self, points: Ints, resists: Bools) -> Floats:
         """A (2 k, 2 k) as `compliance` has it, made anew."""
         k, at = len(points), np.concatenate([points, len(self.weights) + points[resists]])
-        rock: Floats = self.rock[np.ix_(at, at)]
+        soft = self.law.compliances[at]
+        whole = len(at) == len(self.rock) and not soft.any()  # it is large: not twice
+        rock: Floats = self.rock if whole else self.rock[np.ix_(at, at)]
         if float(rock.diagonal().min()) <= 0.0:
             raise spoilt("not positive")
-        rock[np.diag_indices_from(rock)] += self.law.compliances[at]
+        if soft.any():
+            rock[np.diag_indices_from(rock)] += soft
         if len(rock) == 2 * k:
             return rock
         rows = np.concatenate([np.arange(k), k + np.flatnonzero(resists)])

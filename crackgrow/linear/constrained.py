@@ -36,16 +36,17 @@ class ConstrainedSystem:
         constraints: csr_array,
         boxes: tuple[Ints, Ints] | None = None,
         before: ConstrainedSystem | None = None,
+        keep: bool = True,
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`.
 
-        `before` is a system that may have parts in common with this one.
+        `before` is a system that may have parts in common with this one; `keep` what the next may have in common.
         """
         self.stiffness = symmetric(stiffness)
         self.constraints = constraints
         self._share = abs(constraints)
         known: Factorization | None = None if before is None else before.factorization
-        self.factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known)
+        self.factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known, keep)
 
     def hand_over(self) -> None:
         """Solve no more: the system that comes next is the last to take anything over."""

@@ -53,12 +53,15 @@ class Factorization:
         constraints: csr_array,
         boxes: tuple[Ints, Ints] | None = None,
         before: Factorization | None = None,
+        keep: bool = True,
     ) -> None:
         """Factorize K, positive semidefinite, whose functions have `boxes`: lower left, upper right corners (n / 2, 2).
 
-        Without boxes all unknowns are in one dense front. `before` is one that may have subtrees in common with this.
+        Without boxes all unknowns are in one dense front. `before` is one that may have subtrees in common with this;
+        `keep` what the next one may have in common with this, twice the factors.
         Raises SolveError where entries are not finite, or unknowns have no stiffness.
         """
+        self._keep = keep
         self._constraints, squares = constraints, constraints.multiply(constraints)
         self._rho = _stiffness(matrix, constraints) / np.maximum(squares.sum(axis=1), np.finfo(float).tiny)
         alike = np.zeros((matrix.n_functions, 2), dtype=np.int64)
@@ -138,8 +141,12 @@ class Factorization:
                 kept[key], below[front] = reduced, (key, columns)
             else:  # nothing later is coupled to it: the end of a tree, which is new wherever anything in it is
                 total[np.ix_(columns, columns)] += reduced.product
+            for child in () if self._keep else children:
+                kept.pop(below[child][0], None)
         self.reduced = kept
-        return np.asarray(np.triu(total) + np.triu(total, 1).T)
+        for n in range(k):
+            total[n:, n] = total[n, n:]
+        return total
 
     @property
     def _in_order(self) -> list[tuple[Factor, int, int, Ints]]:
@@ -199,8 +206,8 @@ class Factorization:
             found[key] = self._eliminated(front, found) if factor is None else factor
             for child in self._children[front]:  # it will be asked for again as the same tip grows on
                 below = found[self._keys[child]]
-                few = n_below[child] <= FEW_FRONTS and not known
-                below.left = None if few or below.left is None else kernels.packed(below.left, below.V.shape[1])
+                drop = not self._keep or (n_below[child] <= FEW_FRONTS and not known)
+                below.left = None if drop or below.left is None else kernels.packed(below.left, below.V.shape[1])
         return found
 
     def _assembled(self, front: int, found: dict[bytes, Factor]) -> tuple[Floats, Floats, Floats]:

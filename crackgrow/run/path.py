@@ -76,6 +76,11 @@ class Remembered:
         return cls(memory, arrays["normal"], arrays["tangential"], arrays["dilation"])
 
     @property
+    def at_rest(self) -> bool:
+        """Whether nothing has happened yet."""
+        return not (self.tractions.any() or self.memory.slip.any() or self.memory.lost.any())
+
+    @property
     def arrays(self) -> dict[str, NDArray[Any]]:
         """All that points remember (n,), by name."""
         memory = self.memory
@@ -156,6 +161,8 @@ def next_piece(
     way = _Way(configuration, was, *ends, before)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
     law = configuration.contact.law
+    if configuration.proportional and not configuration.shares(way.first).any() and was.at_rest:
+        return Piece(way.at(1.0), way.last, "straight")
     if law.weakens.any() or law.bends.any():
         start = way.at(least)
         probe = max(PROBE, least)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+import crackgrow.contact.stuck as module
 import numpy as np
 import pytest
+from crackgrow.contact.stuck import solve_where_points_move
 
-import crackgrow.contact.stuck as module
 from crackgrow.contact.coulomb import STICK, complementarity_residual
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem
-from crackgrow.contact.stuck import solve_where_points_move
 from tests.contact_problems import crack_problem, random_problem
 
 
