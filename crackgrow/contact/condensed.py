@@ -33,16 +33,22 @@ class Condensed:
     jumps: Floats  # (2 s, 2 s) D
 
     @classmethod
-    def onto(cls, equations: ActiveEquations, unknowns: Floats, points: Bools) -> Condensed | None:
+    def onto(
+        cls, equations: ActiveEquations, unknowns: Floats, points: Bools, before: Condensed | None = None
+    ) -> Condensed | None:
         """The problem of `points` (n,), while others stay on the branches of the equations, which have some `unknowns`.
 
-        None where there is none: others could move without end.
+        `before` is that of some of these points. None where there is none: others could move without end.
         """
         whole, m = equations.problem, equations.problem.free.size
         at = np.flatnonzero(np.tile(points, 2))
         if equations.singular:
             return None
-        relaxed = equations.relaxed(at)
+        known = np.isin(at, before.at) if before is not None else np.zeros(len(at), dtype=bool)
+        relaxed = np.empty((len(unknowns), len(at)))
+        relaxed[:, ~known] = equations.relaxed(at[~known])
+        if before is not None:
+            relaxed[:, known] = before.relaxed
         du, jumps = whole.jump(unknowns)[at], -whole.compliance[at] @ relaxed[:m]
         motions = None
         if whole.motions is not None:
@@ -53,9 +59,7 @@ class Condensed:
             motions = Motions(whole.motions.jump[at] @ kept.T, force, force @ unknowns[at]) if len(kept) else None
         left, sizes, right = np.linalg.svd(relaxed[at])
         rank = len(at) - (0 if motions is None else len(motions.pull))
-        if (rank < len(at) and sizes[rank:].max() > UNSEEN * sizes[0]) or (
-            rank and sizes[rank - 1] <= UNSEEN * sizes[0]
-        ):
+        if int((sizes > UNSEEN * sizes[0]).sum()) != rank:
             return None
         compliance = -((jumps @ right[:rank].T) / sizes[:rank]) @ left[:, :rank].T
         if motions is not None:  # springs along what is left, as soft as the rock

@@ -89,27 +89,27 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
 
 def _stepped(problem: ContactProblem, active: ActiveSet) -> ContactSolution:
     """What Newton's steps from an active set on come to."""
-    passed: list[ActiveSet] = []
-    as_good = as_far(problem)
-    while True:
+    passed, keys = list[ActiveSet](), list[bytes]()
+    as_good, ends = as_far(problem), False
+    while not ends:
         passed.append(active)
+        keys.append(active.key())
         equations = ActiveEquations(problem, active)
         x = equations.solution()
         now = _through_stick(problem, active, _branches(problem, x))
-        if missed(problem, x, problem.jump(x)) <= (as_good if now.key() == active.key() else ROUND_OFF):
+        if missed(problem, x, problem.jump(x)) <= (as_good if now.key() == keys[-1] else ROUND_OFF):
             return _ended(problem, x, active, "solved", len(passed))
-        moving, back = active.differs(now, problem), [n for n, known in enumerate(passed) if known.key() == now.key()]
-        for known in passed[back[0] :] if back else ():
-            moving |= active.differs(known, problem)
-        if back or moving.mean() <= FEW or len(passed) == MOST_STEPS:
-            found = _of_some(problem, equations, x, moving, 1.0 if back else MOST_MOVING)
-            if found.status != "solved" and (back or len(passed) >= MOST_STEPS):
-                found = _around(problem, found)
-            found = replace(found, iterations=found.iterations + len(passed))
-            if found.status == "solved" or back or len(passed) >= MOST_STEPS:
-                return found
+        back = keys.index(now.key()) if now.key() in keys else len(keys)  # where they begin to go round in circles
+        moving = np.any([active.differs(other, problem) for other in (now, *passed[back:])], axis=0)
+        ends = back < len(keys) or len(keys) == MOST_STEPS
+        if ends or moving.mean() <= FEW:
+            found = _of_some(problem, equations, x, moving, 1.0 if ends else MOST_MOVING)
             now = _branches(problem, found.unknowns)
+            if ends and found.status != "solved":
+                found = _around(problem, found)
+            ends |= found.status == "solved"
         active = now
+    return replace(found, iterations=found.iterations + len(passed))
 
 
 def _of_some(
@@ -120,9 +120,9 @@ def _of_some(
     These points are `moving` (n,), and those that leave their branches with them, up to a share `most` of all; status
     "limit" where it takes more, or all.
     """
-    moving, there, iterations = moving.copy(), x, 0
+    moving, there, iterations, part = moving.copy(), x, 0, None
     while moving.any() and not moving.all() and moving.mean() <= most:
-        part = Condensed.onto(equations, x, moving)
+        part = Condensed.onto(equations, x, moving, part)
         if part is None:
             break
         found = solve_by_newton(part.problem, np.append(there[part.at], np.zeros(part.problem.n_motions)))
@@ -150,6 +150,7 @@ def _around(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
 
 
 def _ended(problem: ContactProblem, x: Floats, active: ActiveSet, status: str, iterations: int) -> ContactSolution:
+    """The solution with unknowns x (2 n + l,)."""
     n, m = problem.n_points, problem.free.size
     if status == "solved":
         x[:n] = np.minimum(x[:n], 0.0)

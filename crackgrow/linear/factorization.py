@@ -21,6 +21,9 @@ from crackgrow.linear import elimination as kernels
 from crackgrow.linear.fronts import fronts_of
 from crackgrow.linear.matrix import SymmetricMatrix
 
+AT_ONCE = 256
+"""Rows of a large matrix that are mirrored together."""
+
 FEW_FRONTS = 15
 """A subtree of at most so many fronts keeps what it leaves to its parent only once something has grown there: before it
 is made again from the factors when it is asked for. Of 50 flaws 43 MB are kept at first; all are 370 MB, twice the
@@ -144,8 +147,11 @@ class Factorization:
             for child in () if self._keep else children:
                 kept.pop(below[child][0], None)
         self.reduced = kept
-        for n in range(k):
-            total[n:, n] = total[n, n:]
+        for n in range(0, k, AT_ONCE):  # mirrored in blocks: it is large
+            some = slice(n, n + AT_ONCE)
+            upper = np.triu(total[some, some])
+            total[some, some] = upper + np.triu(upper, 1).T
+            total[some, :n] = total[:n, some].T
         return total
 
     @property
