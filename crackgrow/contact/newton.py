@@ -125,7 +125,8 @@ def _of_some(
         part = Condensed.onto(equations, x, moving, part)
         if part is None:
             break
-        found = solve_by_newton(part.problem, np.append(there[part.at], np.zeros(part.problem.n_motions)))
+        near = np.append(there[part.at], np.zeros(part.problem.n_motions))
+        found = _stepped(part.problem, _branches(part.problem, near))
         iterations += found.iterations
         if found.status != "solved":
             break
