@@ -45,9 +45,12 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
     """
-    n = problem.n_points
-    stuck = ActiveSet(np.ones(n, dtype=bool), *np.zeros((2, n), dtype=np.int64))
-    found = _stepped(problem, stuck if start is None else _branches(problem, _checked(problem, start)))
+    if start is None:
+        slip = np.where(problem.resists, 0, 1)  # where the way does not matter it is one and the same
+        active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, slip)
+    else:
+        active = _branches(problem, _checked(problem, start))
+    found = _stepped(problem, active)
     if found.status != "solved" and problem.motions is not None:
         found = _by_springs(problem, found)
     return found
