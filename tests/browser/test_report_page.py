@@ -13,7 +13,7 @@ from tests.report_runs import HOSTILE, make_run, paint
 
 pytestmark = pytest.mark.browser
 
-GROWN = "return document.querySelectorAll('#scene .grown:not([hidden])').length"
+GROWN = "return document.querySelectorAll("  # scene [id^='step-']:not([hidden], #step-0)").length"
 NOW = "return document.getElementById('now').textContent"
 
 
