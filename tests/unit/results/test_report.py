@@ -143,6 +143,9 @@ def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> Non
             values = [in_si(value, chart["ylabel"]) for value in line["y"]]
             np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING, atol=1e-300)
     assert "Load curve" not in charts  # the load is the same at every step
+    (start, _) = charts["Criticality"]["series"]
+    of_tip = [float(row["criticality"]) for row in rows(folder, "tips.csv") if row["tip"] == start["name"].split()[-1]]
+    np.testing.assert_allclose(start["y"], of_tip, rtol=ROUNDING)
 
 
 def test_a_load_that_varies_gets_its_curve(tmp_path: Path) -> None:
