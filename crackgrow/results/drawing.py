@@ -34,9 +34,9 @@ from crackgrow.results.signs import LAW, LOAD, Sheet, draw_load, draw_support
 from crackgrow.results.style import own_style, wrapped
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
-SIDE: Final = 6.5  # inches, the longer one of the scene
+SIDE, SIDE_OF_PAGE = 6.5, 4.5  # inches, the longer one of the scene: words are larger beside it on a page
 MARGIN = 0.27  # of the scene's size
-NOTE = 0.035  # of the scene's size: a line of words below it
+NOTE = 0.035  # of the scene's size: a line of words below it, in a figure of SIDE
 STEEP: Final = 0.6  # of the normal along y, from which words stand on what they name, not beside it
 COLOURS: Final = ("#e6e1d8", "#d5dde6", "#dfe6d5", "#e6d5df")  # of bodies
 PALEST: Final = 0.85  # of the colour map: what is beyond is lost on the rock
@@ -52,7 +52,7 @@ PLACES: Final = [np.zeros(2), *(n * np.array([np.cos(turn), np.sin(turn)]) for n
 def draw_scene(path: Path, case: Case, squares: Floats) -> None:
     """Draw the case into a .png or .svg file, with cells whose corners are (n, 4, 2) m; raises OutputError."""
     case = case_on_map(case)
-    figure, sheet = _begun(case, f"{case.name}: {case.title}")
+    figure, sheet = _begun(case, SIDE, f"{case.name}: {case.title}")
     for body in case.bodies:
         low, high = body.outline.min(axis=0), body.outline.max(axis=0)
         near = np.all((squares.max(axis=1) > low) & (squares.min(axis=1) < high), axis=1)
@@ -78,7 +78,7 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     hidden group `tips-N`, filled where they advance. A sign is named where the pointer rests on it.
     """
     case = case_on_map(run.case)
-    figure, sheet = _begun(case, "")
+    figure, sheet = _begun(case, SIDE_OF_PAGE)
     paths, tips = run.table("paths"), run.table("tips")
     points = np.column_stack([paths.numbers("x"), paths.numbers("y")])
     names, made = np.array(paths.words("crack")), paths.steps()
@@ -123,14 +123,14 @@ def body_path(body: Body, scale: float = 1.0) -> Outline:
     return Outline.make_compound_path(*closed)
 
 
-def _begun(case: Case, title: str) -> tuple[Figure, Sheet]:
+def _begun(case: Case, side: float, title: str = "") -> tuple[Figure, Sheet]:
     """A figure of all but cells and cracks."""
     low, high = extent(case)
     size, (scale, unit), notes = float((high - low).max()), length_unit(case), _notes(case)
     margin = MARGIN * size
-    bottom = low - margin - [0.0, NOTE * size * len(notes)]
+    bottom = low - margin - [0.0, NOTE * SIDE / side * size * len(notes)]
     box, head = high + margin - bottom, 0.35 if title else 0.0
-    figure = Figure(figsize=tuple(SIDE * box / box.max() + [0.0, head]), dpi=150)
+    figure = Figure(figsize=tuple(side * box / box.max() + [0.0, head]), dpi=150)
     FigureCanvasAgg(figure)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0 - head / figure.get_figheight()))
     axes.set(xlim=(bottom[0], high[0] + margin), ylim=(bottom[1], high[1] + margin), aspect="equal")

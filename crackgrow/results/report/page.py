@@ -119,7 +119,7 @@ def _legend(run: RunFolder) -> Iterator[str]:
     if len(run.table("tips")):
         yield "circles: tips, filled where they advance"
     if run.case.interfaces:
-        yield "dashed: interfaces"
+        yield "violet: interfaces, dashed unless bonded"
 
 
 def _facts(run: RunFolder) -> list[str]:

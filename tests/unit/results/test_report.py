@@ -338,7 +338,7 @@ def test_the_legend_of_a_scene_names_what_is_there_and_nothing_else(folder: Path
 
     assert 'class="legend"' not in page("block_rigid")
     assert "K, error" not in page("block_rigid")
-    assert '<p class="legend">dashed: interfaces</p>' in page("interface_friction01")
+    assert '<p class="legend">violet: interfaces, dashed unless bonded</p>' in page("interface_friction01")
 
 
 @pytest.mark.parametrize(
