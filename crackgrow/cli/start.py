@@ -175,9 +175,10 @@ def check(arguments: argparse.Namespace) -> int:
     if not arguments.json:
         say(plan_text(case))
     if arguments.picture is not None:
-        from crackgrow.plan.picture import draw_scene  # only now: it loads matplotlib
+        from crackgrow.plan.sizes import squares_of
+        from crackgrow.results.drawing import draw_scene  # only now: it loads matplotlib
 
-        draw_scene(arguments.picture, case)
+        draw_scene(arguments.picture, case, squares_of(case))
         tell(f"picture in {arguments.picture}")
     if arguments.unique:
         from crackgrow.run.uniqueness import unique_text  # only now: it loads the solver

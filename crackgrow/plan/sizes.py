@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.run.caution import Caution
-from crackgrow.run.layout import contact_faces, cover_of, n_constraints_of
+from crackgrow.run.layout import cells_of, contact_faces, cover_of, n_constraints_of
 from crackgrow.run.scene import make_scene
 from crackgrow.run.scene_cautions import settings_cautions, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
@@ -51,6 +52,14 @@ class Sizes:
     def n_tractions(self) -> int:
         """Contact unknowns where all points are pressed: normal ones, and tangential where any surface is rough."""
         return self.n_contact * (2 if any(surface.rough for surface in self.surfaces) else 1)
+
+
+def squares_of(case: Case) -> Floats:
+    """Corners (n, 4, 2) m, on the map, of the cells before anything grows."""
+    scene = make_scene(case)
+    cells = cells_of(scene, tuple(map(GrowingCrack.given, scene.case.cracks)))
+    corners = cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    return scene.lattice.to_map(corners / QUANTA)
 
 
 def guessed_sizes(case: Case) -> Sizes:

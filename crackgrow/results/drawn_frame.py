@@ -49,10 +49,6 @@ class DrawnFrame:
     by_point: bool
 
 
-Displaced = Frame | DrawnFrame
-"""A mesh of triangles (t, 3) and quads (q, 4) whose points (n, 2) m are displaced."""
-
-
 def drawn_frame(run: RunFolder, step: int, field: str, mesh: pyvista.UnstructuredGrid | None = None) -> DrawnFrame:
     """The frame of a step, read unless its `mesh` is there, with a field; raises FolderError where it has none such."""
     grid = run.mesh(step) if mesh is None else mesh
@@ -112,7 +108,7 @@ def _fields(grid: pyvista.UnstructuredGrid) -> dict[str, tuple[bool, Floats]]:
     return found
 
 
-def displayed_magnification(frame: Displaced) -> float:
+def displayed_magnification(frame: DrawnFrame) -> float:
     """Factor, two digits, that draws the largest displacement off the mean as DISPLACED_SHARE of the size.
 
     It is less where LARGEST_STRAIN would be drawn, or faces that touch be parted, but 1 at least.
@@ -127,7 +123,7 @@ def displayed_magnification(frame: Displaced) -> float:
     return max(float(f"{visible:.1e}"), 1.0)
 
 
-def _magnification_together(frame: Displaced, apart: float) -> float:
+def _magnification_together(frame: DrawnFrame, apart: float) -> float:
     """The largest factor w of displacements with which faces that touch are drawn at most `apart` (m) from each other.
 
     Drawn are a jump w d and a face that has turned with the displacements u along it, so that the opening is
@@ -142,7 +138,7 @@ def _magnification_together(frame: Displaced, apart: float) -> float:
     return float(np.min((real + np.sqrt(real**2 + 4.0 * false * apart)) / (2.0 * false), initial=np.inf))
 
 
-def _usual_strain(frame: Displaced, sides: NDArray[np.int64]) -> float:
+def _usual_strain(frame: DrawnFrame, sides: NDArray[np.int64]) -> float:
     """Size of the strain along sides of cells, given by their ends (n, 2), that little of their length exceeds."""
     x, u = (values[sides[:, 1]] - values[sides[:, 0]] for values in (frame.points, frame.displacement))
     squares = (x * x).sum(axis=1)
@@ -151,7 +147,7 @@ def _usual_strain(frame: Displaced, sides: NDArray[np.int64]) -> float:
     return float(percentiles(strains, np.sqrt(squares[kept]), STRAIN_PERCENTILE)) if len(strains) else 0.0
 
 
-def boundary_edges(frame: Displaced) -> NDArray[np.int64]:
+def boundary_edges(frame: DrawnFrame) -> NDArray[np.int64]:
     """Edges (n, 2) that one cell alone has, with rock on their left: the outline and both faces of the cracks."""
     sides = np.concatenate(_all_sides(frame))
     keys = sides.min(axis=1) * len(frame.points) + sides.max(axis=1)
@@ -159,7 +155,7 @@ def boundary_edges(frame: Displaced) -> NDArray[np.int64]:
     return np.asarray(sides[first[counts == 1]])
 
 
-def face_pairs(frame: Displaced) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def face_pairs(frame: DrawnFrame) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Edges (n, 2) of faces that have others at the same place: those of rock above, and of rock below, end by end."""
     edges = boundary_edges(frame)
     x, y = np.diff(frame.points[edges], axis=1)[:, 0].T
@@ -170,7 +166,7 @@ def face_pairs(frame: Displaced) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return edges[above][upper], edges[~above][lower]
 
 
-def above(frame: Displaced) -> NDArray[np.bool_]:
+def above(frame: DrawnFrame) -> NDArray[np.bool_]:
     """Points (n,) that are nearer to an upper face than to a lower one, through the rock.
 
     Cells there are drawn last: where a picture has two faces in each other, one side covers the other.
@@ -186,21 +182,21 @@ def above(frame: Displaced) -> NDArray[np.bool_]:
     return np.asarray(to_upper < to_lower)
 
 
-def _all_sides(frame: Displaced) -> list[NDArray[np.int64]]:
+def _all_sides(frame: DrawnFrame) -> list[NDArray[np.int64]]:
     """Ends (n, 2) of the sides of triangles and of quads, a side of two cells twice."""
     return [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in cell_groups(frame)]
 
 
-def cell_groups(frame: Displaced) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def cell_groups(frame: DrawnFrame) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
 
 
-def off_mean(frame: Displaced) -> Floats:
+def off_mean(frame: DrawnFrame) -> Floats:
     """Displacement (n, 2) m less its mean over the specimen."""
     return np.asarray(frame.displacement - np.average(frame.displacement, axis=0, weights=areas(frame, by_point=True)))
 
 
-def areas(frame: Displaced, *, by_point: bool) -> Floats:
+def areas(frame: DrawnFrame, *, by_point: bool) -> Floats:
     """Area m^2 of each cell (c,), or that each point (n,) stands for: equal parts of those of its cells."""
     groups = cell_groups(frame)
     of_cells = [areas_of(frame.points, cells) for cells in groups]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
@@ -10,7 +9,7 @@ import meshio
 import numpy as np
 import pyvista
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats
 from crackgrow.results.atomic import OutputError, write_atomically
 from crackgrow.results.drawn_frame import COMPONENTS
 from crackgrow.results.export_paths import FORMATS as PATHS
@@ -55,44 +54,29 @@ def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh
     Point and cell data are those of the frame, but for stress: each component is a field of its own, since formats
     order those of tensors in different ways. Groups are numbered from 1 in the order of the bodies.
     """
-    blocks = _blocks(grid, len(bodies))
-    cell_data = {name: [values[block.numbers] for block in blocks] for name, values in _fields(grid.cell_data).items()}
+    body, kinds = np.asarray(grid.cell_data["body"]), np.asarray(grid.celltypes)
+    blocks = [
+        (index, kind, numbers)
+        for index in range(len(bodies))
+        for kind, vtk in KINDS.items()
+        if len(numbers := np.flatnonzero((body == index) & (kinds == vtk)))
+    ]
+    corners = {kind: dict(grid.cells_dict).get(np.uint8(vtk)) for kind, vtk in KINDS.items()}
+    place = np.empty(len(body), dtype=np.int64)  # of a cell among those of its kind
+    for vtk in KINDS.values():
+        place[kinds == vtk] = np.arange((kinds == vtk).sum())
     sets = {
-        f"{bodies[block.body]}_{block.kind}": [np.arange(len(other.corners) * (other is block)) for other in blocks]
-        for block in blocks
+        f"{bodies[index]}_{kind}": [np.arange(len(other) * (other is numbers)) for *_, other in blocks]
+        for index, kind, numbers in blocks
     }
     return meshio.Mesh(
         np.asarray(grid.points, dtype=float),
-        [(block.kind, block.corners) for block in blocks],
+        [(kind, np.asarray(corners[kind], dtype=np.int64)[place[numbers]]) for _, kind, numbers in blocks],
         _fields(grid.point_data),
-        cell_data,
+        {name: [values[numbers] for *_, numbers in blocks] for name, values in _fields(grid.cell_data).items()},
         field_data={name: np.array([number, 2]) for number, name in enumerate(bodies, 1)},  # 2: surfaces
         cell_sets=sets,
     )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Block:
-    """The cells of a body that have the same number of corners."""
-
-    body: int
-    kind: str  # of KINDS
-    corners: Ints  # (n, 3) or (n, 4)
-    numbers: Ints  # (n,) in the frame
-
-
-def _blocks(grid: pyvista.UnstructuredGrid, n_bodies: int) -> list[_Block]:
-    """The cells body by body; none is empty."""
-    body = np.asarray(grid.cell_data["body"], dtype=np.int64)
-    found = []
-    for index in range(n_bodies):
-        for kind, number in KINDS.items():
-            cells = np.flatnonzero(np.asarray(grid.celltypes) == number)
-            chosen = body[cells] == index
-            if chosen.any():
-                corners = np.asarray(dict(grid.cells_dict)[np.uint8(number)], dtype=np.int64)
-                found.append(_Block(index, kind, corners[chosen], cells[chosen]))
-    return found
 
 
 def _fields(data: pyvista.DataSetAttributes) -> dict[str, Floats]:

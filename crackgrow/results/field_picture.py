@@ -26,7 +26,6 @@ from crackgrow.errors import CaseError
 from crackgrow.results.drawn_frame import (
     INCHES,
     LINE,
-    Displaced,
     DrawnFrame,
     above,
     areas,
@@ -131,7 +130,7 @@ class FieldPictures:
         return png_of(figure)
 
     def _moved(self, frame: DrawnFrame) -> Floats:
-        """Displaced points (n, 2) m, without the mean translation."""
+        """DrawnFrame points (n, 2) m, without the mean translation."""
         return frame.points + self.warp * off_mean(frame)
 
 
@@ -156,7 +155,7 @@ def bar_beside(extent: Floats) -> bool:
     return bool(extent[0] <= WIDE * extent[1])
 
 
-def shade(axes: Axes, frame: Displaced, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
+def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
     """Fill a frame's cells, its points drawn at `points` (n, 2), with the colours between those of its points (n,)."""
     triangles, quads = cell_groups(frame)
     middle = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
@@ -13,12 +12,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
-from matplotlib.path import Path as LinePath
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Body, Case, Stages
+from crackgrow.case.model import Case, Stages
 from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
+from crackgrow.results.drawing import body_path, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_beside, png_of
 from crackgrow.results.log import load_words
@@ -155,12 +154,6 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
     _save(path, figure)
 
 
-def body_path(body: Body, scale: float = 1.0) -> LinePath:
-    """The outline of a body and its holes, in metres times a factor."""
-    closed = [LinePath(np.vstack([ring.points, ring.points[:1]]) * scale, closed=True) for ring in body.rings]
-    return LinePath.make_compound_path(*closed)
-
-
 def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[float, float], list[str]]]:
     """Where to name some steps of a curve x, y (n,), and by which words: steps at about the same place share one."""
     width, height = (float(np.ptp(values[np.isfinite(values)])) or 1.0 for values in (x, y))
@@ -192,8 +185,8 @@ def _most_slip(curve: Sequence[LoadPoint]) -> list[tuple[Floats, str]]:
 
 def _step_colours(last: int) -> ScalarMappable:
     """One colour for each of the steps 1..last; none so pale that it is lost on the specimen."""
-    colours = mpl.colormaps["plasma"](np.linspace(0.05, 0.85, last))
-    return ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(list(colours)))
+    colours = [step_colour(step, last) for step in range(1, last + 1)]
+    return ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours))
 
 
 def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:

@@ -24,7 +24,7 @@ from crackgrow.results.checkpoint_file import (
 )
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.summary import program_commit
-from crackgrow.results.tables import fits, goes_on
+from crackgrow.results.tables import lines_before
 from crackgrow.results.units import cut
 from crackgrow.run.result import Checkpoint
 
@@ -136,12 +136,19 @@ def _so_far(loading: Stages, stored: StoredCheckpoint) -> list[tuple[object, ...
 
 
 def _missing(folder: Path, stored: StoredCheckpoint) -> list[str]:
-    """Result files that a checkpoint counts on and that are not there, or not as it knows them."""
-    results = stored.results
-    tables = {folder / name: mark for name, mark in results["tables"].items()}
-    broken = [path.name for path, mark in tables.items() if not (fits(path, mark) and goes_on(path))]
+    """Result files that a checkpoint counts on and that are not there, or without rows of the steps before it."""
+    results, step = stored.results, stored.checkpoint.step
+    broken = [name for name, n in results["tables"].items() if _n_rows_before(folder / name, step) != n]
     frames = [name for series in ("frames", "cracks") for _, name in results[series]]
     return [*broken, *(name for name in frames if not (folder / name).is_file())]
+
+
+def _n_rows_before(table: Path, step: int) -> int | None:
+    """How many rows a table has of the steps before one; None where it can't be gone on with."""
+    try:
+        return len(lines_before(table, step)) - 1
+    except (OSError, ValueError):
+        return None
 
 
 def _version_remarks(stored: StoredCheckpoint) -> list[str]:

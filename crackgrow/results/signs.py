@@ -1,19 +1,23 @@
-"""What holds and what loads a scene, as signs of structural drawings: places in metres, y upwards, for any drawing."""
+"""What holds and what loads a scene, drawn as signs of structural drawings; m, y upwards."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.patches import Circle, Patch, Polygon
+from matplotlib.text import Text
 
 from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
 from crackgrow.case.segments import nearest_places
-from crackgrow.results.places import component_text, length_unit, lines_of, size_of
+from crackgrow.results.places import component_text, length_unit, lines_of
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -24,159 +28,115 @@ SHEAR: Final = 0.5  # sine of the angle to an edge below which a traction runs a
 SEEN: Final = 0.2  # of the longest arrow of a load: shorter ones are left out
 AWAY: Final = 1.35  # of an arrow's length: how far from an edge the words of its load stand
 
-Kind = Literal["support", "ground", "hatch", "load", "given", "law"]
-"""What is drawn alike: supports, their ground, loads, prescribed displacements, words of contact laws."""
+SUPPORT, LOAD, GIVEN, LAW = "0.25", "#b2182b", "#1b7837", "#762a83"
+"""Colours of supports and their ground, of loads, of prescribed displacements, of words of contact laws."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Strokes:
-    """Straight lines, ends (n, 2, 2) m."""
+@dataclass(slots=True, eq=False)
+class Sheet:
+    """What a case is drawn on; places are (2,) m, lines (n, 2) m."""
 
-    ends: Floats
-    kind: Kind
+    axes: Axes
+    case: Case
+    size: float  # m, of the scene
+    title: str = ""  # of the sign that is drawn
+    labels: list[Text] = field(default_factory=list)
 
+    @property
+    def titled(self) -> dict[str, Any]:
+        """What marks an artist as one of the sign that is drawn."""
+        return {"gid": f"title: {self.title}"} if self.title else {}
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Polygon:
-    """A closed shape, corners (n, 2) m."""
+    def strokes(self, ends: Floats, width: float) -> None:
+        """Straight lines (n, 2, 2) m of a support."""
+        looks: dict[str, Any] = {"colors": SUPPORT, "linewidths": width, "capstyle": "butt", "zorder": 5, **self.titled}
+        self.axes.add_collection(LineCollection(list(ends), **looks))
 
-    corners: Floats
-    kind: Kind
+    def shape(self, patch: Patch) -> None:
+        """A triangle or a wheel of a support."""
+        patch.set(facecolor="white", edgecolor=SUPPORT, linewidth=1.0, zorder=5, **self.titled)
+        self.axes.add_patch(patch)
 
+    def arrow(self, tail: Floats, head: Floats, colour: str = LOAD) -> None:
+        """A straight arrow."""
+        style = {"shrinkA": 0.0, "shrinkB": 0.0, "arrowstyle": "-|>", "color": colour, "linewidth": 0.9}
+        style |= {"mutation_scale": 7, **self.titled}
+        self.axes.annotate("", head.tolist(), tail.tolist(), arrowprops=style, zorder=6, annotation_clip=False)
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Circle:
-    """A wheel."""
-
-    center: Floats  # (2,) m
-    radius: float  # m
-    kind: Kind
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Arrow:
-    """A straight arrow."""
-
-    tail: Floats  # (2,) m
-    head: Floats  # (2,) m
-    kind: Kind
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Words:
-    """What is written beside."""
-
-    place: Floats  # (2,) m, their middle
-    text: str
-    kind: Kind
-    upright: bool = False
+    def label(self, point: Floats, text: str, colour: str = "black", **looks: Any) -> None:
+        """Small words on a white ground, centred unless `looks` say otherwise; they may be moved."""
+        ground = {"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.8}
+        looks = {"ha": "center", "va": "center", "zorder": 8, "bbox": ground, **looks}
+        self.labels.append(self.axes.text(point[0], point[1], text, fontsize=7.5, color=colour, **looks))
 
 
-Mark = Strokes | Polygon | Circle | Arrow
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Sign:
-    """A support or a load: its marks, what they are in a few words, and with which values."""
-
-    title: str
-    marks: tuple[Mark, ...]
-    words: tuple[Words, ...] = ()
-
-
-def support_signs(case: Case) -> Iterator[Sign]:
-    """Triangles, wheels and ground of all supports, and the displacements that they prescribe."""
-    size = size_of(case)
-    for support in case.supports:
-        if isinstance(support, model.PointSupport):
-            roller = None in support.displacement
-            marks = _triangle(support.point, _outward_at(case, support), SIGN * size, roller=roller)
-            words = _given_words(case, support.displacement, support.point)
-            yield Sign(f"held point of {support.body}", tuple(marks), words)
-        else:
-            yield _edge_sign(case, support, size)
-
-
-def load_signs(case: Case) -> Iterator[Sign]:
-    """Arrows and values of all loads but in-situ stresses, which fill a body: words tell them."""
-    size = size_of(case)
-    for load in case.loads:
-        sign = _load_sign(case, load, size)
-        if sign is not None:
-            yield sign
-
-
-def _edge_sign(case: Case, support: model.EdgeSupport | model.ContactSupport, size: float) -> Sign:
-    """Ground or wheels along an edge."""
-    stretches = _stretches(case, support.region, SIGN * size)
-    marks: list[Mark] = []
+def draw_support(sheet: Sheet, support: model.Support) -> None:
+    """Draw the triangle, wheels and ground of a support, and the displacement that it prescribes."""
+    if isinstance(support, model.PointSupport):
+        sheet.title = f"held point of {support.body}"
+        roller = None in support.displacement
+        _triangle(sheet, support.point, _outward_at(sheet.case, support), roller=roller)
+        _given_words(sheet, support.displacement, support.point)
+        return
+    edge, size = f"{support.region.body}.{support.region.edge}", sheet.size
+    sheet.title = f"{'held:' if isinstance(support, model.EdgeSupport) else 'rigid foundation under'} {edge}"
+    stretches = _stretches(sheet.case, support.region, SIGN * size)
     for line, outward in stretches:
         if isinstance(support, model.EdgeSupport) and None in support.displacement:
-            marks += _rollers(line, outward, 0.6 * SIGN * size)
+            _rollers(sheet, line, outward, 0.6 * SIGN * size)
         else:
-            marks += _ground(line + 0.004 * size * outward, outward, 0.7 * SIGN * size)
+            _ground(sheet, line + 0.004 * size * outward, outward, 0.7 * SIGN * size)
     line, outward = stretches[len(stretches) // 2]
-    edge = f"{support.region.body}.{support.region.edge}"
     if isinstance(support, model.ContactSupport):
-        place = line.mean(axis=0) + 0.075 * size * outward
-        law = Words(place, f"rigid foundation, μ = {support.contact.friction:g}", "law")
-        return Sign(f"rigid foundation under {edge}", tuple(marks), (law,))
-    places = _spread(stretches, APART * size)
-    moved = np.column_stack([_values(c, np.array([place for place, _ in places])) for c in support.displacement])
+        words = f"rigid foundation, μ = {support.contact.friction:g}"
+        sheet.label(line.mean(axis=0) + 0.075 * size * outward, words, LAW)
+        return
+    places = np.array([place for place, _ in _spread(stretches, APART * size)])
+    moved = np.column_stack([_values(component, places) for component in support.displacement])
     longest = float(np.hypot(*moved.T).max())
-    if longest > 0.0:
-        arms = ARROW * size * moved / longest
-        seen = np.hypot(*arms.T) > SEEN * ARROW * size
-        tails = [place for place, _ in places]
-        marks += [Arrow(tail, tail + arm, "given") for tail, arm, shown in zip(tails, arms, seen, strict=True) if shown]
-    words = _given_words(case, support.displacement, line.mean(axis=0) + 0.05 * size * outward)
-    return Sign(f"held: {edge}", tuple(marks), words)
+    for tail, way in zip(places, moved / (longest or 1.0), strict=True):
+        if np.hypot(*way) > SEEN:
+            sheet.arrow(tail, tail + ARROW * size * way, GIVEN)
+    _given_words(sheet, support.displacement, line.mean(axis=0) + 0.05 * size * outward)
 
 
-def _load_sign(case: Case, load: model.Load, size: float) -> Sign | None:
+def draw_load(sheet: Sheet, load: model.Load) -> None:
+    """Draw the arrows and values of a load; of an in-situ stress, which fills a body, nothing."""
+    case, size, reach = sheet.case, sheet.size, ARROW * sheet.size
     held = ", held" if load.held else ""
-    reach = ARROW * size
-    if isinstance(load, model.FarField):
-        return _far_field(case, load, size)
-    if isinstance(load, model.EdgeLoad):
-        return _traction(case, load, size, held)
-    if isinstance(load, model.Gravity) and any(load.acceleration):
+    if isinstance(load, model.FarField):  # words tell the stress
+        sheet.title = f"far field round {load.body}"
+        places = _spread(_stretches(case, load.region, APART * size), APART * size, most=None)
+        _traction_arrows(sheet, load, places, GAP * size, reach)
+    elif isinstance(load, model.EdgeLoad):
+        _traction(sheet, load, held)
+    elif isinstance(load, model.Gravity) and any(load.acceleration):
+        sheet.title = f"gravity on {load.body}"
         outline = _body(case, load.body).outline
         middle, way = (outline.min(axis=0) + outline.max(axis=0)) / 2, _unit(load.acceleration)
-        text = f"g = {np.hypot(*load.acceleration):g} m/s²{held}"
-        words = Words(middle + 1.3 * reach * way, text, "load")
-        return Sign(f"gravity on {load.body}", (Arrow(middle, middle + reach * way, "load"),), (words,))
-    if isinstance(load, model.PointForce) and any(load.force):
+        sheet.arrow(middle, middle + reach * way)
+        sheet.label(middle + 1.3 * reach * way, f"g = {np.hypot(*load.acceleration):g} m/s²{held}", LOAD)
+    elif isinstance(load, model.PointForce) and any(load.force):
+        sheet.title = f"force on {load.body}"
         way = reach * _unit(load.force)
-        words = Words(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", "load")
-        return Sign(f"force on {load.body}", (Arrow(load.point - way, load.point, "load"),), (words,))
-    if isinstance(load, model.FluidPressure):
-        return _pressure(case, load, size, held)
-    return None
+        sheet.arrow(load.point - way, load.point)
+        sheet.label(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", LOAD)
+    elif isinstance(load, model.FluidPressure):  # off both faces of a crack or an interface
+        sheet.title = f"pressure in {load.surface}"
+        lines = lines_of(case, load.surface)
+        for points in lines:
+            chord = points[-1] - points[0] if np.any(points[-1] != points[0]) else points[1] - points[0]
+            across = 0.4 * reach * np.array([-1.0, 1.0]) * _unit(chord[::-1])
+            for place, _ in _spread(_straight(points), APART * size):
+                sheet.arrow(place, place - across)
+                sheet.arrow(place, place + across)
+        place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
+        sheet.label(place, f"p = {component_text(load.pressure)}{held}", LOAD)
 
 
-def _pressure(case: Case, load: model.FluidPressure, size: float, held: str) -> Sign:
-    """Arrows off both faces of a crack or an interface."""
-    marks: list[Mark] = []
-    lines = lines_of(case, load.surface)
-    for points in lines:
-        chord = points[-1] - points[0] if np.any(points[-1] != points[0]) else points[1] - points[0]
-        across = 0.4 * ARROW * size * np.array([-1.0, 1.0]) * _unit(chord[::-1])
-        places = _spread(_straight(points), APART * size)
-        marks += [Arrow(place, place + side, "load") for place, _ in places for side in (-across, across)]
-    place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
-    words = Words(place, f"p = {component_text(load.pressure)}{held}", "load")
-    return Sign(f"pressure in {load.surface}", tuple(marks), (words,))
-
-
-def _far_field(case: Case, load: model.FarField, size: float) -> Sign:
-    """Arrows all round a body; words tell the stress."""
-    places = _spread(_stretches(case, load.region, APART * size), APART * size, most=None)
-    return Sign(f"far field round {load.body}", _traction_arrows(load, places, GAP * size, ARROW * size))
-
-
-def _traction(case: Case, load: model.EdgeTraction | model.EdgePressure, size: float, held: str) -> Sign | None:
+def _traction(sheet: Sheet, load: model.EdgeTraction | model.EdgePressure, held: str) -> None:
     """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
+    case, size = sheet.case, sheet.size
     hole, below = _hole_of(case, load.region), 0.05 * size
     if hole is not None:
         size = min(size, HOLE * float(np.ptp(hole, axis=0).min()))
@@ -185,90 +145,89 @@ def _traction(case: Case, load: model.EdgeTraction | model.EdgePressure, size: f
     ends = np.concatenate([line for line, _ in stretches])
     mean = np.array([_typical(along) for along in load.traction_at(ends, np.tile(middle, (len(ends), 1))).T])
     if not mean.any():
-        return None
+        return
     shears = abs(float(_unit(mean) @ middle)) < SHEAR
     places = _spread(stretches, (SHEAR_APART if shears else APART) * size)
     points = [support for support in case.supports if isinstance(support, model.PointSupport)]
     taken = [support.point + 0.8 * SIGN * size * _outward_at(case, support) for support in points]
     free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in taken)]
     gap = size * (SHEAR_GAP if shears else GAP if free else 1.7 * SIGN)  # where signs leave no room: outside of them
-    marks = _traction_arrows(load, free or places, gap, ARROW * size)
     line, outward = stretches[len(stretches) // 2]  # two loads on an edge are mostly one across and one along it
     away = AWAY * ARROW * size + (0.0 if free else gap)
     place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
+    pressed = isinstance(load, model.EdgePressure)
     if isinstance(load, model.EdgePressure):
-        what, given, values = "pressure", "p", component_text(load.pressure)
+        given, values = "p", component_text(load.pressure)
     else:
-        what, given = "traction", ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
+        given = ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
         values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
     if hole is not None:
         place = np.array([np.mean(hole[:, 0]), hole[:, 1].min() - below])
-    words = Words(place, f"{given} = {values}{held}", "load", upright=hole is None and abs(outward[0]) > SHEAR)
-    return Sign(f"{what} on {load.region.body}.{load.region.edge}", marks, (words,))
+    sheet.title = f"{'pressure' if pressed else 'traction'} on {load.region.body}.{load.region.edge}"
+    _traction_arrows(sheet, load, free or places, gap, ARROW * size)
+    upright = hole is None and abs(outward[0]) > SHEAR
+    sheet.label(place, f"{given} = {values}{held}", LOAD, rotation=90.0 if upright else 0.0)
 
 
 def _traction_arrows(
-    load: model.EdgeLoad, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
-) -> tuple[Arrow, ...]:
+    sheet: Sheet, load: model.EdgeLoad, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
+) -> None:
     """An arrow for each place and its outward direction, as long as the traction there is large."""
     points, outwards = (np.array(of) for of in zip(*places, strict=True))
     traction = load.traction_at(points, outwards)
-    strength = np.hypot(*traction.T)
-    if not strength.any():
-        return ()
-    arrows = []
-    for (place, outward), way in zip(places, reach * traction / strength.max(), strict=True):
+    longest = float(np.hypot(*traction.T).max())
+    for place, outward, way in zip(points, outwards, reach * traction / (longest or 1.0), strict=True):
         length = float(np.hypot(*way))
         if length < SEEN * reach:
             continue
         across, tail = float(way @ outward) / length, place + gap * outward
         tail = tail - way / 2 if abs(across) < SHEAR else tail - way if across < 0 else tail
-        arrows.append(Arrow(tail, tail + way, "load"))
-    return tuple(arrows)
+        sheet.arrow(tail, tail + way)
 
 
-def _triangle(point: Floats, outward: Floats, size: float, *, roller: bool) -> list[Mark]:
+def _triangle(sheet: Sheet, point: Floats, outward: Floats, *, roller: bool) -> None:
     """A support at a point: a triangle towards `outward`, on ground or, as a roller, on wheels."""
+    size = SIGN * sheet.size
     along = np.array([-outward[1], outward[0]])
     base = point + size * outward
-    marks: list[Mark] = [Polygon(np.array([point, base + 0.6 * size * along, base - 0.6 * size * along]), "support")]
+    sheet.shape(Polygon(np.array([point, base + 0.6 * size * along, base - 0.6 * size * along])))
     if roller:
-        wheels = [base + 0.18 * size * outward + place * size * along for place in (-0.35, 0.35)]
-        marks += [Circle(center, 0.17 * size, "support") for center in wheels]
+        for place in (-0.35, 0.35):
+            center = base + 0.18 * size * outward + place * size * along
+            sheet.shape(Circle(center.tolist(), 0.17 * size))
         base = base + 0.36 * size * outward
-    return [*marks, *_ground(np.array([base - 0.9 * size * along, base + 0.9 * size * along]), outward, 0.35 * size)]
+    _ground(sheet, np.array([base - 0.9 * size * along, base + 0.9 * size * along]), outward, 0.35 * size)
 
 
-def _ground(line: Floats, outward: Floats, size: float) -> list[Mark]:
+def _ground(sheet: Sheet, line: Floats, outward: Floats, size: float) -> None:
     """Solid ground: a line (2, 2) with strokes on its outer side."""
     along = line[1] - line[0]
     length = float(np.hypot(*along))
     n = max(2, round(length / (0.9 * size)))
     feet = line[0] + ((np.arange(n) + 0.75) / n)[:, None] * along
     slant = (outward - along / max(length, 1e-300)) * size
-    return [Strokes(line[None], "ground"), Strokes(np.stack([feet, feet + slant], axis=1), "hatch")]
+    sheet.strokes(line[None], 1.2)
+    sheet.strokes(np.stack([feet, feet + slant], axis=1), 0.6)
 
 
-def _rollers(line: Floats, outward: Floats, size: float) -> list[Mark]:
+def _rollers(sheet: Sheet, line: Floats, outward: Floats, size: float) -> None:
     """An edge (2, 2) that slides along rigid ground: wheels between the two."""
-    places = _spread([(line, outward)], 2.0 * size, most=None)
-    wheels = [Circle(place + 0.5 * size * outward, 0.4 * size, "support") for place, _ in places]
-    return [*wheels, *_ground(line + size * outward, outward, 0.8 * size)]
+    for place, _ in _spread([(line, outward)], 2.0 * size, most=None):
+        sheet.shape(Circle((place + 0.5 * size * outward).tolist(), 0.4 * size))
+    _ground(sheet, line + size * outward, outward, 0.8 * size)
 
 
-def _given_words(
-    case: Case, displacement: tuple[Component | None, Component | None], place: Floats
-) -> tuple[Words, ...]:
+def _given_words(sheet: Sheet, displacement: tuple[Component | None, Component | None], place: Floats) -> None:
     """Displacements other than zero, as numbers or formulas."""
-    scale, unit = length_unit(case)
+    scale, unit = length_unit(sheet.case)
     words = []
     for axis, value in zip("xy", displacement, strict=True):
         if isinstance(value, float | int) and value:
             words.append(f"u{axis} = {value * scale:.4g} {unit}")
         elif isinstance(value, CoordinateFormula):
             words.append(f"u{axis} = {value.text[:40]} [m]")
-    above = place + np.array([0.0, 0.04 * size_of(case)])
-    return (Words(above, ", ".join(words), "given"),) if words else ()
+    if words:
+        sheet.label(place + np.array([0.0, 0.04 * sheet.size]), ", ".join(words), GIVEN)
 
 
 def _values(component: Component | None, places: Floats) -> Floats:

@@ -15,8 +15,10 @@ if TYPE_CHECKING:
 LETTER: Final = 0.085  # inches that a letter of a title takes
 PLAIN: Final[dict[Any, Any]] = {
     "axes.formatter.useoffset": False,
-    "axes.formatter.limits": (-5, 8),
-}  # coordinates of maps in full
+    "axes.formatter.limits": (-5, 8),  # coordinates of maps in full
+    "svg.fonttype": "none",  # texts are texts
+    "svg.hashsalt": "crackgrow",  # the same drawing is the same file
+}
 _ALONE = threading.RLock()  # matplotlib's settings are those of the whole process
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
-from zlib import crc32
 
 import numpy as np
 
@@ -27,16 +26,11 @@ HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in declar
 """Columns of the tables by name."""
 
 
-Mark = tuple[int, int]
-"""How far a table goes: number of bytes, and their CRC-32."""
-
-
 class Table:
     """Rows in memory and on disk: the file is complete after every `write`, which appends what is new."""
 
     def __init__(self, path: Path, columns: Sequence[str]) -> None:
         self.path = path
-        self.mark: Mark = (0, 0)  # of the file as it was written last
         self._lines = [",".join(columns)]
         self._n_written = 0  # lines on disk as they are here
 
@@ -49,36 +43,34 @@ class Table:
         self._lines[-1] = ",".join(format_value(value) for value in row)
         self._n_written = 0
 
+    def __len__(self) -> int:
+        return len(self._lines) - 1
+
     def write(self) -> None:
         """Bring the file up to date; raises OutputError."""
         new = "".join(f"{line}\n" for line in self._lines[self._n_written :])
-        if self._n_written and append_text(self.path, new):
-            before = self.mark
-        else:
-            before, new = (0, 0), "\n".join(self._lines) + "\n"
-            write_text(self.path, new)
+        if not (self._n_written and append_text(self.path, new)):
+            write_text(self.path, "\n".join(self._lines) + "\n")
         self._n_written = len(self._lines)
-        data = new.encode()
-        self.mark = (before[0] + len(data), crc32(data, before[1]))
 
-    def cut(self, mark: Sequence[int]) -> None:
-        """Take over what the file has up to a mark that fits, and drop the rest; raises OutputError."""
-        self._lines = self.path.read_bytes()[: mark[0]].decode().removesuffix("\n").split("\n")
+    def drop_from(self, step: int) -> None:
+        """Take over what the file has of the steps before one, and drop the rest; raises OutputError."""
+        self._lines = lines_before(self.path, step)
         self._n_written = 0
         self.write()
 
 
-def goes_on(path: Path) -> bool:
-    """Whether this version can go on with a table: it has the same columns, which of `history.csv` the case tells."""
-    with path.open(encoding="utf-8") as file:
-        then = file.readline().rstrip("\n").split(",")
-    return path.name == declarations.HISTORY.name or then == list(HEADERS[path.stem])
+def lines_before(path: Path, step: int) -> list[str]:
+    """The header and the rows, as far as they are whole, that a table had before a step was added.
 
-
-def fits(path: Path, mark: Sequence[int]) -> bool:
-    """Whether a file begins as a table did that had this mark."""
-    data = path.read_bytes()[: mark[0]] if path.is_file() else b""
-    return (len(data), crc32(data)) == tuple(mark)
+    Raises ValueError where it is no table that this version goes on with, OSError where it can't be read.
+    """
+    header, *rows = path.read_text(encoding="utf-8").split("\n")[:-1]  # a last row without an end was cut off
+    if path.name != declarations.HISTORY.name and header.split(",") != list(HEADERS[path.stem]):
+        raise ValueError(f"another header: {header}")
+    if path.name == declarations.EVENTS.name:
+        step -= 1  # events come with the step after theirs, to which an advance has led
+    return [header, *(row for row in rows if int(row.partition(",")[0]) < step)]
 
 
 def format_value(value: Value) -> str:

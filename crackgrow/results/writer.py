@@ -53,7 +53,7 @@ class RunWriter:
     where the disk refuses. A checkpoint is written before the other files of its step,
     and tells how far they went until then:
 
-        tables     by file name: number of bytes and their checksum
+        tables     by file name: number of rows
         frames, cracks     steps and files of the two series
         tally, curve     what the summary and the load curve need of the steps
         seconds, cpu, memory     wall and CPU time since the run began and most memory, MB
@@ -124,7 +124,7 @@ class RunWriter:
         if HISTORY in results["tables"]:
             self._tables["history"] = tables.Table(self.folder / HISTORY, ())
         for table in self._tables.values():
-            table.cut(results["tables"][table.path.name])
+            table.drop_from(step)
         for kind in self._series:
             self._series[kind] = [(of_step, name) for of_step, name in results[kind]]
             self._list_series(kind)
@@ -231,7 +231,7 @@ class RunWriter:
         if result.checkpoint is None:
             return
         results = {
-            "tables": {table.path.name: table.mark for table in self._tables.values()},
+            "tables": {table.path.name: len(table) for table in self._tables.values()},
             **self._series,
             "tally": self._tally.record(),
             "curve": [asdict(point) for point in self._curve],

@@ -8,7 +8,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NoReturn
 
 import numpy as np
 import yaml
@@ -24,7 +24,6 @@ from crackgrow.results.folder import CASE, FolderError, RunFolder
 Tip = Literal["start", "end"]
 
 MOST_VERTICES = 2000  # of one crack: comparing takes time and memory in the product of two of them
-MOST_FAULTS = 10  # of the rows of one file that are told
 FORMAT = "a CSV of crack paths has columns x and y (in m, or x_mm and y_mm), and may have crack, vertex and step"
 
 
@@ -73,14 +72,14 @@ class PathSet:
     settings: dict[str, str] | None  # of case.yaml by dotted key; None if there is none
 
 
-Tell = Callable[[int, str, str], None]
-"""Keeps a fault: its line, key and message."""
+Refuse = Callable[[int, str, str], NoReturn]
+"""Raises CaseError with a line, key and message."""
 
 
 def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> PathSet:
     """The crack paths of a result folder or of a CSV file; `columns` names the columns of x and y of a CSV.
 
-    Raises CaseError with all faults of the file.
+    Raises CaseError with the first fault of the file.
     """
     path = Path(source)
     if not path.is_dir():
@@ -125,55 +124,63 @@ def _reason(error: BaseException) -> str:
 
 
 def _read_csv(path: Path, columns: Sequence[str] | None) -> dict[str, PathLine]:
-    """The cracks of a CSV file, in order of their first rows; raises CaseError with all faults, each with its line."""
+    """The cracks of a CSV file, in order of their first rows; raises CaseError with its first fault and that line."""
+
+    def refuse(line: int, key: str, message: str) -> NoReturn:
+        raise CaseError([Fault(str(path), line, key, message)])
+
     try:
-        text = path.read_text(encoding="utf-8-sig")
+        rows = _rows(path.read_text(encoding="utf-8-sig"), refuse)
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError.at(path, f"cannot be read: {_reason(error)}") from error
-    faults: list[Fault] = []
-
-    def fault(line: int, key: str, message: str) -> None:
-        faults.append(Fault(str(path), line, key, message))
-
-    rows = _rows(text, fault)
     if not rows:
-        fault(1, "", f"is empty; {FORMAT}")
-    else:
-        (head, header), *body = rows
-        places = [_coordinate(head, header, axis, columns, fault) for axis in (0, 1)]
-        lines = {} if faults else _lines(body, header, places, fault)
-        if not lines and not faults:
-            fault(head, "", "has no cracks, only a header")
-    if faults:
-        n_more = len(faults) - MOST_FAULTS
-        more = [Fault(str(path), None, "", f"and {n_more} more faults")] if n_more > 0 else []
-        raise CaseError([*faults[:MOST_FAULTS], *more])
-    return lines
+        refuse(1, "", f"is empty; {FORMAT}")
+    (head, header), *body = rows
+    places = [_coordinate(head, header, axis, columns, refuse) for axis in (0, 1)]
+    if not body:
+        refuse(head, "", "has no cracks, only a header")
+    cracks: dict[str, list[tuple[float, ...]]] = {}
+    for line, cells in body:
+        if len(cells) != len(header):
+            refuse(line, "", f"has {len(cells)} values, the header has {len(header)}")
+        named = dict(zip(header, cells, strict=True))
+        crack = cracks.setdefault(named.get("crack", ""), [])
+        x, y = (_metres(line, header[index], cells[index], unit, refuse) for index, unit in places)
+        step, vertex = named.get("step", "0"), named.get("vertex", str(len(crack)))
+        if not re.fullmatch(r"[0-9]{1,9}", step):
+            refuse(line, "step", f"{quoted(step)} is no step; allowed are 0, of the given crack, and 1, 2, ...")
+        try:
+            number, what = parse_number(vertex), ""
+        except QuantityError:
+            number, what = math.nan, "is not a number"
+        if crack and number <= crack[-1][-1]:
+            what = f"comes after {crack[-1][-1]:g}"
+        if what:
+            refuse(line, "vertex", f"{quoted(vertex)} {what}; allowed are numbers that rise along a crack")
+        crack.append((line, x, y, int(step), number))
+    return {name: _line(name, np.array(crack), "step" in header, refuse) for name, crack in cracks.items()}
 
 
-def _rows(text: str, fault: Tell) -> list[tuple[int, list[str]]]:
-    """Rows with their lines, up to one that is no CSV; blank lines and comments are left out."""
+def _rows(text: str, refuse: Refuse) -> list[tuple[int, list[str]]]:
+    """Rows with their lines; blank lines and comments are left out."""
     lines = text.splitlines()
     first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
     reader = csv.reader(lines, delimiter=next((sign for sign in (",", ";", "\t") if sign in first), ","))
-    rows: list[tuple[int, list[str]]] = []
     try:
-        for cells in reader:
-            stripped = [cell.strip() for cell in cells]
-            if any(stripped) and not stripped[0].startswith("#"):
-                rows.append((reader.line_num, stripped))
+        rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     except csv.Error as error:
-        fault(reader.line_num, "", f"is no CSV: {error}")
-    return rows
+        refuse(reader.line_num, "", f"is no CSV: {error}")
+    return [(line, cells) for line, cells in rows if any(cells) and not cells[0].startswith("#")]
 
 
-def _coordinate(line: int, header: list[str], axis: int, columns: Sequence[str] | None, fault: Tell) -> tuple[int, str]:
+def _coordinate(
+    line: int, header: list[str], axis: int, columns: Sequence[str] | None, refuse: Refuse
+) -> tuple[int, str]:
     """Number and length unit of the column of x (axis 0) or y (axis 1); a fault where there is none, or several."""
     if columns is not None:
         name = columns[axis]
         if header.count(name) != 1:
-            fault(line, "", f"has no column {quoted(name)}{did_you_mean(name, header)}; it has {_listed(header)}")
-            return 0, "m"
+            refuse(line, "", f"has no column {quoted(name)}{did_you_mean(name, header)}; it has {_listed(header)}")
         return header.index(name), next((word for word in _words(name) if word in UNITS["length"]), "m")
     letter = "xy"[axis]
     named = {index: words for index, name in enumerate(header) if (words := _words(name))[0] == letter}
@@ -181,73 +188,36 @@ def _coordinate(line: int, header: list[str], axis: int, columns: Sequence[str] 
     found = {index: words for index, words in known.items() if len(words) <= 2} or known  # of x and x_mm_other, x
     if len(found) > 1:
         names = ", ".join(clean(header[index]) for index in found)
-        fault(line, "", f"has several columns for {letter}: {names}; choose with --columns X,Y")
-    elif named and not found:
+        refuse(line, "", f"has several columns for {letter}: {names}; choose with --columns X,Y")
+    if named and not found:
         allowed = ", ".join([letter, *(f"{letter}_{unit}" for unit in UNITS["length"])])
-        fault(line, clean(header[next(iter(named))]), f"has no known unit of length; allowed are {allowed}")
-    elif not found:
-        fault(line, "", f"has no column for {letter}, it has {_listed(header)}; {FORMAT}")
-    index, words = next(iter(found.items()), (0, [letter]))
+        refuse(line, clean(header[next(iter(named))]), f"has no known unit of length; allowed are {allowed}")
+    if not found:
+        refuse(line, "", f"has no column for {letter}, it has {_listed(header)}; {FORMAT}")
+    ((index, words),) = found.items()
     return index, words[1] if len(words) > 1 else "m"
 
 
-def _lines(
-    rows: list[tuple[int, list[str]]], header: list[str], places: list[tuple[int, str]], fault: Tell
-) -> dict[str, PathLine]:
-    """The cracks of the rows by name."""
-    cracks: dict[str, list[tuple[int, float, float, int]]] = {}
-    last: dict[str, float] = {}
-    for line, cells in rows:
-        if len(cells) != len(header):
-            fault(line, "", f"has {len(cells)} values, the header has {len(header)}")
-            continue
-        named, point = dict(zip(header, cells, strict=True)), [math.nan, math.nan]
-        crack, step, vertex = named.get("crack", ""), named.get("step", "0"), named.get("vertex")
-        for axis, (index, unit) in enumerate(places):
-            try:
-                point[axis] = parse_quantity(cells[index], "length", Units(length=unit))
-            except QuantityError as error:
-                told = f"allowed is a length, in {unit} where it has no unit"
-                fault(line, header[index], f"{quoted(cells[index])} {error}; {told}")
-        if not re.fullmatch(r"[0-9]{1,9}", step):
-            fault(line, "step", f"{quoted(step)} is no step; allowed are 0, of the given crack, and 1, 2, ...")
-            continue
-        if vertex is not None:
-            number, before = _vertex(vertex), last.get(crack, -math.inf)
-            if number > before:
-                last[crack] = number
-            else:
-                what = "is not a number" if math.isnan(number) else f"comes after {before:g}"
-                fault(line, "vertex", f"{quoted(vertex)} {what}; allowed are numbers that rise along a crack")
-        cracks.setdefault(crack, []).append((line, point[0], point[1], int(step)))
-    return {name: _line(name, crack, "step" in header, fault) for name, crack in cracks.items()}
-
-
-def _vertex(text: str) -> float:
+def _metres(line: int, key: str, text: str, unit: str, refuse: Refuse) -> float:
     try:
-        return parse_number(text)
-    except QuantityError:
-        return math.nan
+        return parse_quantity(text, "length", Units(length=unit))
+    except QuantityError as error:
+        refuse(line, key, f"{quoted(text)} {error}; allowed is a length, in {unit} where it has no unit")
 
 
-def _line(name: str, rows: list[tuple[int, float, float, int]], with_steps: bool, fault: Tell) -> PathLine:
-    """The crack of its rows, points that repeat the one before left out."""
-    table = np.array(rows)
+def _line(name: str, table: Floats, with_steps: bool, refuse: Refuse) -> PathLine:
+    """The crack of its rows (n, 5): line, x, y, step, vertex; points that repeat the one before are left out."""
     moves = np.concatenate([[True], np.any(np.diff(table[:, 1:3], axis=0) != 0, axis=1)])
     points, steps = table[moves, 1:3], table[moves, 3].astype(np.int64)
     points.flags.writeable = steps.flags.writeable = False
-    line, first_row, key = (
-        PathLine(points, steps if with_steps else None),
-        rows[0][0],
-        f"crack {clean(name)}" * bool(name),
-    )
-    first = np.flatnonzero(line.first)
+    line = PathLine(points, steps if with_steps else None)
+    first_row, key, first = int(table[0, 0]), f"crack {clean(name)}" * bool(name), np.flatnonzero(line.first)
     if not 2 <= len(points) <= MOST_VERTICES:
-        fault(first_row, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack")
+        refuse(first_row, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack")
     # what starts in the run is a segment at once, where a tip adds one vertex
-    elif with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
+    if with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
         told = "its vertices of step 0, the given crack, must be there and follow each other"
-        fault(first_row, key, f"{told}; so must two or more of its first step, of one that a run started")
+        refuse(first_row, key, f"{told}; so must two or more of its first step, of one that a run started")
     return line
 
 

@@ -13,7 +13,7 @@ from tests.report_runs import HOSTILE, make_run, paint
 
 pytestmark = pytest.mark.browser
 
-GROWN = "return document.querySelectorAll('#scene .grown:not([hidden])').length"
+GROWN = """return document.querySelectorAll("#scene [id^='step-']:not([hidden], #step-0)").length"""
 NOW = "return document.getElementById('now').textContent"
 
 
@@ -57,7 +57,8 @@ def test_arrow_keys_move_everything_to_the_step(chromium: Chromium, report: Path
     cursor = "return document.querySelector('#chart-0 .cursor').getAttribute('d')"
     contact = "return document.getElementById('contact').innerHTML"
     tips = "return document.getElementById('tips-body').textContent"
-    looks = (picture, cursor, contact, tips, GROWN, NOW)
+    circles = """return document.querySelector("#scene [id^='tips-']:not([hidden])").id"""
+    looks = (picture, cursor, contact, tips, GROWN, NOW, circles)
     seen = [[chromium.run(look) for look in looks]]
     for _ in range(3):
         chromium.press("#step", "left")

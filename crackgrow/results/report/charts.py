@@ -87,6 +87,7 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
     for title, columns, units in (
         ("Stress intensity", ("K_I", "K_II"), INTENSITIES),
         ("Stress at the tips", ("sigma_1", "sigma_3"), STRESSES),
+        ("Criticality", ("criticality",), NO_UNIT),
     ):
         values = [run.table("tips").numbers(column) for column in columns]
         if not np.isfinite(values).any():
@@ -95,10 +96,10 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
         series = []
         for number, tip in enumerate(tips):
             steps = tables[tip].steps().tolist()
-            for column, dash in zip(columns, ("", "5 3"), strict=True):
+            for column, dash in zip(columns, ("", "5 3"), strict=False):
                 y = rounded_all(tables[tip].numbers(column), unit[0])
                 series.append(_series(f"{column} {' '.join(tip)}", COLOURS[number], dash, steps, y, steps))
-        ylabel = f"{', '.join(columns)} [{unit[1]}]"
+        ylabel = f"{', '.join(columns)} [{unit[1]}]" if unit[1] else columns[0]
         found.append({"title": f"{title}{rest}", "xlabel": "step", "ylabel": ylabel, "series": series})
     return found
 

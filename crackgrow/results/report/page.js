@@ -13,13 +13,10 @@ function latest(steps, step) {
 }
 
 function showScene(step) {
-  for (const segment of document.querySelectorAll("#scene [data-step]")) {
-    segment.toggleAttribute("hidden", Number(segment.dataset.step) > step);
-  }
-  const tips = document.getElementById("tips");
-  tips.replaceChildren();
-  for (const [cx, cy, advances] of data.tips.places[latest(data.tips.places, step)] || []) {
-    element(tips, "circle", {cx, cy, r: 3.5, class: advances ? "tip advances" : "tip"});
+  const of = latest(data.tips.steps, step);
+  for (const group of document.querySelectorAll("#scene [id^='step-'], #scene [id^='tips-']")) {
+    const [kind, number] = group.id.split("-");
+    group.toggleAttribute("hidden", kind === "step" ? Number(number) > step : Number(number) !== of);
   }
 }
 

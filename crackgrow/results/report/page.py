@@ -10,14 +10,15 @@ from typing import Any
 
 import numpy as np
 from jinja2 import Environment
-from markupsafe import Markup
+from markupsafe import Markup, escape
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
+from crackgrow.case.units import Coordinate
 from crackgrow.results.atomic import write_text
+from crackgrow.results.drawing import scene_svg, step_colour
 from crackgrow.results.folder import REPORT, RunFolder, open_run
 from crackgrow.results.report.charts import charts
-from crackgrow.results.report.scene import describe_actions, draw_scene, step_colour, tag, view_of
 from crackgrow.results.report.step_data import contact_data, event_rows, pictures, step_words, tip_data
 from crackgrow.results.units import counted, cut, shown
 from crackgrow.run.result import CHECK_LIMITS
@@ -46,6 +47,13 @@ ESTIMATES = {
 """Numbers of the summary in the order of the table, in words."""
 
 
+def tag(name: str, *content: object, **attributes: object) -> Markup:
+    """An element; `_` in the name of an attribute is a dash, at the end of it nothing; None leaves it out."""
+    given = {key.rstrip("_").replace("_", "-"): value for key, value in attributes.items() if value is not None}
+    words = Markup("").join(Markup(' {}="{}"').format(key, value) for key, value in given.items())
+    return Markup("<{0}{1}>{2}</{0}>").format(Markup(name), words, Markup("").join(map(escape, content)))
+
+
 def write_report(folder: Path, case: Case | None = None) -> Path:
     """Write the report of the run in `folder` beside its files, and return where it is; `case` is its, if it is there.
 
@@ -61,10 +69,10 @@ def write_report(folder: Path, case: Case | None = None) -> Path:
 
 def page(run: RunFolder) -> str:
     """The report as HTML; whatever comes from a case is escaped."""
-    data = {
+    data: dict[str, Any] = {
         "places": run.places,
         "words": step_words(run),
-        "tips": tip_data(run, view_of(run.case)),
+        "tips": tip_data(run),
         "contact": contact_data(run),
         "charts": charts(run),
         "pictures": pictures(run),
@@ -77,7 +85,7 @@ def page(run: RunFolder) -> str:
         summary=run.summary,
         badge=status_badge(run.summary["status"]),
         facts=_facts(run),
-        scene=draw_scene(run),
+        scene=scene_svg(run, data["tips"]["steps"]),
         legend=Markup("; ").join(_legend(run)),
         checks=list(check_rows(run)),
         estimates=estimate_rows(run.summary),
@@ -111,7 +119,7 @@ def _legend(run: RunFolder) -> Iterator[str]:
     if len(run.table("tips")):
         yield "circles: tips, filled where they advance"
     if run.case.interfaces:
-        yield "dashed: interfaces"
+        yield "violet: interfaces, dashed unless bonded"
 
 
 def _facts(run: RunFolder) -> list[str]:
@@ -183,3 +191,29 @@ def status_badge(status: str) -> Markup:
     """How the run ended, in a word."""
     kind = {"failed": "bad", "interrupted": "doubtful", "running": "doubtful"}.get(status, "good")
     return tag("strong", status, class_=f"badge {kind}")
+
+
+def describe_actions(case: Case) -> list[tuple[str, str]]:
+    """What holds and what loads the specimen, in words: name, and what the case says of it, in SI."""
+    rows: list[tuple[str, str]] = []
+    for kind in ("supports", "loads"):
+        items = case.resolved[kind]
+        assert isinstance(items, list)
+        rows.extend((f"{kind}.{number}", _words(item)) for number, item in enumerate(items))
+    return rows
+
+
+def _words(item: dict[str, object]) -> str:
+    return ", ".join(f"{key}: {_value(value)}" for key, value in item.items())
+
+
+def _value(value: object) -> str:
+    if isinstance(value, dict):
+        return "{" + _words(value) + "}"
+    if isinstance(value, list):
+        return "[" + ", ".join(_value(inner) for inner in value) + "]"
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, Coordinate):
+        return value.text
+    return f"{value:g}" if isinstance(value, float) else str(value)

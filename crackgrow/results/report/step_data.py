@@ -15,7 +15,6 @@ import numpy as np
 from crackgrow.results.folder import FolderError, RunFolder, TextTable
 from crackgrow.results.log import load_words
 from crackgrow.results.rendered import rendered
-from crackgrow.results.report.scene import View
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
 
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
@@ -33,12 +32,8 @@ QUALITY = 80  # of JPEG
 MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
-def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
-    """Rows of the table of tips by step, under a header with units, and where the tips lie in the picture.
-
-    steps     by step: a row for each tip
-    places     by step: x and y (px), and whether the tip advances, for each tip
-    """
+def tip_data(run: RunFolder) -> dict[str, Any]:
+    """Rows of the table of tips by step, a row for each tip, under a header with units."""
     tips = run.table("tips")
     K = unit_of(np.concatenate([tips.numbers("K_I"), tips.numbers("K_II")]), INTENSITIES)
     stress = unit_of(np.concatenate([tips.numbers("sigma_1"), tips.numbers("sigma_3")]), STRESSES)
@@ -50,16 +45,12 @@ def tip_data(run: RunFolder, view: View) -> dict[str, Any]:
     *of_tip, kink = numbers
     advances = tips.words("advanced")
     columns = (tips.words("crack"), tips.words("tip"), *of_tip, tips.words("criterion"), kink, advances)
-    pixels = np.round(view.pixels(np.column_stack([tips.numbers("x"), tips.numbers("y")])), 1).tolist()
     rows: dict[int, list[Any]] = {}
-    places: dict[int, list[Any]] = {}
     kept = _kept_steps(tips, MOST_TIP_ROWS)
-    for step, row, place in zip(tips.steps().tolist(), zip(*columns, strict=True), pixels, strict=True):
-        if step not in kept:
-            continue
-        rows.setdefault(step, []).append(list(row))
-        places.setdefault(step, []).append([*place, row[-1] == "true"])
-    return {"header": header, "steps": rows, "places": places}
+    for step, row in zip(tips.steps().tolist(), zip(*columns, strict=True), strict=True):
+        if step in kept:
+            rows.setdefault(step, []).append(list(row))
+    return {"header": header, "steps": rows}
 
 
 def event_rows(events: TextTable) -> tuple[list[str], list[list[object]]]:

@@ -1,22 +1,18 @@
-"""The plan of a case: counts are those of the run, cost and warnings follow the scene, the picture shows what acts."""
+"""The plan of a case: counts are those of the run, cost and warnings follow the scene."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
-from matplotlib.figure import Figure
 
 from crackgrow import cli
 from crackgrow.case import Case
-from crackgrow.plan import cost, picture
+from crackgrow.plan import cost
 from crackgrow.plan.cost import cost_of, estimated_cost
-from crackgrow.plan.picture import draw_scene
 from crackgrow.plan.sizes import Sizes, guessed_sizes, sizes_of
 from crackgrow.plan.text import plan_text
-from crackgrow.results import signs
 from crackgrow.run import grow
 from tests.scenes import shipped_case
 
@@ -164,62 +160,6 @@ def test_the_memory_of_a_machine_is_the_least_of_its_limits(tmp_path: Path, monk
 
 def test_a_sound_case_has_no_warnings() -> None:
     assert plan_text(shipped_case("compression30")).endswith("no warnings")
-
-
-@pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
-def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
-    draw_scene(tmp_path / "scene.svg", shipped_case(name))
-    assert (tmp_path / "scene.svg").read_text(encoding="utf-8").count("<path") > 20
-
-
-def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
-    few = coarse("compression30", "loads=[]", "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]")
-    for name, case in (("few", few), ("all", coarse("compression30"))):
-        draw_scene(tmp_path / f"{name}.svg", case)
-    few_marks, marks = (
-        (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("#b2182b") for name in ("few", "all")
-    )
-    assert few_marks == 0 < marks
-
-
-def test_the_picture_says_what_is_taken_out(tmp_path: Path) -> None:
-    draw_scene(tmp_path / "scene.svg", shipped_case("tunnel_excavated"))
-    assert "core is taken out in stage 'face near by'" in (tmp_path / "scene.svg").read_text(encoding="utf-8")
-
-
-def test_words_of_small_things_lie_beside_each_other_and_beside_what_is_left_free() -> None:
-    axes = Figure(dpi=100).add_subplot()
-    for words in ("roof: 4 m", "side: 5 m", "bonded", "start"):
-        picture.label(axes, np.array([0.5, 0.5]), words)
-    free = np.array([[0.5, 0.5], [0.55, 0.5]])
-    picture.part_labels(axes, free)
-    boxes = [words.get_window_extent() for words in axes.texts]
-    assert all(box.count_overlaps(boxes) == 1 for box in boxes)  # with itself
-    assert not any(box.contains(*place) for box in boxes for place in axes.transData.transform(free))
-
-
-@pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
-def test_loads_and_supports_at_points_are_drawn_beside_each_other(name: str) -> None:
-    case = shipped_case(name)
-    size = signs.size_of(case)
-    arrows = [mark for sign in signs.load_signs(case) for mark in sign.marks if isinstance(mark, signs.Arrow)]
-    triangles = [mark for sign in signs.support_signs(case) for mark in sign.marks if isinstance(mark, signs.Polygon)]
-    along = np.linspace(0.0, 1.0, 21)[:, None]
-    across = [(a.tail, a.head) for a in arrows if abs(a.head - a.tail)[1] > abs(a.head - a.tail)[0]]
-    assert len(across) >= 4  # of this and the other edge
-    assert triangles
-    for tail, head in across:
-        for triangle in triangles:
-            base = triangle.corners[1:].mean(axis=0)
-            assert np.hypot(*(tail + along * (head - tail) - base).T).min() > 0.4 * signs.SIGN * size
-
-
-def test_the_picture_shows_cracks_and_what_holds_the_rock(tmp_path: Path) -> None:
-    draw_scene(tmp_path / "scene.svg", coarse("two_flaws", "numerics.spacing=4"))
-    marks = (tmp_path / "scene.svg").read_text(encoding="utf-8")
-    assert marks.count("stroke: #000000; stroke-width: 2; stroke-linecap: round") == 2  # the flaws
-    support = "#404040"
-    assert marks.count(support) > 3 * 5  # a triangle, two rollers, ground and hatching, three times
 
 
 def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

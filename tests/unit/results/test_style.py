@@ -10,8 +10,9 @@ import matplotlib as mpl
 import pytest
 
 from crackgrow.case import Case
-from crackgrow.plan.picture import draw_scene
+from crackgrow.plan.sizes import squares_of
 from crackgrow.results import figures
+from crackgrow.results.drawing import draw_scene
 from crackgrow.results.style import own_style
 from crackgrow.results.summary import load_point
 from tests.properties.broken_off import ENVIRONMENT, command, finished
@@ -28,7 +29,7 @@ DRAWN: dict[str, Callable[[Path], None]] = {
     "load curve": lambda path: figures.draw_load_curve(
         path, odd_case(), [load_point(make_result(k, load_factor=1.0 + k)) for k in range(3)]
     ),
-    "scene": lambda path: draw_scene(path, odd_case()),
+    "scene": lambda path: draw_scene(path, odd_case(), squares_of(odd_case())),
 }
 
 

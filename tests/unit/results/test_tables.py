@@ -100,6 +100,19 @@ def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is
     assert path.read_text() == "x,y\n1,2.5\n3,5.5\n6,7.5\n"
 
 
+def test_rows_from_a_step_on_are_dropped_and_a_row_that_a_kill_cut_off(tmp_path: Path) -> None:
+    """An event comes with the step after its own; "1" may be the begin of a row of step 12."""
+    for name, last in (("tips", 2), ("events", 1)):
+        table = tables.Table(tmp_path / f"{name}.csv", tables.HEADERS[name])
+        table.extend([(step, "flaw") for step in (0, 1, 1, 2, 3)])
+        table.write()
+        whole = table.path.read_text()
+        table.path.write_text(whole + "1")
+        table.drop_from(3)
+        assert table.path.read_text() == whole[: whole.index(f"\n{last + 1},") + 1]
+        assert len(table) == {"tips": 4, "events": 3}[name]
+
+
 def test_a_whole_table_reads_back_and_has_no_nan() -> None:
     rows = [("a, b", 0.1, 3), ('say "so"', float("nan"), None), ("", 1e-300, True)]
     table = table_of(tables.csv_text(("name", "value", "count"), rows), Path("table.csv"))

@@ -1,0 +1,168 @@
+"""The drawing of a scene: arrows that push or pull, supports outside of the rock, words that leave room, steps."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from matplotlib.text import Annotation
+
+from crackgrow.case import Case
+from crackgrow.plan.sizes import squares_of
+from crackgrow.results import signs
+from crackgrow.results.drawing import draw_scene, part_labels, step_colour
+from crackgrow.results.places import size_of
+from crackgrow.results.report.page import describe_actions, tag
+from crackgrow.results.units import LENGTHS, STRESSES, rounded, shown, unit_of
+from tests.scenes import shipped_case
+
+Arrow = tuple[np.ndarray, np.ndarray]
+"""Tail and head (2,), m."""
+
+CASES = Path(__file__).parents[3] / "cases"
+COARSE = ("numerics.spacing=3",)
+HELD = "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]"
+
+
+def drawn(case: Case) -> tuple[list[Arrow], list[np.ndarray], int]:
+    """Arrows, from left to right, the corners of triangles, and the number of wheels of all supports and loads."""
+    sheet = signs.Sheet(Figure().add_subplot(), case, size_of(case))
+    for support in case.supports:
+        signs.draw_support(sheet, support)
+    for load in case.loads:
+        signs.draw_load(sheet, load)
+    found = [text for text in sheet.axes.texts if isinstance(text, Annotation)]
+    arrows = [(np.array(text.xyann), np.array(text.xy)) for text in found]
+    triangles = [patch.get_xy()[:3] for patch in sheet.axes.patches if isinstance(patch, Polygon)]
+    wheels = sum(isinstance(patch, Circle) for patch in sheet.axes.patches)
+    return sorted(arrows, key=lambda arrow: float(arrow[0][0])), triangles, wheels
+
+
+def loaded(traction: str) -> tuple[float, list[Arrow]]:
+    """The size of the plate and its arrows, with one traction on its top."""
+    case = shipped_case("compression30", [f"loads=[{{on: {{body: rock, edge: top}}, traction: {traction}}}]"])
+    return size_of(case), drawn(case)[0]
+
+
+def test_arrows_push_on_the_edge_or_pull_from_it() -> None:
+    for way in (-1, 1):
+        size, arrows = loaded(f"[0, {3 * way}]")
+        near = [(head if way < 0 else tail)[1] for tail, head in arrows]
+        np.testing.assert_allclose(near, 0.0275 + signs.GAP * size)
+        np.testing.assert_allclose([head - tail for tail, head in arrows], [[0.0, way * signs.ARROW * size]] * 7)
+        np.testing.assert_allclose([tail[0] for tail, _ in arrows], 0.031 * (np.arange(7) - 3) / 7, atol=1e-15)
+
+
+def test_shear_runs_beside_the_edge_in_its_direction() -> None:
+    size, arrows = loaded("[2, 0]")
+    assert {round(tail[1] - 0.0275, 9) for tail, _ in arrows} == {round(signs.SHEAR_GAP * size, 9)}
+    assert all(head[0] > tail[0] and head[1] == tail[1] for tail, head in arrows)
+
+
+def test_arrows_are_as_long_as_a_traction_that_varies_is_large() -> None:
+    _, arrows = loaded('[0, "-1 - 20*(x + 15.5)/31"]')
+    lengths = np.array([tail[1] - head[1] for tail, head in arrows])
+    assert (np.diff(lengths) > 0.0).all()
+    expected = 1.0 + 20.0 * (np.array([tail[0] for tail, _ in arrows]) + 0.0155) / 0.031
+    np.testing.assert_allclose(lengths / lengths[-1], expected / expected[-1])
+
+
+@pytest.mark.parametrize("rolls", [True, False])
+def test_a_support_stands_outside_with_its_apex_at_the_point(rolls: bool) -> None:
+    held = "{y: 0}" if rolls else "{x: 0, y: 0}"
+    first, other = f"at: [-15.5, -27.5], displacement: {held}", "at: [15.5, -27.5], displacement: {x: 0, y: 0}"
+    _, triangles, wheels = drawn(shipped_case("compression30", [f"supports=[{{{first}}}, {{{other}}}]"]))
+    np.testing.assert_allclose(triangles[0][0], [-0.0155, -0.0275])
+    assert (triangles[0][1:, 1] < -0.0275).all()
+    assert wheels == (2 if rolls else 0)
+
+
+@pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
+def test_loads_and_supports_at_points_are_drawn_beside_each_other(name: str) -> None:
+    case = shipped_case(name)
+    arrows, triangles, _ = drawn(case)
+    along = np.linspace(0.0, 1.0, 21)[:, None]
+    across = [(tail, head) for tail, head in arrows if abs(head - tail)[1] > abs(head - tail)[0]]
+    assert len(across) >= 4  # of this and the other edge
+    assert triangles
+    for tail, head in across:
+        for triangle in triangles:
+            base = triangle[1:].mean(axis=0)
+            assert np.hypot(*(tail + along * (head - tail) - base).T).min() > 0.4 * signs.SIGN * size_of(case)
+
+
+@pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
+def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
+    case = shipped_case(name)
+    draw_scene(tmp_path / "scene.svg", case, squares_of(case))
+    assert (tmp_path / "scene.svg").read_text(encoding="utf-8").count("<path") > 20
+
+
+def test_the_picture_shows_what_acts(tmp_path: Path) -> None:
+    few = shipped_case(
+        "compression30",
+        [*COARSE, "loads=[]", HELD],
+    )
+    for name, case in (("few", few), ("all", shipped_case("compression30", COARSE))):
+        draw_scene(tmp_path / f"{name}.svg", case, squares_of(case))
+    few_marks, marks = (
+        (tmp_path / f"{name}.svg").read_text(encoding="utf-8").count("#b2182b") for name in ("few", "all")
+    )
+    assert few_marks == 0 < marks
+
+
+def test_the_picture_says_what_is_taken_out(tmp_path: Path) -> None:
+    case = shipped_case("tunnel_excavated")
+    draw_scene(tmp_path / "scene.svg", case, squares_of(case))
+    assert "core is taken out in stage 'face near by'" in (tmp_path / "scene.svg").read_text(encoding="utf-8")
+
+
+def test_words_of_small_things_lie_beside_each_other_and_beside_what_is_left_free() -> None:
+    axes = Figure(dpi=100).add_subplot()
+    sheet = signs.Sheet(axes, shipped_case("compression30"), 1.0)
+    for words in ("roof: 4 m", "side: 5 m", "bonded", "start"):
+        sheet.label(np.array([0.5, 0.5]), words)
+    free = np.array([[0.5, 0.5], [0.55, 0.5]])
+    part_labels(sheet, free)
+    boxes = [words.get_window_extent() for words in axes.texts]
+    assert all(box.count_overlaps(boxes) == 1 for box in boxes)  # with itself
+    assert not any(box.contains(*place) for box in boxes for place in axes.transData.transform(free))
+
+
+def test_the_picture_shows_cracks_and_what_holds_the_rock(tmp_path: Path) -> None:
+    case = shipped_case("two_flaws", ["numerics.spacing=4"])
+    draw_scene(tmp_path / "scene.svg", case, squares_of(case))
+    marks = (tmp_path / "scene.svg").read_text(encoding="utf-8")
+    assert marks.count("stroke: #000000; stroke-width: 2; stroke-linecap: round") == 2  # the flaws
+    support = "#404040"
+    assert marks.count(support) > 3 * 5  # a triangle, two rollers, ground and hatching, three times
+
+
+def test_actions_are_told_in_words() -> None:
+    told = dict(describe_actions(shipped_case("compression30")))
+    assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
+    assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 1e+08], held: false"
+
+
+def test_every_step_has_a_colour_of_its_own() -> None:
+    assert len({step_colour(step, 60) for step in range(1, 61)}) == 60
+    assert re.fullmatch("#[0-9a-f]{6}", step_colour(1, 1))
+
+
+def test_markup_is_escaped_once() -> None:
+    inner = tag("b", '<&">')
+    assert inner == "<b>&lt;&amp;&#34;&gt;</b>"
+    assert tag("p", inner, title="a'b", data_x=None) == f'<p title="a&#39;b">{inner}</p>'
+
+
+def test_numbers_are_shown_in_the_unit_that_suits_them() -> None:
+    assert unit_of([3e6, -2.5e8, float("nan")], STRESSES) == (1e6, "MPa")
+    assert unit_of([1e-3], LENGTHS) == (1e-3, "mm")
+    assert unit_of([], LENGTHS) == unit_of([0.0], LENGTHS) == (1e-9, "nm")
+    assert rounded(1.23456789e6, 1e6) == 1.23457
+    assert rounded(float("inf")) is None
+    assert shown(float("nan")) == "\N{EN DASH}"
