@@ -18,14 +18,13 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.equations import ActiveEquations
 from crackgrow.contact.loose import UNSEEN, balancing, split
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
-from crackgrow.errors import NotSolvedError
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Condensed:
     """A contact problem of some points of another one, whose rows they have there, and how the others follow."""
 
-    problem: ContactProblem
+    problem: ContactProblem | None  # None: there is none, others could move without end
     at: Ints  # (2 s,)
     unknowns: Floats  # (2 n + l,) of the other problem where its equations are fulfilled
     relaxed: Floats  # (2 n + l, 2 s) what they change by with l
@@ -38,7 +37,7 @@ class Condensed:
     ) -> Condensed | None:
         """The problem of `points` (n,), while others stay on the branches of the equations, which have some `unknowns`.
 
-        `before` is that of some of these points. None where there is none: others could move without end.
+        `before` is that of some of these points. None where the equations are singular.
         """
         whole, m = equations.problem, equations.problem.free.size
         at = np.flatnonzero(np.tile(points, 2))
@@ -60,21 +59,26 @@ class Condensed:
         left, sizes, right = np.linalg.svd(relaxed[at])
         rank = len(at) - (0 if motions is None else len(motions.pull))
         if int((sizes > UNSEEN * sizes[0]).sum()) != rank:
-            return None
+            return cls(None, at, unknowns, relaxed, du, jumps)
         compliance = -((jumps @ right[:rank].T) / sizes[:rank]) @ left[:, :rank].T
         if motions is not None:  # springs along what is left, as soft as the rock
             springs = float(np.median(whole.scale[at])) * balancing(motions)
             compliance += motions.jump @ springs @ motions.force
         some = np.flatnonzero(points)
         laws = whole.friction[some], whole.cohesion[some], whole.dilation[some], whole.slipped[some]
-        try:
-            small = ContactProblem(compliance, du + compliance @ unknowns[at], *laws, motions)
-        except NotSolvedError:
-            return None
+        definite = bool((compliance.diagonal() > 0.0).all())
+        free = du + compliance @ unknowns[at]
+        small = ContactProblem(compliance, free, *laws, motions) if definite else None
         return cls(small, at, unknowns, relaxed, du, jumps)
+
+    def nearest(self, points: Bools) -> Ints:
+        """As many more as there are `points` (n,): those whose tractions feel them most."""
+        feels = np.abs(self.relaxed[: 2 * len(points)]).max(axis=1).reshape(2, -1).max(axis=0)
+        return np.argsort(np.where(points, -1.0, feels))[: -1 - points.sum() : -1]
 
     def expanded(self, found: ContactSolution) -> Floats:
         """All unknowns (2 n + l,) of the other problem with a solution of this one."""
+        assert self.problem is not None
         p, scale = found.traction, self.problem.scale
         more = np.concatenate([p - self.unknowns[self.at], (self.problem.jump(found.unknowns) - self.jump) / scale])
         both = np.vstack([self.relaxed[self.at], self.jumps / scale[:, None]])

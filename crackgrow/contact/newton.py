@@ -128,11 +128,14 @@ def _of_some(
         part = Condensed.onto(equations, x, moving, part)
         if part is None:
             break
-        near = np.append(there[part.at], np.zeros(part.problem.n_motions))
-        found = _stepped(part.problem, _branches(part.problem, near))
-        iterations += found.iterations
-        if found.status != "solved":
-            break
+        found = None
+        if part.problem is not None:
+            near = np.append(there[part.at], np.zeros(part.problem.n_motions))
+            found = _stepped(part.problem, _branches(part.problem, near))
+            iterations += found.iterations
+        if found is None or found.status != "solved":  # wedged: others have to leave their branches, too
+            moving[part.nearest(moving)] = True
+            continue
         there = part.expanded(found)
         now = _branches(problem, there)
         leaving = equations.active.differs(now, problem) & ~moving

@@ -148,10 +148,10 @@ class Factorization:
                 kept.pop(below[child][0], None)
         self.reduced = kept
         for n in range(0, k, AT_ONCE):  # mirrored in blocks: it is large
-            some = slice(n, n + AT_ONCE)
-            upper = np.triu(total[some, some])
-            total[some, some] = upper + np.triu(upper, 1).T
-            total[some, :n] = total[:n, some].T
+            block = slice(n, n + AT_ONCE)
+            upper = np.triu(total[block, block])
+            total[block, block] = upper + np.triu(upper, 1).T
+            total[block, :n] = total[:n, block].T
         return total
 
     @property
