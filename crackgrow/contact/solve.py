@@ -427,9 +427,6 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
         near = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
         found = solve_by_newton(lying, near)
         found = replace(found, motion=unknowns(found.unknowns)[m:])
-        if found.status != "solved":  # pieces that friction holds only just, where the way ends in round-off
-            pivoted = solve_by_lemke(problem)
-            found = pivoted if pivoted.status == "solved" else found
     if found.status == "solved":
         return found
     raise NotSolvedError(
