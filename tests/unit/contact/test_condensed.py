@@ -14,6 +14,7 @@ from crackgrow.contact.equations import ActiveEquations
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem
 from tests.contact_problems import crack_problem, random_problem
+from tests.stability.contact_at_random import drawn
 
 
 def dilating(problem: ContactProblem, seed: int) -> ContactProblem:
@@ -102,3 +103,15 @@ def test_a_cycle_is_solved_on_the_points_that_go_round(monkeypatch: pytest.Monke
     assert complementarity_residual(problem, found.unknowns) < 1e-10
     assert sizes
     assert max(sizes) <= 3
+
+
+def test_wedged_points_are_solved_for_with_those_that_feel_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of these blocks one point alone has no solution while the others slip; with its neighbours it has one."""
+    taken, near = [], Condensed.nearest
+    monkeypatch.setattr(Condensed, "nearest", lambda part, points: taken.append(points.sum()) or near(part, points))
+    monkeypatch.setattr(module, "_by_springs", lambda *problem: pytest.fail("all by springs"))
+    problem = drawn(105).problem
+    found = solve_by_newton(problem)
+    assert taken[0] < 0.2 * problem.n_points
+    assert found.status == "solved"
+    assert complementarity_residual(problem, found.unknowns) < 1e-10
