@@ -19,12 +19,15 @@ from crackgrow.case.keys import case_keys
 from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
-from crackgrow.cli.reference import FOLDERS, column_entry, key_entry, sections
-from crackgrow.results.declarations import File
+from crackgrow.cli.reference import FOLDERS, key_entry, sections
 from tests.readme.pictures import draw_all
 
 ROOT = Path(__file__).resolve().parents[2]
 LEFT_OUT: Final = "may be left out"
+FORMULA: Final = ' or a formula in x and y such as "0.09*x - 0.1"'
+MESHES: Final = ", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2"
+"""Told once, at the top of the page of keys."""
+
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 
 CELL_RULES: Final = {
@@ -61,7 +64,8 @@ def keys() -> str:
         rows = []
         for key in found:
             facts = key_entry(key).facts
-            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
+            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed")))).replace(FORMULA, " or formula")
+            takes = takes.replace(MESHES, " or of a mesh")
             told = key.name.removeprefix(name) if "." in key.name else key.name
             default = "-" if key.default == LEFT_OUT else key.default
             if key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
@@ -83,29 +87,11 @@ def files() -> str:
     return table(("file", "content"), [[f"`{file.name}`", file.doc] for file in FOLDERS["run"]])
 
 
-def columns(files: Iterable[File]) -> Callable[[], str]:
-    """The columns of files, a table for each that has some."""
-
-    def part() -> str:
-        tables = [f"### `{file.name}`\n\n{columns_of(file)}" for file in files if file.columns]
-        return "\n".join(tables)
-
-    return part
-
-
-def columns_of(file: File) -> str:
-    """A table of the columns of a file."""
-    facts = [(column.name, column_entry(file, column).facts) for column in file.columns]
-    rows = [[f"`{name}`", known.get("unit", ""), known["meaning"]] for name, known in facts]
-    return table(("name", "unit", "meaning"), rows)
-
-
 PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
     ("README.md", "commands"): commands,
     ("cases/ACCURACY.md", "presets"): presets,
     ("cases/KEYS.md", "keys"): keys,
     ("outputs/README.md", "files"): files,
-    ("outputs/README.md", "columns"): columns([file for file in FOLDERS["run"] if file.name == "tips.csv"]),
 }
 """What is made of declarations, by file and name."""
 

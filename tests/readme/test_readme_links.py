@@ -56,7 +56,7 @@ def test_pictures_are_all_shown() -> None:
 
 def test_scenes_that_are_listed_are_there_and_all_are_listed() -> None:
     listed = set(re.findall(r"^\| .*", TEXTS["cases/README.md"].split("## Before a run")[0], flags=re.MULTILINE))
-    names = {name for line in listed for name in re.findall(r"`cases/(\w+)\.yaml`", line)}
+    names = {name for line in listed for name in re.findall(r"`(\w+)\.yaml`", line)}
     assert names == {path.stem for path in (ROOT / "cases").glob("*.yaml") if not path.stem.startswith("my_")}
 
 

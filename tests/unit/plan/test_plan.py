@@ -173,8 +173,12 @@ def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureF
     assert "ends in .png or .svg" in capsys.readouterr().err
 
 
-REFINED = ("en_echelon", "tunnel_excavated")
-"""Steps of these take three and more rounds of refinement, which are not told of."""
+UNTOLD = {
+    **dict.fromkeys(("en_echelon", "tunnel_excavated"), "three and more rounds of refinement in a step"),
+    "05_initiation": "cracks that are not there yet",
+    "08_safety": "one factor after the other is tried",
+}
+"""What makes runs longer, and is not told of."""
 
 
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
@@ -182,6 +186,6 @@ def test_what_is_told_of_a_shipped_case_is_within_a_factor_of_two_of_what_it_too
     lines = (CASES.parent / "tests" / "benchmarks" / "cost.md").read_text(encoding="utf-8").splitlines()
     taken = next(cells for line in lines if (cells := [cell.strip() for cell in line.split("|")])[1:2] == [name])
     told = cost_of(shipped_case(name))
-    lowest = 0.2 if name in REFINED else 0.5
+    lowest = 0.2 if name in UNTOLD else 0.5
     assert lowest < told.seconds / float(taken[4]) < 2.0
     assert lowest < told.memory / float(taken[7]) < 2.0
