@@ -130,7 +130,8 @@ def _units_of(root: Table) -> Units | None:
         scratch = Report("")
         context = Context(scratch, units or Units())
         values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), context)
-        parts = [*values.values(), *values.get("origin", ())] if isinstance(values, dict) else [INVALID]
+        parts = list(values.values()) if isinstance(values, dict) else [INVALID]
+        parts += [each for part in parts if isinstance(part, list) for each in part]
         if scratch.faults or INVALID in parts:  # what the parser refused is no fault of the scratch report
             return None
         units = Units(values["length"], values["stress"], tuple(values["origin"]) if "origin" in values else None)

@@ -149,12 +149,17 @@ def _base_of(node: Node, path: FilePath, report: Report, files: tuple[FilePath, 
         return None
     file = path.parent / node.text
     chain = [one.resolve() for one in files]
-    if file.resolve() in chain:
-        names = " -> ".join(one.name for one in (*files[chain.index(file.resolve()) :], file))
+    try:
+        there, found = file.resolve(), file.is_file()
+    except OSError as error:  # no name of a file can be so long
+        report.fault(("base",), f"{error.strerror}; wanted: a case file, relative to this one", node.place)
+        return None
+    if there in chain:
+        names = " -> ".join(one.name for one in (*files[chain.index(there) :], file))
         report.fault(("base",), f"a case cannot be its own base: {names}", node.place)
     elif len(files) > LONGEST_CHAIN:
         report.fault(("base",), f"a base of a base, {len(files)} times; wanted: {LONGEST_CHAIN} at most", node.place)
-    elif not file.is_file():
+    elif not found:
         near = did_you_mean(file.name, sorted(one.name for one in file.parent.glob("*.yaml")))
         report.fault(("base",), f"there is no case file {file}{near}", node.place)
     else:
