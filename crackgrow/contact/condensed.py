@@ -24,7 +24,7 @@ from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 class Condensed:
     """A contact problem of some points of another one, whose rows they have there, and how the others follow."""
 
-    problem: ContactProblem | None  # None: there is none, others could move without end
+    problem: ContactProblem | None  # None: the others, on their branches, leave no compliance that is positive
     at: Ints  # (2 s,)
     unknowns: Floats  # (2 n + l,) of the other problem where its equations are fulfilled
     relaxed: Floats  # (2 n + l, 2 s) what they change by with l
@@ -61,9 +61,10 @@ class Condensed:
         if int((sizes > UNSEEN * sizes[0]).sum()) != rank:
             return cls(None, at, unknowns, relaxed, du, jumps)
         compliance = -((jumps @ right[:rank].T) / sizes[:rank]) @ left[:, :rank].T
-        if motions is not None:  # springs along what is left, as soft as the rock
-            springs = float(np.median(whole.scale[at])) * balancing(motions)
-            compliance += motions.jump @ springs @ motions.force
+        if motions is not None:  # what the motions do on others, too, and springs along them, as soft as the rock
+            force = (motions.force @ left[:, rank:]) @ left[:, rank:].T
+            motions = Motions(motions.jump, force, force @ unknowns[at])
+            compliance += motions.jump @ (float(np.median(whole.scale[at])) * balancing(motions)) @ force
         some = np.flatnonzero(points)
         laws = whole.friction[some], whole.cohesion[some], whole.dilation[some], whole.slipped[some]
         definite = bool((compliance.diagonal() > 0.0).all())

@@ -67,8 +67,7 @@ class ActiveEquations:
     def relaxed(self, at: Ints) -> Floats:
         """How all unknowns change, (2 n + l, k), as the equation of each of some rows `at` (k,) is not fulfilled.
 
-        It is off by a traction of a unit, or by the jump that this makes at its point. Raises no error: the equations
-        must not be singular.
+        It is off by a traction of a unit, or by the jump that this makes at its point.
         """
         problem, branches, k = self.problem, self.branches, np.arange(len(at))
         place = np.minimum(np.searchsorted(branches.rows, at), max(len(branches.rows) - 1, 0))

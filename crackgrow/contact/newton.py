@@ -30,7 +30,8 @@ SOFT: Final = 1e4  # times the rock at a contact point: of the first springs; fr
 SOFTER: Final = 1.5  # times the springs before: where many releases are needed stiff ones gain little
 MOST_SPRINGS: Final = 30  # releases: of 3,855 problems at random they find all but 13, of which most are limit states
 FEW: Final = 0.1  # share of the points: where so few leave their branches the problem is condensed onto them
-MOST_MOVING: Final = 0.2  # the same, and so many in the end: their columns cost as much as another factorization
+MOST_MOVING: Final = 0.2  # share of the points that it is condensed onto in the end: more cost another factorization
+MOST_WEDGED: Final = 2  # times that points are taken in since there is no solution without them
 MOST_STEPS: Final = 100  # of Newton: 937 of 1,000 problems at random take 14 at most, one of 807 points 28
 
 
@@ -47,7 +48,8 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
     """
     if start is None:
         slip = np.where(problem.resists, 0, 1)  # where the way does not matter it is one and the same
-        active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, slip)
+        sense = np.where(problem.resists, np.sign(problem.slipped), 1).astype(np.int64)
+        active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, sense)
     else:
         active = _branches(problem, _checked(problem, start))
     found = _stepped(problem, active)
@@ -123,8 +125,8 @@ def _of_some(
     These points are `moving` (n,), and those that leave their branches with them, up to a share `most` of all; status
     "limit" where it takes more, or all.
     """
-    moving, there, iterations, part = moving.copy(), x, 0, None
-    while moving.any() and not moving.all() and moving.mean() <= most:
+    moving, there, iterations, part, wedged = moving.copy(), x, 0, None, 0
+    while moving.any() and not moving.all() and moving.mean() <= most and wedged <= MOST_WEDGED:
         part = Condensed.onto(equations, x, moving, part)
         if part is None:
             break
@@ -134,7 +136,7 @@ def _of_some(
             found = _stepped(part.problem, _branches(part.problem, near))
             iterations += found.iterations
         if found is None or found.status != "solved":  # wedged: others have to leave their branches, too
-            moving[part.nearest(moving)] = True
+            moving[part.nearest(moving)], wedged = True, wedged + 1
             continue
         there = part.expanded(found)
         now = _branches(problem, there)
@@ -198,7 +200,7 @@ def missed(problem: ContactProblem, x: Floats, du: Floats) -> float:
 
 def _through_stick(problem: ContactProblem, active: ActiveSet, following: ActiveSet) -> ActiveSet:
     """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
-    reversing = active.slip * following.slip < 0
+    reversing = (active.slip * following.slip < 0) & (following.closed | (problem.cohesion > 0.0))
     slip = np.where(reversing, 0, following.slip)
     sense = np.where(reversing, np.sign(problem.slipped), following.sense).astype(np.int64)
     return ActiveSet(following.closed, slip, sense)

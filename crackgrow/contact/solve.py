@@ -423,7 +423,7 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
     else:
         lying, unknowns = settled(problem)
-        m, other = problem.free.size, ""
+        m, other = problem.free.size, "; numerics.contact.solver: lemke may find one, and takes long with many points"
         near = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
         found = solve_by_newton(lying, near)
         found = replace(found, motion=unknowns(found.unknowns)[m:])

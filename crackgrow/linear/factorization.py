@@ -144,8 +144,10 @@ class Factorization:
                 kept[key], below[front] = reduced, (key, columns)
             else:  # nothing later is coupled to it: the end of a tree, which is new wherever anything in it is
                 total[np.ix_(columns, columns)] += reduced.product
-            for child in () if self._keep else children:
-                kept.pop(below[child][0], None)
+            for child in () if self._keep else children:  # unless an equal subtree waits for its parent, too
+                done, _ = below.pop(child)
+                if all(done != waits for waits, _ in below.values()):
+                    kept.pop(done, None)
         self.reduced = kept
         for n in range(0, k, AT_ONCE):  # mirrored in blocks: it is large
             block = slice(n, n + AT_ONCE)

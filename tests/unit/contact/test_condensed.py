@@ -9,7 +9,7 @@ import pytest
 
 import crackgrow.contact.newton as module
 from crackgrow.contact.condensed import Condensed
-from crackgrow.contact.coulomb import STICK, active_set, complementarity_residual
+from crackgrow.contact.coulomb import SLIP, STICK, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations
 from crackgrow.contact.loose import settled
 from crackgrow.contact.newton import solve_by_newton
@@ -116,3 +116,22 @@ def test_wedged_points_are_solved_for_with_those_that_feel_them(monkeypatch: pyt
     assert taken[0] < 0.2 * problem.n_points
     assert found.status == "solved"
     assert complementarity_residual(problem, found.unknowns) < 1e-10
+
+
+@pytest.mark.parametrize("seed", [0, 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])
+def test_what_slides_outside_works_on_the_motions_that_remain(seed: int) -> None:
+    """Blocks on faces that slip: their shear changes with the tractions of the points that are solved for."""
+    problem, _ = settled(drawn(seed).problem)
+    known = solve_by_newton(problem)
+    branches = active_set(problem, known.traction, problem.jump(known.unknowns))
+    slides = branches.states() == SLIP
+    some = ~slides
+    some[np.flatnonzero(slides)[::3]] = True
+    equations = ActiveEquations(problem, replace(branches, slip=np.where(some & slides, 0, branches.slip)))
+    part = Condensed.onto(equations, equations.solution(), some)
+    assert part is not None
+    assert part.problem is not None
+    assert part.problem.motions is not None
+    assert (problem.friction[slides & ~some] > 0.0).any()
+    x = part.expanded(solve_by_newton(part.problem))
+    assert complementarity_residual(problem, x) < 1e-10
