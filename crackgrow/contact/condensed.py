@@ -1,8 +1,8 @@
 """The contact problem as some of its points see it, while all others stay on their branches of the law.
 
-Let the equations of an active set be fulfilled but for those of the points S, by which they are off by l,
+Let the equations of an active set be fulfilled but for residuals r of those of the points S,
 
-    p = p0 + P l,    du_S = du0 + D l,    D = -A_S P.
+    p = p0 + P r,    du_S = du0 + D r,    D = -A_S P.
 
 So the points S are in a contact problem of their own, with the compliance -D P_S^-1, a Schur complement. Where pieces
 of rock are seen by the points S alone P_S has as many singular values that are zero, and their motions remain.
@@ -27,7 +27,7 @@ class Condensed:
     problem: ContactProblem | None  # None: the others, on their branches, leave no compliance that is positive
     at: Ints  # (2 s,)
     unknowns: Floats  # (2 n + l,) of the other problem where its equations are fulfilled
-    relaxed: Floats  # (2 n + l, 2 s) what they change by with l
+    sensitivity: Floats  # (2 n + l, 2 s) P: their derivatives by r
     jump: Floats  # (2 s,) m: du0
     jumps: Floats  # (2 s, 2 s) D
 
@@ -44,22 +44,22 @@ class Condensed:
         if equations.singular:
             return None
         known = np.isin(at, before.at) if before is not None else np.zeros(len(at), dtype=bool)
-        relaxed = np.empty((len(unknowns), len(at)))
-        relaxed[:, ~known] = equations.relaxed(at[~known])
+        sensitivity = np.empty((len(unknowns), len(at)))
+        sensitivity[:, ~known] = equations.sensitivity(at[~known])
         if before is not None:
-            relaxed[:, known] = before.relaxed
-        du, jumps = whole.jump(unknowns)[at], -whole.compliance[at] @ relaxed[:m]
+            sensitivity[:, known] = before.sensitivity
+        du, jumps = whole.jump(unknowns)[at], -whole.compliance[at] @ sensitivity[:m]
         motions = None
         if whole.motions is not None:
-            jumps += whole.motions.jump[at] @ relaxed[m:]
+            jumps += whole.motions.jump[at] @ sensitivity[m:]
             others = ~np.isin(equations.branches.rows, at)
             kept = split(equations.branches.of_motions(whole.motions.jump)[others])[1]
             force = kept @ whole.motions.force[:, at]
             motions = Motions(whole.motions.jump[at] @ kept.T, force, force @ unknowns[at]) if len(kept) else None
-        left, sizes, right = np.linalg.svd(relaxed[at])
+        left, sizes, right = np.linalg.svd(sensitivity[at])
         rank = len(at) - (0 if motions is None else len(motions.pull))
         if int((sizes > UNSEEN * sizes[0]).sum()) != rank:
-            return cls(None, at, unknowns, relaxed, du, jumps)
+            return cls(None, at, unknowns, sensitivity, du, jumps)
         compliance = -((jumps @ right[:rank].T) / sizes[:rank]) @ left[:, :rank].T
         if motions is not None:  # what the motions do on others, too, and springs along them, as soft as the rock
             force = (motions.force @ left[:, rank:]) @ left[:, rank:].T
@@ -70,19 +70,19 @@ class Condensed:
         definite = bool((compliance.diagonal() > 0.0).all())
         free = du + compliance @ unknowns[at]
         small = ContactProblem(compliance, free, *laws, motions) if definite else None
-        return cls(small, at, unknowns, relaxed, du, jumps)
+        return cls(small, at, unknowns, sensitivity, du, jumps)
 
-    def nearest(self, points: Bools) -> Ints:
-        """As many more as there are `points` (n,): those whose tractions feel them most."""
-        feels = np.abs(self.relaxed[: 2 * len(points)]).max(axis=1).reshape(2, -1).max(axis=0)
-        return np.argsort(np.where(points, -1.0, feels))[: -1 - points.sum() : -1]
+    def most_sensitive(self, points: Bools) -> Ints:
+        """As many more as there are `points` (n,): those whose tractions are most sensitive to their residuals."""
+        changes = np.abs(self.sensitivity[: 2 * len(points)]).max(axis=1).reshape(2, -1).max(axis=0)
+        return np.argsort(np.where(points, -1.0, changes))[: -1 - points.sum() : -1]
 
     def expanded(self, found: ContactSolution) -> Floats:
         """All unknowns (2 n + l,) of the other problem with a solution of this one."""
         assert self.problem is not None
         p, scale = found.traction, self.problem.scale
         more = np.concatenate([p - self.unknowns[self.at], (self.problem.jump(found.unknowns) - self.jump) / scale])
-        both = np.vstack([self.relaxed[self.at], self.jumps / scale[:, None]])
-        x = self.unknowns + self.relaxed @ np.linalg.lstsq(both, more)[0]
+        both = np.vstack([self.sensitivity[self.at], self.jumps / scale[:, None]])
+        x = self.unknowns + self.sensitivity @ np.linalg.lstsq(both, more)[0]
         x[self.at] = p
         return np.asarray(x)

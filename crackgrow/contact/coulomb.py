@@ -320,16 +320,7 @@ class Branches:
 
     def matrix(self) -> Floats:
         """(k, k) jumps that unknown tractions take away, of the branches."""
-        compliance = self._problem.compliance
-        columns = self._n + self._points
-
-        def per_unknown(some: Ints) -> Floats:
-            found = compliance[np.ix_(some, self.rows)]
-            if len(columns):
-                found[:, self._sliding] -= compliance[np.ix_(some, columns)] * self._slope
-            return found
-
-        return self.of_rows(per_unknown)
+        return self.of_rows(lambda some: self.per_unknown(self._problem.compliance, some))
 
     def right(self) -> Floats:
         """(k,) of the same rows without unknown tractions."""
@@ -343,11 +334,11 @@ class Branches:
         """(k, l) what the branches see of motions with the jumps (2 n, l)."""
         return self.of_rows(lambda some: jump.take(some, axis=0))
 
-    def per_unknown(self, of: Floats) -> Floats:
-        """(r, k) per unknown traction, with the shear that goes with pressure, of something (r, 2 n) per traction."""
-        found = of.take(self.rows, axis=1)
+    def per_unknown(self, of: Floats, some: Ints) -> Floats:
+        """(r, k) per unknown traction, with the shear that goes with pressure, of rows `some` (r,) per traction."""
+        found = of[np.ix_(some, self.rows)]
         if len(self._sliding):
-            found[:, self._sliding] -= of.take(self._n + self._points, axis=1) * self._slope
+            found[:, self._sliding] -= of[np.ix_(some, self._n + self._points)] * self._slope
         return found
 
     def of_rows(self, of: Callable[[Ints], Floats]) -> Floats:

@@ -52,7 +52,7 @@ class ActiveEquations:
         k, whole = len(K), np.zeros((len(K) + len(motions.pull),) * 2)
         np.divide(K, self._size, out=whole[:k, :k])
         whole[:k, k:] = -branches.of_motions(motions.jump)
-        whole[k:, :k] = branches.per_unknown(motions.force) / self._force
+        whole[k:, :k] = branches.per_unknown(motions.force, np.arange(len(motions.pull))) / self._force
         return whole
 
     def solution(self) -> Floats:
@@ -64,10 +64,10 @@ class ActiveEquations:
         x = self._solved(right)
         return np.concatenate([branches.tractions(x[: len(branches.rows)] / self._size), x[len(branches.rows) :]])
 
-    def relaxed(self, at: Ints) -> Floats:
-        """How all unknowns change, (2 n + l, k), as the equation of each of some rows `at` (k,) is not fulfilled.
+    def sensitivity(self, at: Ints) -> Floats:
+        """The derivatives (2 n + l, k) of all unknowns by the residuals of the equations of rows `at` (k,).
 
-        It is off by a traction of a unit, or by the jump that this makes at its point.
+        A residual of one is a traction of a unit, or the jump that this makes at its point.
         """
         problem, branches, k = self.problem, self.branches, np.arange(len(at))
         place = np.minimum(np.searchsorted(branches.rows, at), max(len(branches.rows) - 1, 0))

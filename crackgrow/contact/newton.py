@@ -135,8 +135,8 @@ def _of_some(
             near = np.append(there[part.at], np.zeros(part.problem.n_motions))
             found = _stepped(part.problem, _branches(part.problem, near))
             iterations += found.iterations
-        if found is None or found.status != "solved":  # wedged: others have to leave their branches, too
-            moving[part.nearest(moving)], wedged = True, wedged + 1
+        if found is None or found.status != "solved":  # no solution while others stay on their branches
+            moving[part.most_sensitive(moving)], wedged = True, wedged + 1
             continue
         there = part.expanded(found)
         now = _branches(problem, there)

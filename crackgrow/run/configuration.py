@@ -314,9 +314,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else loose.held_in(matrix)
         known = None if before is None else before.contact.system
-        system = ConstrainedSystem(
-            held_once, held.matrix, boxes_of_functions(cover), known, case.growth is not None or case.n_loads > 1
-        )
+        keep = case.growth is not None or case.n_loads > 1  # another configuration follows
+        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), known, keep)
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver

@@ -108,8 +108,10 @@ def test_a_cycle_is_solved_on_the_points_that_go_round(monkeypatch: pytest.Monke
 
 def test_wedged_points_are_solved_for_with_those_that_feel_them(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of these blocks one point alone has no solution while the others slip; with its neighbours it has one."""
-    taken, near = [], Condensed.nearest
-    monkeypatch.setattr(Condensed, "nearest", lambda part, points: taken.append(points.sum()) or near(part, points))
+    taken, more = [], Condensed.most_sensitive
+    monkeypatch.setattr(
+        Condensed, "most_sensitive", lambda part, points: taken.append(points.sum()) or more(part, points)
+    )
     monkeypatch.setattr(module, "_by_springs", lambda *problem: pytest.fail("all by springs"))
     problem, _ = settled(drawn(105).problem)
     found = solve_by_newton(problem)
