@@ -162,7 +162,8 @@ def place_cracks(scene: Scene) -> None:
     """Collect the cracks whose paths are sound, and find out what body each lies in."""
     spacing = scene.get("numerics", "spacing")
     for name, crack in named(scene.resolved, "cracks").items():
-        if scene.report.sound("cracks", name, "path"):
+        # the lines of a map are cracks by now, but for a map of a faulty crack
+        if scene.report.sound("cracks", name, "path") and "traces" not in crack["path"]:
             least = min(np.inf if spacing is None else spacing, line_length(points_of(crack["path"])))
             scene.cracks[name] = points_of(crack["path"], SHORTEST * least)
     scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
