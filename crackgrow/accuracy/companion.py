@@ -5,12 +5,13 @@ say of any quantity differs by D, which is as large as the companion's error. Wi
 
     error estimate = D,    error expected = D / c1,    error at most = c2 D
 
-for K_I and K_II together, directions of growth, critical load factors, jumps of faces and reactions. An error may pass
-through zero at one tip, so D of K and of directions is that of the crack's tip where it is largest, and D of directions
-and of a critical load is not below that of the K that they follow from, over that K. To D of K are added, as any
-independent errors are, the spread between the discs of the integral, and K_I below zero at faces that can't overlap:
-next to such a tip they touch over less than the cells there, on both meshes. What no pair can see is shear that faces
-carry beyond friction where a tip is open more closely to itself than any contact point lies (`unseen_shear`).
+for K_I and K_II together, the T stress, directions of growth, critical load factors, jumps of faces and reactions. An
+error may pass through zero at one tip, so D of K, T and directions is that of the crack's tip where it is largest, and
+D of directions and of a critical load is not below that of the K that they follow from, over that K. To D of K and T
+is added, as any independent error is, the spread between the discs of the integral, and to D of K the K_I below zero
+at faces that can't overlap: next to such a tip they touch over less than the cells there, on both meshes. What no pair
+can see is shear that faces carry beyond friction where a tip is open more closely to itself than any contact point
+lies (`unseen_shear`).
 
 Targets are of the estimate, as is usual where cells follow from errors: a target on the bound is met by errors of a
 fifth of it in the median, for three times the unknowns where cracks are many.
@@ -52,6 +53,8 @@ class Quantities:
     ends: tuple[End, ...]  # tip by tip
     K: Floats  # (n, 2) Pa sqrt(m), nan where it is not known
     spread: Floats  # (n,) Pa sqrt(m), of both between discs, with K_I below zero of faces that touch
+    T: Floats  # (n,) Pa
+    T_spread: Floats  # (n,) Pa, between discs
     unseen: Floats  # (n,) Pa sqrt(m)
     kinks: Floats  # (n,) rad, directions of growth; nan without growth
     load_factor: float  # on the mesh's own path
@@ -68,6 +71,7 @@ class Errors:
     ends: tuple[End, ...] = ()
     K: tuple[float, ...] = ()  # Pa sqrt(m), tip by tip: of K_I and K_II together
     largest: float = 0.0  # Pa sqrt(m), |K| of the tip where it is largest, or what is small where that is larger
+    T: tuple[float, ...] = ()  # Pa, tip by tip
     kinks: tuple[float, ...] = ()  # rad, tip by tip
     shares: Mapping[str, float] = field(default_factory=dict)  # of goals, over the largest value; no K
     missed: str = ""  # why the target is out of reach, in words; empty where it is met
@@ -100,11 +104,14 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
     largest = max(float(np.nanmax(K)), here.small["K"]) if np.isfinite(K).any() else 0.0
     if there is None:
         unknown = (math.nan,) * n
-        return Errors(grading, here.ends, unknown, largest, unknown)
+        return Errors(grading, here.ends, unknown, largest, unknown, unknown)
     other = [there.ends.index(end) if end in there.ends else -1 for end in here.ends]
-    K_there, kinks_there = (np.append(values, values[:1] * np.nan, axis=0) for values in (there.K, there.kinks))
+    K_there, T_there, kinks_there = (
+        np.append(values, values[:1] * np.nan, axis=0) for values in (there.K, there.T, there.kinks)
+    )
     apart = np.hypot(*(here.K - _row(K_there, other)).T) if n else np.zeros(0)
     D = _largest_of_crack(here.ends, np.hypot(apart, here.spread)) + here.unseen / BOUND
+    D_T = _largest_of_crack(here.ends, np.hypot(here.T - _row(T_there, other), here.T_spread))
     turned = _largest_of_crack(here.ends, np.abs(here.kinks - _row(kinks_there, other)))
     of_K, some = np.full(n, np.nan), NOTHING * largest < K
     of_K[some] = D[some] / K[some]  # what directions and critical loads follow from
@@ -115,7 +122,7 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
         "slip": _share(here.jumps, there.jumps, here.small["slip"]),
         "reaction": _share(here.forces, there.forces, here.small["reaction"]),
     }
-    return Errors(grading, here.ends, tuple(D.tolist()), largest, tuple(turned.tolist()), shares)
+    return Errors(grading, here.ends, tuple(D.tolist()), largest, tuple(D_T.tolist()), tuple(turned.tolist()), shares)
 
 
 def _row(values: Floats, rows: Sequence[int]) -> Floats:

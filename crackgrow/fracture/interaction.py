@@ -1,4 +1,4 @@
-"""Stress intensity factors by the domain interaction integral (Yau, Wang, Corten 1980; Moran, Shih 1987).
+"""K_I, K_II and the T stress by the domain interaction integral (Yau, Wang, Corten 1980; Moran, Shih 1987).
 
 With an auxiliary field a of known K, P_j = sigma_ij u^a_i,1 + sigma^a_ij u_i,1 - sigma_ik u^a_i,k delta_1j has the
 divergence -b_i u^a_i,1 under a body force b, and with q falling from 1 at the tip to 0 on the rim of a disc A, smoothly
@@ -11,6 +11,11 @@ in the slit body, so that M does not depend on the disc. On a face with unit tan
 P_j n_j = t_i u^a_i,1 +- sigma^a_i2 u_i,s: of the body's own field it needs the tractions t, which are known, and the
 derivative along the face. On the last straight segment sigma^a_i2 vanishes and the tractions alone are left.
 
+A third auxiliary field, of a force E' on the tip along x (Kfouri 1986), has no traction on lines through the tip, and
+opens faces by the same amount everywhere: M = T - sigma_22, T = sigma_11 of what is not singular, and sigma_22 the
+traction across the faces at the tip. The gradient of this field is the same on both faces, so that the tractions on
+them, which are opposite, fall out.
+
 Arrays inside run over the points last, so that every operation is one long loop.
 """
 
@@ -22,20 +27,27 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.fracture.tip_rule import TipRule, weighted_by_fall, weighted_by_step
-from crackgrow.fracture.williams import williams_gradient
+from crackgrow.fracture.williams import point_force_gradient, williams_gradient
 from crackgrow.solid.elasticity import PlaneElasticity
 
 UNIT_GRADIENTS = np.eye(4).reshape(2, 2, 2, 2, 1)
 """[c, d]: the gradient (2, 2, 1) whose component du_c/dx_d is one."""
 
 
+RIGHT_FACE = np.array([-1.0, -1.0, 1.0])
+"""The gradients of the auxiliary fields on the right face over those on the left one."""
+
+FIELDS = len(RIGHT_FACE)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """What M (radii, 2) of a rule, for both auxiliary modes, takes of the body's own field, in the tip's axes."""
+    """What M (radii, FIELDS) of a rule, field by field, takes of the body's own field, in the tip's axes."""
 
-    around: Floats  # (radii, 2, 2, 2, n) of elastic gradients [radius, mode, c, d] at the points of the circles
-    beside: Floats  # (radii, 2, 2, 2, m) of those at the points of the faces, the sums of both faces
-    vectors: Floats  # (radii, 2, 2, m) of the stress vectors there, likewise
+    around: Floats  # (radii, FIELDS, 2, 2, n) of elastic gradients [radius, field, c, d] at the points of the circles
+    left: Floats  # (radii, FIELDS, 2, 2, m) of those at the points of the left face
+    right: Floats  # of the right one
+    vectors: Floats  # (radii, FIELDS, 2, m) of the stress vectors on the left face; those on the right are opposite
 
 
 def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
@@ -53,31 +65,35 @@ def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
             of_circles.append(_radial_flux(material, away, around, UNIT_GRADIENTS[c, d]))
             of_faces.append(_face_flux(material, rule, beside, np.zeros((2, 1)), UNIT_GRADIENTS[c, d]))
         of_vectors.append(_face_flux(material, rule, beside, np.eye(2)[c, :, None], np.zeros((2, 2, 1))))
+    left = step[:, None, None, None] * np.stack(of_faces, axis=1).reshape(FIELDS, 2, 2, -1)
+    opposite = -RIGHT_FACE[:, None, None]  # the outward normal is, and what the field is besides
     return Weights(
-        through[:, None, None, None] * np.stack(of_circles, axis=1).reshape(2, 2, 2, -1),
-        step[:, None, None, None] * np.stack(of_faces, axis=1).reshape(2, 2, 2, -1),
-        step[:, None, None] * np.stack(of_vectors, axis=1),
+        through[:, None, None, None] * np.stack(of_circles, axis=1).reshape(FIELDS, 2, 2, -1),
+        left,
+        opposite[..., None] * left,
+        step[:, None, None] * (1.0 + opposite) * np.stack(of_vectors, axis=1),
     )
 
 
 def of_body_force(material: PlaneElasticity, rule: TipRule, body_force: Floats) -> Floats:
-    """What M (radii, 2) has of a body force (2, n) at the points of the circles."""
+    """What M (radii, FIELDS) has of a body force (2, n) at the points of the circles."""
     circles = rule.circles
     around, _ = _auxiliary(material, rule)
-    work = np.einsum("in,min->mn", body_force, around[:, :, 0]).reshape(2, *circles.t.shape) @ circles.angle_weight
+    work = np.einsum("in,min->mn", body_force, around[:, :, 0]).reshape(FIELDS, *circles.t.shape) @ circles.angle_weight
     return -weighted_by_step(circles.r, circles.weight * circles.r, work, rule.radii)
 
 
 def _auxiliary(material: PlaneElasticity, rule: TipRule) -> tuple[Floats, Floats]:
-    """Gradients (2, 2, 2, points) of the auxiliary fields on the circles, and on the left face: minus those right."""
+    """Gradients (FIELDS, 2, 2, points) of the auxiliary fields on the circles, and on the left face."""
     r, t = rule.circles.polar
     points = (np.append(r, rule.faces.r), np.append(t, rule.faces.alpha))
-    auxiliary = williams_gradient(material, *points).transpose(1, 2, 3, 0)
+    fields = [williams_gradient(material, *points), point_force_gradient(material, *points)[:, None]]
+    auxiliary = np.concatenate(fields, axis=1).transpose(1, 2, 3, 0)
     return auxiliary[..., : len(r)], auxiliary[..., len(r) :]
 
 
 def _radial_flux(material: PlaneElasticity, away: Floats, auxiliary: Floats, gradient: Floats) -> Floats:
-    """P_j r_j (2, n) for both auxiliary modes, r_j the unit vectors (2, n) away from the tip."""
+    """P_j r_j (FIELDS, n) of the auxiliary fields, r_j the unit vectors (2, n) away from the tip."""
     c, s = away
     xx, yy, xy = _stress(material, gradient)
     of_mode = auxiliary.transpose(1, 2, 0, 3)
@@ -91,7 +107,7 @@ def _radial_flux(material: PlaneElasticity, away: Floats, auxiliary: Floats, gra
 def _face_flux(
     material: PlaneElasticity, rule: TipRule, auxiliary: Floats, vectors: Floats, gradients: Floats
 ) -> Floats:
-    """-P_j n_j (2, m) on both faces together."""
+    """-P_j n_j (FIELDS, m) on the left face."""
     tx, ty = rule.faces.toward_tip.T
     along = gradients[:, 0] * tx + gradients[:, 1] * ty
     of_mode = auxiliary.transpose(1, 2, 0, 3)

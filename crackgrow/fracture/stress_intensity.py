@@ -1,4 +1,4 @@
-"""K_I and K_II of the tips of a cover by the interaction integral: what `interaction` needs, from the displacement."""
+"""K_I, K_II and T of tips by the interaction integral: what `interaction` needs, from the displacement."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
-from crackgrow.fracture.interaction import of_body_force, weights_of
+from crackgrow.fracture.interaction import FIELDS, of_body_force, weights_of
 from crackgrow.fracture.readings import Reading
 from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
@@ -29,12 +29,14 @@ BodyForce = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StressIntensity:
-    """K of one tip. K_II is positive where the face on the left of the outward direction moves outward."""
+    """K and T of one tip. K_II is positive where the face on the left of the outward direction moves outward."""
 
     K_I: float  # Pa sqrt(m)
     K_II: float  # Pa sqrt(m)
     K_I_spread: float  # Pa sqrt(m): over three radii
     K_II_spread: float  # Pa sqrt(m)
+    T: float  # Pa: the stress along the crack at the tip, without what is singular
+    T_spread: float  # Pa
     radius: float  # m, of the largest disc; nan where none fits
     small: bool  # whether the disc spans but few cells
     note: str  # why, in words; empty where it is not
@@ -97,7 +99,7 @@ def _pressed(tip: Tip, traction: FaceTraction) -> bool:
 def _no_room(disc: Disc) -> StressIntensity:
     nan = float("nan")
     note = f"{disc.obstacle} leaves no room for an integral round the tip"
-    return StressIntensity(nan, nan, nan, nan, nan, True, note)
+    return StressIntensity(nan, nan, nan, nan, nan, nan, nan, True, note)
 
 
 def _in_disc(
@@ -116,19 +118,22 @@ def _in_disc(
     arc, toward_tip, of_uniform, of_vectors = known.reading.more
     normal, tangential = _less_varying(material, cover, tip, arc, traction)
     along_x, along_y = toward_tip.T
-    vectors = 2.0 * np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
+    vectors = np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
     by_component = known.reading.of(u).reshape(2, -1, 2)  # [c of its weights, M, c]
     M = by_component[0, :, 0] + by_component[1, :, 1] + of_vectors @ vectors.ravel()
     M += of_uniform @ _initial_gradient(material, cover.lattice.to_metres(tip.point)).ravel()
-    M = M.reshape(-1, 2)
+    M = M.reshape(-1, FIELDS)
     if body_force is not None:
         rule = tip_rule(tip, tip.size, disc.radii)
         force = spacing * tip.rotation @ body_force(cover.lattice.to_metres(rule.circles.points(tip))).T
         M = M + of_body_force(material, rule, force)
-    K = 0.5 * material.young_prime * np.sqrt(spacing) * M
-    (K_I, K_II), (spread_I, spread_II) = K[-1].tolist(), np.ptp(K, axis=0).tolist()
+    of_K = 0.5 * material.young_prime * np.sqrt(spacing)
+    found = np.array([of_K, of_K, 1.0]) * M
+    (K_I, K_II, beyond), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
+    across_faces, _ = traction(tip.from_start(np.zeros(1)))
+    T = beyond + float(across_faces[0])
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
-    return StressIntensity(K_I, K_II, spread_I, spread_II, disc.radius * spacing, disc.small, note)
+    return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, disc.radius * spacing, disc.small, note)
 
 
 def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Reading]:
@@ -158,13 +163,12 @@ def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints,
     derivative along the faces does not matter.
     """
     weights, turn = weights_of(material, rule), disc.tip.rotation
-    beside = weights.beside[..., beyond]
-    at_points = np.concatenate([weights.around, beside, beside], axis=-1)
+    at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
     turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
     derivatives = basis.derivatives
-    sums = derivatives.summed(turned.reshape(2, -1, 2 * 2 * len(rule.radii)))
+    sums = derivatives.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))
     of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
-    of_vectors = weights.vectors.reshape(2 * len(rule.radii), -1)
+    of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
     return Reading(derivatives.functions, np.ascontiguousarray(sums.T), more)
 

@@ -34,6 +34,20 @@ def williams_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats
     return np.stack([c * by_r - s * by_t, s * by_r + c * by_t], axis=2).transpose(3, 0, 1, 2)
 
 
+def point_force_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
+    """Displacement gradient du_c/dx_d (n, 2, 2) of a force E' along x on the tip, at r, t (n,).
+
+    Its stress is radial, -E' cos t / (pi r) (Kfouri 1986, eq. 8), leaves all faces through the tip free, and is the
+    same on both sides of them.
+    """
+    c, s = np.cos(t), np.sin(t)
+    radial, around, turn = -c, material.c12 / material.c11 * c, s  # strains and rotation times pi r
+    xx, yy = radial * c**2 + around * s**2, radial * s**2 + around * c**2
+    xy = (radial - around) * c * s
+    gradient = np.array([[xx, xy - turn], [xy + turn, yy]]) / (np.pi * r)
+    return gradient.transpose(2, 0, 1)
+
+
 def singular_stress(t: Floats, direction: float) -> Floats:
     """Stress (n, 3, 2) [point, xx yy xy, mode] times sqrt(2 pi r) of K_I = 1 and K_II = 1 at angles t (n,).
 

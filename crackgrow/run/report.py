@@ -100,7 +100,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
 def unmeasured(solution: StepSolution) -> Errors:
     """Errors that are not known: cells are by hand."""
     unknown = (math.nan,) * len(solution.tips)
-    return Errors(solution.scene.grading, K=unknown, kinks=unknown)
+    return Errors(solution.scene.grading, K=unknown, T=unknown, kinks=unknown)
 
 
 def estimated_error(solution: StepSolution) -> ErrorEstimate:
@@ -194,6 +194,8 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still
         K_error_expected=errors.K[tip] / EXPECTED,
         sticks=sticks,
         K_growth=nan if sticks else state.K_growth,
+        T=state.intensity.T,
+        T_error=BOUND * errors.T[tip],
     )
 
 

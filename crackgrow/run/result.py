@@ -69,6 +69,8 @@ class TipResult:
     K_error_expected: float = float("nan")  # Pa sqrt(m), of K_I and K_II together; nan where it was not measured
     sticks: bool = False  # its crack has faces that have not moved: its K is zero, and K_I, K_II what cells leave of it
     K_growth: float = float("nan")  # Pa sqrt(m), at which the tip grows: K_eq in tension, |K_II| in shear; nan: unknown
+    T: float = float("nan")  # Pa: stress along the crack at the tip, without what is singular
+    T_error: float = float("nan")  # Pa, bound of what T is off by; nan where it was not measured
 
 
 @dataclass(frozen=True, slots=True, eq=False)

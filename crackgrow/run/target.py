@@ -163,6 +163,8 @@ def quantities(solution: StepSolution, own_factor: float) -> Quantities:
             -1, 2
         ),
         spread=np.array([_spread(state, *each) for each in zip(state.cover.tips, intensities, strict=True)]),
+        T=np.array([known.T for known in intensities]),
+        T_spread=np.array([known.T_spread for known in intensities]),
         unseen=np.array([_unseen(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
         kinks=np.array([_direction(state.scene, tip) for tip in tips]),
         load_factor=own_factor,

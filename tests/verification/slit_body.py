@@ -7,14 +7,15 @@ Muskhelishvili's potentials for a slit along |x| < a,
 
 carry exactly the traction f on both faces for any power series E and D, which least squares fit to the tractions of
 the outline. It converges exponentially where the outline's tractions are smooth: the residual tells. An infinite plate
-under uniform stress has E = S z, D constant. K_I - i K_II = 2 sqrt(pi/a) E(a).
+under uniform stress has E = S z, D constant. K_I - i K_II = 2 sqrt(pi/a) E(a); in the mean of both faces E / sqrt falls
+out, so that the stress along the crack at the tip, without what is singular, is T = Re(4 D(a) + f(a)).
 
 The scenes are symmetric about the middle of the crack: E is odd, D and f are even.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,10 +26,11 @@ Complexes = NDArray[np.complex128]
 
 @dataclass(frozen=True)
 class SlitSolution:
-    """K of the tip at +a, and the largest traction by which the outline is missed."""
+    """K and T of the tip at +a, and the largest traction by which the outline is missed."""
 
     K_I: float
     K_II: float  # positive where the upper face moves outward
+    T: float
     residual: float
 
 
@@ -56,7 +58,10 @@ def solve_slit(
     of_E = found[0::4] + 1j * found[2::4]
     E_at_tip = sum(c * (a / size) ** (2 * n + 1) for n, c in enumerate(of_E))
     K = 2.0 * np.sqrt(np.pi / a) * E_at_tip
-    return SlitSolution(float(K.real), float(-K.imag), float(np.abs(matrix @ found - right).max()))
+    of_D = found[1::4] + 1j * found[3::4]
+    D_at_tip = sum(c * (a / size) ** (2 * n) for n, c in enumerate(of_D))
+    T = float(4.0 * D_at_tip.real + on_faces.sum().real)
+    return SlitSolution(float(K.real), float(-K.imag), T, float(np.abs(matrix @ found - right).max()))
 
 
 def solve_closed_slit(
@@ -84,7 +89,9 @@ def solve_closed_slit(
     found = np.linalg.lstsq(matrix / scale, right, rcond=1e-14)[0] / scale
     E_at_tip = 1j * sum(c * (a / size) ** (2 * n + 1) for n, c in enumerate(found[0::4]))
     K = 2.0 * np.sqrt(np.pi / a) * E_at_tip
-    return SlitSolution(float(K.real), float(-K.imag), float(np.abs(matrix @ found - right).max()))
+    powers = (a / size) ** (2 * np.arange(n_terms))
+    T = float(4.0 * found[1::4] @ powers + found[3::4] @ powers)
+    return SlitSolution(float(K.real), float(-K.imag), T, float(np.abs(matrix @ found - right).max()))
 
 
 def _traction_of(
@@ -139,7 +146,8 @@ def closed_plate(
     normal = xx * np.sin(angle) ** 2 + yy * np.cos(angle) ** 2 - xy * np.sin(2.0 * angle)
     shear = 0.5 * (yy - xx) * np.sin(2.0 * angle) + xy * np.cos(2.0 * angle)
     if abs(shear) <= -friction * normal:
-        return SlitSolution(0.0, 0.0, 0.0)
+        along = xx * np.cos(angle) ** 2 + yy * np.sin(angle) ** 2 + xy * np.sin(2.0 * angle)
+        return SlitSolution(0.0, 0.0, float(along), 0.0)
     return solve_closed_slit(a, *_plate(angle_deg, width, height, stress), -float(np.sign(shear)) * friction)
 
 
@@ -170,15 +178,19 @@ def disk(a: float, angle_deg: float, radius: float, half_arc_deg: float, pressur
     series; taking that off the faces leaves a smooth problem with a free outline.
     """
     turn = np.exp(-1j * np.deg2rad(angle_deg))
-    along = _intact_disk_on_line(angle_deg, half_arc_deg, pressure, n_terms=20)
-    on_faces = -along * (a / radius) ** (2 * np.arange(len(along)))
+    across, along = _intact_disk_on_line(angle_deg, half_arc_deg, pressure, n_terms=20)
+    powers = (a / radius) ** (2 * np.arange(len(across)))
     t = 2.0 * np.pi * (np.arange(400) + 0.5) / 400
     normals = np.exp(1j * t)
-    return solve_slit(a, radius * normals * turn, normals * turn, np.zeros(len(t), dtype=complex), on_faces)
+    free = np.zeros(len(t), dtype=complex)
+    found = solve_slit(a, radius * normals * turn, normals * turn, free, -across * powers)
+    return replace(found, T=found.T + float(along @ powers))
 
 
-def _intact_disk_on_line(angle_deg: float, half_arc_deg: float, pressure: float, n_terms: int) -> Complexes:
-    """Coefficients of 1, (r/R)^2 ... of sigma_yy - i sigma_xy in axes along a line at an angle, of the intact disk.
+def _intact_disk_on_line(
+    angle_deg: float, half_arc_deg: float, pressure: float, n_terms: int
+) -> tuple[Complexes, Floats]:
+    """Coefficients of 1, (r/R)^2 ... of sigma_yy - i sigma_xy and sigma_xx on a line at an angle, of the intact disk.
 
     With N - i T = Phi + conj Phi - e^{2it} (conj z Phi' + Psi) on the circle (Muskhelishvili), sigma_r - i sigma_rt.
     """
@@ -204,4 +216,4 @@ def _intact_disk_on_line(angle_deg: float, half_arc_deg: float, pressure: float,
     b = np.array([(1 - (order + 2)) * np.conj(A[-int(order) - 2]) - A[int(order) + 2] for order in n])  # Psi
     # on the line conj z = z = r: sigma_yy + i sigma_xy = Phi + conj Phi + conj z Phi' + Psi
     upper = a + np.conj(a) + n * a + b
-    return np.conj(upper)
+    return np.conj(upper), 4.0 * a.real - upper.real

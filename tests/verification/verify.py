@@ -27,6 +27,7 @@ SUBJECTS = (
     "history",
     "wide_plate",
     "open_crack",
+    "t_stress",
     "interacting",
     "branched",
     "convergence",
