@@ -139,7 +139,8 @@ _HISTORY: Final = Mapping(
             "how the way to each load of the history is taken; a number: in so many increments of one size",
             OPTIONAL,
         ),
-    }
+    },
+    short="history",
 )
 
 

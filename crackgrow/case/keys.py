@@ -103,9 +103,10 @@ def _default(field: specs.Field) -> str:
 def _value(spec: Spec) -> _Value:
     match spec:
         case specs.Mapping():
-            return _Value("word, or mapping" if spec.short else "mapping")
+            return _Value(f"{_value(spec.fields[spec.short].spec).kind}, or mapping" if spec.short else "mapping")
         case specs.OneOf(forms):
-            return _Value("mapping", allowed=f"with {' or '.join(form.form() for form in forms)}")
+            short = [f"{_value(form).kind}" for form in forms if form.short]
+            return _Value((short or ["mapping"])[0], allowed=f"with {' or '.join(form.form() for form in forms)}")
         case specs.Converted(inner) | Definitions(inner):
             return _value(inner)
         case Reference(_, where, inner):

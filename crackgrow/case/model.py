@@ -518,7 +518,7 @@ class Growth:
     ]
     tip_radius: Annotated[
         float | None,
-        Mapping({"radius": Field(SIZE, "Shepard averaging radius, a material length")}),
+        Mapping({"radius": Field(SIZE, "Shepard averaging radius, a material length")}, short="radius"),
         Doc("how the stress at a tip is taken where rock has no toughness", key="tip_stress", default=OPTIONAL),
     ]  # m
     unload_between_steps: Annotated[

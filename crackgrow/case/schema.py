@@ -53,7 +53,7 @@ class Mapping:
 
     fields: what each key takes, in the order of the resolved case.
     at_least_one: whether an empty mapping is a fault although no key is required.
-    short: the key that a word stands for in place of the mapping; empty: none.
+    short: the key that a value stands for in place of the mapping; empty: none.
     """
 
     fields: AnyMapping[str, Field]
@@ -82,7 +82,7 @@ class Mapping:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
-        if self.short and isinstance(node, Scalar) and not node.is_null:
+        if self.short and (isinstance(node, Listing) or (isinstance(node, Scalar) and not node.is_null)):
             node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
@@ -163,6 +163,8 @@ class OneOf:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the value of the form that is given."""
+        if isinstance(node, Listing) and (short := [form for form in self.forms if form.short]):
+            return short[0].read(node, path, context)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
         every = {key: field for form in self.forms for key, field in form.fields.items()}

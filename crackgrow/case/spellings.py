@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Final
 
+from crackgrow.case.curves import with_curve_points
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.outline_file import MOST_CORNERS, OutlineFile, with_file_holes, with_file_points, without_file
 from crackgrow.case.reader import Listing, Node, Scalar
@@ -85,6 +86,15 @@ _COLUMNS: Final = OneOf(
     )
 )
 
+_ARC: Final = Mapping(
+    {
+        "center": _CENTER,
+        "radius": Field(SIZE, "radius"),
+        "from": Field(Quantity("angle"), "where the crack starts, counter-clockwise from x as seen from the centre"),
+        "to": Field(Quantity("angle"), "where it ends; less than `from`: clockwise"),
+    }
+)
+
 _PATHS: Final = OneOf(
     (
         Mapping(
@@ -94,7 +104,9 @@ _PATHS: Final = OneOf(
                 "angle": Field(Quantity("angle"), "direction from start to end, counter-clockwise from x"),
             }
         ),
-        Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}),
+        Mapping({"points": Field(POINTS, "vertices from start to end, [[x, y], ...]")}, short="points"),
+        Mapping({"arc": Field(_ARC, "a part of a circle")}),
+        Mapping({"spline": Field(POINTS, "places from start to end that a smooth curve goes through, [[x, y], ...]")}),
         Mapping(
             {
                 "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
@@ -118,7 +130,7 @@ _PATHS: Final = OneOf(
     )
 )
 
-PATH: Final = Converted(_PATHS, with_file_points)
+PATH: Final = Converted(Converted(_PATHS, with_curve_points), with_file_points)
 
 REGION: Final = Mapping(
     {

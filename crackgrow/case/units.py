@@ -9,6 +9,9 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
+INCH = Fraction(254, 10**4)  # m
+POUND = Fraction(45359237, 10**8) * Fraction(980665, 10**5)  # N, of force
+
 # One unit of each name in SI (angles in degrees). The first unit of a kind is what the program computes in.
 UNITS: dict[str, dict[str, Fraction]] = {
     "length": {
@@ -17,8 +20,17 @@ UNITS: dict[str, dict[str, Fraction]] = {
         "mm": Fraction(1, 1000),
         "um": Fraction(1, 10**6),
         "km": Fraction(1000),
+        "in": INCH,
+        "ft": 12 * INCH,
     },
-    "stress": {"Pa": Fraction(1), "kPa": Fraction(10**3), "MPa": Fraction(10**6), "GPa": Fraction(10**9)},
+    "stress": {
+        "Pa": Fraction(1),
+        "kPa": Fraction(10**3),
+        "MPa": Fraction(10**6),
+        "GPa": Fraction(10**9),
+        "psi": POUND / INCH**2,
+        "ksi": 1000 * POUND / INCH**2,
+    },
     "density": {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000), "t/m^3": Fraction(1000)},
     "acceleration": {"m/s^2": Fraction(1), "mm/s^2": Fraction(1, 1000)},
     "angle": {"deg": Fraction(1)},
@@ -28,6 +40,8 @@ UNITS: dict[str, dict[str, Fraction]] = {
         "MPa sqrt(m)": Fraction(10**6),
         "GPa sqrt(m)": Fraction(10**9),
         "MPa sqrt(mm)": Fraction(math.sqrt(1e9)),
+        "psi sqrt(in)": POUND / INCH**2 * Fraction(math.sqrt(INCH)),
+        "ksi sqrt(in)": 1000 * POUND / INCH**2 * Fraction(math.sqrt(INCH)),
     },
 }
 UNITS["force"] = {

@@ -151,7 +151,8 @@ def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Di
         faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
         on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
         at = np.concatenate([own, on_faces, on_faces])
-        basis = basis_at(cover, at, np.concatenate([there, faces.plus, faces.minus]))
+        left_right = [faces.plus, faces.minus] if disc.tip.at_end else [faces.minus, faces.plus]
+        basis = basis_at(cover, at, np.concatenate([there, *left_right]))
         found.append(_reading(materials[disc.tip.body], disc, rule, beyond, basis))
     return found
 
