@@ -44,8 +44,8 @@ class Gathered:
         self._told: dict[tuple[str, str], _Told] = {}
 
     def add(self, step: int, cautions: Iterable[Caution]) -> list[str]:
-        """Count in those of a step; returns the words of those that nothing has told before."""
-        news = []
+        """Count in those of a step; returns a sentence for each cause that nothing has told of before at its places."""
+        news: dict[str, list[_Told]] = {}
         for caution in cautions:
             name = caution.cause.name.lower()
             key = (_kind_of(name, caution.words), caution.place)
@@ -53,19 +53,18 @@ class Gathered:
             if known is None:
                 row = _Told(name, caution.rank, caution.place, caution.size, caution.words, step, [[step, step]])
                 self._told[key] = row
-                news.append(caution.words)
+                news.setdefault(key[0], []).append(row)
             else:
                 self._told[key] = known.and_at(step, caution)
-        return news
+        return [_sentence(rows) for rows in news.values()]
 
     def sentences(self, *, with_steps: bool = True) -> list[str]:
         """One sentence a cause, the most important first: the worst place in words, the others by name."""
         by_kind: dict[str, list[_Told]] = {}
         for (kind, _), row in self._told.items():
             by_kind.setdefault(kind, []).append(row)
-        causes = [sorted(rows, key=lambda row: -row.size) for rows in by_kind.values()]
-        causes.sort(key=lambda rows: rows[0].rank)
-        return [f"{_steps(rows) if with_steps else ''}{rows[0].words}{_others(rows[1:])}" for rows in causes]
+        causes = sorted(by_kind.values(), key=lambda rows: rows[0].rank)
+        return [f"{_steps(rows) if with_steps else ''}{_sentence(rows)}" for rows in causes]
 
     def records(self) -> list[dict[str, Any]]:
         """One record for each cause and place, as mappings that JSON can hold."""
@@ -87,10 +86,12 @@ def _kind_of(cause: str, words: str) -> str:
     return NUMBER.sub("#", words) if cause == "note" else cause
 
 
-def _others(rows: Sequence[_Told]) -> str:
-    if not rows:
-        return ""
-    return f"; likewise {', '.join(cut([row.place for row in rows], MOST_PLACES, '{} more'))}"
+def _sentence(rows: Sequence[_Told]) -> str:
+    """What is told of the worst place, and where else it is so."""
+    worst, *others = sorted(rows, key=lambda row: -row.size)
+    if not others:
+        return worst.words
+    return f"{worst.words}; likewise {', '.join(cut([row.place for row in others], MOST_PLACES, '{} more'))}"
 
 
 def _steps(rows: Sequence[_Told]) -> str:
@@ -98,5 +99,6 @@ def _steps(rows: Sequence[_Told]) -> str:
     spans = merged(range(first, last + 1) for row in rows for first, last in row.steps)
     if len(spans) == len(spans[0]) == 1:
         return f"step {spans[0].start}: "
-    worst = f", worst {rows[0].worst}" if rows[0].size else ""
+    most = max(rows, key=lambda row: row.size)
+    worst = f", worst {most.worst}" if most.size else ""
     return f"steps {spans_text(spans)}{worst}: "
