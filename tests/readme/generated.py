@@ -28,6 +28,9 @@ FORMULA: Final = ' or a formula in x and y such as "0.09*x - 0.1"'
 MESHES: Final = ", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2"
 """Told once, at the top of the page of keys."""
 
+FIRST: Final = ("new", "check", "run", "render", "compare", "explain")
+"""Commands that matter first."""
+
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 
 CELL_RULES: Final = {
@@ -49,10 +52,11 @@ CELL_RULES: Final = {
 
 
 def commands() -> str:
-    """The commands by group, with what they do."""
+    """The commands that matter first with what they do, and the names of the others."""
     helps = helps_of(commands_of(command_line()))
-    rows = [[group, f"`crackgrow {name}`", helps[name]] for group, names in GROUPS.items() for name in names]
-    return table(("group", "command", "what it does"), rows)
+    rows = table(("command", "what it does"), [[f"`crackgrow {name}`", helps[name]] for name in FIRST])
+    others = [f"`{name}`" for names in GROUPS.values() for name in names if name not in FIRST]
+    return f"{rows}\nAlso {', '.join(others)}.\n"
 
 
 def keys() -> str:
