@@ -43,9 +43,9 @@ _DISK: Final = Mapping({"center": _CENTER, "radius": Field(SIZE, "radius")})
 
 _BESIDE_FILE: Final = {
     "units": Field(
-        Choice(tuple(UNITS["length"])), "unit of its coordinates; left out: what it tells, or the case's", OPTIONAL
+        Choice(tuple(UNITS["length"])), "unit of its coordinates; left out: the file's or the case's", OPTIONAL
     ),
-    "origin": Field(ListOf(Number(), 2), "its coordinates, [x, y], of what is [0, 0] in the case", OPTIONAL),
+    "origin": Field(ListOf(Number(), 2), "what is [0, 0] of the case, in its coordinates", OPTIONAL),
 }
 
 _SIMPLE_SHAPES: Final = (
@@ -71,14 +71,14 @@ _COLUMNS: Final = OneOf(
     (
         Mapping(
             {
-                "crack": Field(Text(), "column that tells cracks apart; rows of one follow each other"),
+                "crack": Field(Text(), "column of the crack's name; its rows follow each other"),
                 "x": Field(Text(), "column of x of a vertex"),
                 "y": Field(Text(), "column of y of a vertex"),
             }
         ),
         Mapping(
             {
-                "start": Field(_PAIR_OF_COLUMNS, "columns of x and y of the start of a crack, which is a row"),
+                "start": Field(_PAIR_OF_COLUMNS, "columns of x and y of the start of a row's crack"),
                 "end": Field(_PAIR_OF_COLUMNS, "columns of x and y of its end"),
             }
         ),

@@ -23,13 +23,28 @@ from crackgrow.cli.reference import FOLDERS, key_entry, sections
 from tests.readme.pictures import draw_all
 
 ROOT = Path(__file__).resolve().parents[2]
-LEFT_OUT: Final = "may be left out"
-FORMULA: Final = ' or a formula in x and y such as "0.09*x - 0.1"'
-MESHES: Final = ", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2"
-"""Told once, at the top of the page of keys."""
+NO_DEFAULT: Final = ("may be left out", "that of its keys", "empty")
+SHORTER: Final = (
+    (r' or a formula in x and y such as "0.09\*x - 0.1"', " or formula"),
+    (", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2", " or of a mesh"),
+    ("`m`; `cm`; `mm`; `um`; `km`", "a unit of length"),
+    (r"^list of 2, each a (\w+ or formula), or mapping", r"[x, y] or {x, y}, each a \1"),
+    (r"^(word or )?mapping, or a name from \w+,", "name, or mapping"),
+    (r"^(mapping with the keys of laws.NAME): (`\w+`)", r"\2, \1"),
+    (r"^list, each mapping: with", "list, each"),
+    (r"^(word|mapping): (with )?", ""),
+    (r"^word or ([^:]*): (.*), or ([^,]*)$", r"\2, or \1 \3"),
+    (r"^word or mapping: ", ""),
+    (r"^([\w, ]+): ([<>])", r"\1 \2"),
+    ("whole number", "integer"),
+)
+"""What the page of keys says in fewer words: some of it once, at its top."""
 
 FIRST: Final = ("new", "check", "run", "render", "compare", "explain")
 """Commands that matter first."""
+
+BY_FORM: Final = "by form"
+COMPONENTS: Final = ("traction", "displacement")
 
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 
@@ -62,21 +77,34 @@ def commands() -> str:
 def keys() -> str:
     """The units of quantities, and every key of a case, a table for each that a case begins with."""
     units = {kind: next(key.units for key in case_keys() if kind in key.kind) for kind in UNITS}
+    units["stiffness"] = " over ".join(", ".join(UNITS[kind]) for kind in ("stress", "length"))
     parts, names = [table(("quantity", "units"), units.items())], {key.name for key in case_keys()}
     single = [found[0] for _, found in sections() if len(found) == 1]
     for name, found in (("title", single), *((name, found) for name, found in sections() if len(found) > 1)):
         rows = []
+        before = next((each for each in (f"{name}.NAME", f"{name}.N") if found[-1].name.startswith(f"{each}.")), name)
         for key in found:
             facts = key_entry(key).facts
-            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed")))).replace(FORMULA, " or formula")
-            takes = takes.replace(MESHES, " or of a mesh")
-            told = key.name.removeprefix(name) if "." in key.name else key.name
-            default = "-" if key.default == LEFT_OUT else key.default
+            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
+            for pattern, words in SHORTER:
+                takes = re.sub(pattern, words, takes)
+            told = key.name.removeprefix(before) if "." in key.name else key.name
+            default = "-" if key.default in NO_DEFAULT else BY_FORM if of_a_form(key.name) else key.default
+            if any(key.name.endswith(f"{pair}.{axis}") for pair in COMPONENTS for axis in "xy"):
+                continue  # told with the pair
             if key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
-                rows.append([f"`{told}`", facts["meaning"], takes, default])
-        heading = " ".join(f"`{key.name}`" for key in found if "." not in key.name)
+                rows.append([f"`{told}`", facts["meaning"].replace(", [x, y]", ""), takes, default])
+        heading = " ".join(f"`{before if key.name == name else key.name}`" for key in found if "." not in key.name)
         parts.append(f"## {heading}\n\n{table(('key', 'meaning', 'takes', 'default'), rows)}")
     return "\n".join(parts)
+
+
+def of_a_form(name: str) -> bool:
+    """Whether a key belongs to some of the forms that a mapping takes."""
+    allowed = {key.name: key.allowed for key in case_keys()}
+    forms = re.findall(r"\{(.*?)\}", allowed.get(re.sub(r"(\.N|\.NAME)?\.\w+$", "", name), ""))
+    has = [name.rpartition(".")[2] in form.split(", ") for form in forms]
+    return any(has) and not all(has)
 
 
 def presets() -> str:
@@ -102,8 +130,8 @@ PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table in Markdown."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+    lines = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in (head, *rows)]
+    return "".join([lines[0], f"|{'---|' * len(head)}\n", *lines[1:]])
 
 
 def part_of(text: str, name: str) -> str:
