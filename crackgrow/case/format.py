@@ -52,7 +52,7 @@ BODY: Final = Converted(
 
 TIPS: Final = Choice(
     ("both", "start", "end", "none"),
-    ("both ends", "the first point", "the last point", "it stays as it is"),
+    ("both ends", "the first point", "the last point", "it does not grow"),
 )
 
 _CRACK_KEYS: Final = keys_of(model.Crack)
@@ -71,7 +71,7 @@ CRACK: Final = Mapping(
 
 OUTLINE: Final = Field(
     Choice(("fixed", "rollers"), ("no displacement", "none across it, on sides along x or y")),
-    "how the whole outline is held, where no other body lies",
+    "how the whole outline is held",
 )
 
 SUPPORT: Final = OneOf(
@@ -92,7 +92,7 @@ SUPPORTS: Final = WordOr(
 )
 
 _PRESSURE: Final = keys_of(model.FluidPressure)
-_PRESSED: Final = Field(PAIR, "names of two bodies with an interface that is not bonded")
+_PRESSED: Final = Field(PAIR, "names of two bodies, not bonded")
 
 LOAD: Final = OneOf(
     (
@@ -163,7 +163,7 @@ LOADING: Final = WordOr(
 
 
 _ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")
-_ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip of what is between them")
+_ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip between them")
 
 HISTORY_POINT: Final = OneOf(
     (

@@ -458,7 +458,7 @@ class Initiation:
     spacing: Annotated[
         float | None,
         WordOr((AUTO,), SIZE),
-        Doc("distance of these places; auto: the larger of increment and averaging radius"),
+        Doc("distance of these; auto: the larger of increment and averaging radius"),
     ] = None  # m
 
 
@@ -466,13 +466,9 @@ class Initiation:
 class Subcritical:
     """How fast tips grow below the toughness: v = v_max (K / K_c)^n."""
 
-    velocity: Annotated[
-        float, Quantity("velocity", POSITIVE), Doc("v_max in v = v_max (K/K_c)^n: that at the toughness")
-    ]  # m/s
+    velocity: Annotated[float, Quantity("velocity", POSITIVE), Doc("v_max in v = v_max (K/K_c)^n")]  # m/s
     exponent: Annotated[float, Number(Bounds(at_least=0, at_most=200)), Doc("n")]
-    threshold: Annotated[
-        float, Number(Bounds(at_least=0, below=1)), Doc("K over K_c up to which a tip stands still")
-    ] = 0.0
+    threshold: Annotated[float, Number(Bounds(at_least=0, below=1)), Doc("K/K_c up to which a tip stands still")] = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -489,7 +485,7 @@ class Growth:
             "tips that advance in a step",
             (
                 "one tip a step",
-                "one tip a step, of those that have grown least",
+                "one of the least grown",
                 "every tip that meets the criterion",
             ),
             default="all",
@@ -509,15 +505,15 @@ class Growth:
     direction: Annotated[
         Literal["explicit", "implicit"],
         Doc(
-            "left out: implicit for max_hoop_stress in rock with a toughness, else explicit",
-            ("that at the old tip", "corrected until K_II vanishes at the new tip; max_hoop_stress"),
+            "left out: implicit for max_hoop_stress with a toughness",
+            ("that at the old tip", "K_II vanishes at the new tip; max_hoop_stress alone"),
             default=OPTIONAL,
         ),
     ]
     tip_radius: Annotated[
         float | None,
         Mapping({"radius": Field(SIZE, "Shepard averaging radius, a material length")}),
-        Doc("how the stress at a tip is taken where rock has no toughness", key="tip_stress", default=OPTIONAL),
+        Doc("in place of a toughness", key="tip_stress", default=OPTIONAL),
     ]  # m
     unload_between_steps: Annotated[bool, Doc("every step starts unloaded; false: friction remembers")] = True
     initiation: Annotated[Initiation, Doc("where new cracks start")] = Initiation()
@@ -531,8 +527,8 @@ class Growth:
         Doc(
             "what lets a tip grow",
             (
-                "a tip grows where the criterion is met",
-                "every tip grows, with a velocity by K over K_c",
+                "where the criterion is met",
+                "by a velocity that follows from K/K_c",
             ),
         ),
     ] = "critical"
@@ -558,14 +554,14 @@ class ContactNumerics:
         Literal["mortar", "gauss"],
         Doc(
             "where contact is enforced",
-            ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness"),
+            ("on average round nodes", "needs a finite stiffness"),
         ),
     ] = "mortar"
     solver: Annotated[
         Literal["newton", "lemke"],
         Doc(
             "how the contact problem is solved",
-            ("semismooth Newton", "complementary pivots; slow with many points"),
+            ("semismooth Newton", "pivoting, slow with many points"),
         ),
     ] = "newton"
     spacing: Annotated[float, Number(Bounds(at_least=0.5, at_most=4)), Doc("least distance of contact nodes, in h")] = (
@@ -622,8 +618,8 @@ class Numerics:
             "quantity that accuracy is of",
             (
                 "stress intensity",
-                "the jump of all faces",
-                "forces of supports and surfaces",
+                "of all faces",
+                "of supports and surfaces",
                 "the critical load factor",
             ),
         ),
@@ -647,7 +643,7 @@ class Numerics:
             "functions that follow the singular stress at tips",
             (
                 "gathered where refine.tips is not 0",
-                "a set on every patch that a tip lies in",
+                "on every patch that a tip lies in",
                 "one set a tip, if it has room",
             ),
         ),
@@ -699,7 +695,7 @@ class PointPair:
     name: str
     bodies: tuple[str, str]
     points: Annotated[
-        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much closer they come", key="between", drawn=True)
+        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much they converge", key="between", drawn=True)
     ]  # (2, 2) m
 
 
@@ -712,9 +708,7 @@ class Output:
     """What is written."""
 
     frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("steps written as frames")] = "every_step"
-    fields: Annotated[
-        tuple[str, ...], ListOf(Choice(FIELDS)), Doc("fields in a frame; energy_error takes a tenth of a run")
-    ] = ("displacement", "stress")
+    fields: Annotated[tuple[str, ...], ListOf(Choice(FIELDS)), Doc("fields in a frame")] = ("displacement", "stress")
     figures: Annotated[bool, Doc("draw pictures and plots")] = True
     report: Annotated[bool, Doc("write report.html at the end")] = True
     points: tuple[HistoryPoint, ...] = ()  # whose course is written

@@ -54,7 +54,7 @@ _SIMPLE_SHAPES: Final = (
     {"disk": Field(_DISK, "a disk")},
     {
         "file": Field(OutlineFile(), "a file with a polygon, or a mesh"),
-        "region": Field(Text(), "name or number of a group of the mesh's cells; left out: all of them", OPTIONAL),
+        "region": Field(Text(), "group of the mesh's cells; left out: all", OPTIONAL),
         **_BESIDE_FILE,
     },
 )
@@ -98,14 +98,12 @@ _PATHS: Final = OneOf(
         Mapping(
             {
                 "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
-                "curve": Field(Text(), "name or number of a group of the mesh's lines: the crack", OPTIONAL),
+                "curve": Field(Text(), "group of the mesh's lines", OPTIONAL),
                 **_BESIDE_FILE,
-                "tolerance": Field(
-                    SIZE, "how far ends may lie off what they end on; left out: 1e-5 of the scene", OPTIONAL
-                ),
+                "tolerance": Field(SIZE, "distance at which ends meet lines; left out: 1e-5 of the scene", OPTIONAL),
                 "where": Field(
                     Named("attribute", OneOrList(Text()), any_name=True),
-                    "values that attributes of the lines must have; left out: all lines",
+                    "attributes that lines must have; left out: all lines",
                     OPTIONAL,
                 ),
                 "names": Field(Text(), "attribute that cracks are named by; left out: their number", OPTIONAL),
