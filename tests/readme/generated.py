@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case.accuracy import TARGETS, cells_along
-from crackgrow.case.keys import case_keys
+from crackgrow.case.keys import Key, case_keys
 from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
@@ -44,24 +44,25 @@ FIRST: Final = ("new", "check", "run", "render", "compare", "explain")
 """Commands that matter first."""
 
 BY_FORM: Final = "by form"
-COMPONENTS: Final = ("traction", "displacement")
+FOLDED: Final = ("traction", "displacement", "columns", "rectangle", "disk")
+"""Mappings whose keys have no rows of their own."""
 
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 
 CELL_RULES: Final = {
     "width": "smaller side of the narrowest body",
-    "tip": "length of a crack; of cells at its tips, and where contact status changes",
-    "stretch": "part of a crack behind a tip or beside a kink; of cells there",
-    "kink": "length of a crack; of cells at its kinks",
-    "end": "length of a crack; of cells at its ends on other lines, and where it meets another",
-    "room": "way from a tip to the nearest other crack, interface or outline",
-    "increment": "growth increment; of cells at tips",
-    "radius": "averaging radius of the tip stress; of cells at tips",
+    "tip": "length of a crack; cells at tips and changes of contact status",
+    "stretch": "part of a crack behind a tip or beside a kink; cells there",
+    "kink": "length of a crack; cells at its kinks",
+    "end": "length of a crack; cells where it meets others",
+    "room": "way from a tip to the nearest crack, interface or outline",
+    "increment": "growth increment; cells at tips",
+    "radius": "averaging radius of the tip stress; cells at tips",
     "feature": "width of a hole, diameter of a re-entrant corner or curve",
     "bridge": "rock between holes, outline and re-entrant corners",
-    "distance": "way from the nearest tip to a re-entrant corner or the end of a held part; of cells there",
+    "distance": "way from a tip to a re-entrant corner or end of a support; cells there",
     "support": "supported part of an edge or interface",
-    "load": "loaded part of an edge; length over which a pressure on faces varies",
+    "load": "loaded part of an edge; length over which face pressure varies",
 }
 """Lengths that have a number of cells to begin with."""
 
@@ -81,7 +82,7 @@ def keys() -> str:
     parts, names = [table(("quantity", "units"), units.items())], {key.name for key in case_keys()}
     single = [found[0] for _, found in sections() if len(found) == 1]
     for name, found in (("title", single), *((name, found) for name, found in sections() if len(found) > 1)):
-        rows = []
+        rows, about = [], ""
         before = next((each for each in (f"{name}.NAME", f"{name}.N") if found[-1].name.startswith(f"{each}.")), name)
         for key in found:
             facts = key_entry(key).facts
@@ -90,13 +91,23 @@ def keys() -> str:
                 takes = re.sub(pattern, words, takes)
             told = key.name.removeprefix(before) if "." in key.name else key.name
             default = "-" if key.default in NO_DEFAULT else BY_FORM if of_a_form(key.name) else key.default
-            if any(key.name.endswith(f"{pair}.{axis}") for pair in COMPONENTS for axis in "xy"):
-                continue  # told with the pair
-            if key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
+            holder, _, last = key.name.rpartition(".")
+            if holder.endswith(FOLDED):
+                continue
+            if last in FOLDED and takes == "mapping":
+                takes = f"{{{', '.join(each.name.removeprefix(f'{key.name}.') for each in within(key.name))}}}"
+            if key.name == name and takes == "mapping" and default == "-":
+                about = f"{facts['meaning']}\n\n"
+            elif key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
                 rows.append([f"`{told}`", facts["meaning"].replace(", [x, y]", ""), takes, default])
         heading = " ".join(f"`{before if key.name == name else key.name}`" for key in found if "." not in key.name)
-        parts.append(f"## {heading}\n\n{table(('key', 'meaning', 'takes', 'default'), rows)}")
+        parts.append(f"## {heading}\n\n{about}{table(('key', 'meaning', 'takes', 'default'), rows)}")
     return "\n".join(parts)
+
+
+def within(name: str) -> list[Key]:
+    """The keys right below one."""
+    return [key for key in case_keys() if key.name.rpartition(".")[0] == name]
 
 
 def of_a_form(name: str) -> bool:
