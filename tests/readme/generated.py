@@ -85,29 +85,30 @@ def keys() -> str:
         rows, about = [], ""
         before = next((each for each in (f"{name}.NAME", f"{name}.N") if found[-1].name.startswith(f"{each}.")), name)
         for key in found:
-            facts = key_entry(key).facts
-            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
-            for pattern, words in SHORTER:
-                takes = re.sub(pattern, words, takes)
+            takes, meaning = takes_of(key), key.doc.replace(", [x, y]", "")
             told = key.name.removeprefix(before) if "." in key.name else key.name
             default = "-" if key.default in NO_DEFAULT else BY_FORM if of_a_form(key.name) else key.default
-            holder, _, last = key.name.rpartition(".")
-            if holder.endswith(FOLDED):
+            if key.name.rpartition(".")[0].endswith(FOLDED):
                 continue
-            if last in FOLDED and takes == "mapping":
-                takes = f"{{{', '.join(each.name.removeprefix(f'{key.name}.') for each in within(key.name))}}}"
             if key.name == name and takes == "mapping" and default == "-":
-                about = f"{facts['meaning']}\n\n"
+                about = f"{meaning}\n\n"
             elif key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
-                rows.append([f"`{told}`", facts["meaning"].replace(", [x, y]", ""), takes, default])
+                rows.append([f"`{told}`", meaning, takes, default])
         heading = " ".join(f"`{before if key.name == name else key.name}`" for key in found if "." not in key.name)
         parts.append(f"## {heading}\n\n{about}{table(('key', 'meaning', 'takes', 'default'), rows)}")
     return "\n".join(parts)
 
 
-def within(name: str) -> list[Key]:
-    """The keys right below one."""
-    return [key for key in case_keys() if key.name.rpartition(".")[0] == name]
+def takes_of(key: Key) -> str:
+    """What a key takes, in few words."""
+    facts = key_entry(key).facts
+    takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
+    for pattern, words in SHORTER:
+        takes = re.sub(pattern, words, takes)
+    if takes != "mapping" or not key.name.endswith(FOLDED):
+        return takes
+    below = [each.name for each in case_keys() if each.name.rpartition(".")[0] == key.name]
+    return f"{{{', '.join(name.removeprefix(f'{key.name}.') for name in below)}}}"
 
 
 def of_a_form(name: str) -> bool:
