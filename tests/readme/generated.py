@@ -44,7 +44,7 @@ FIRST: Final = ("new", "check", "run", "render", "compare", "explain")
 """Commands that matter first."""
 
 BY_FORM: Final = "by form"
-FOLDED: Final = ("traction", "displacement", "columns", "rectangle", "disk")
+FOLDED: Final = ("traction", "displacement", "columns")
 """Mappings whose keys have no rows of their own."""
 
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
@@ -105,10 +105,7 @@ def takes_of(key: Key) -> str:
     takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
     for pattern, words in SHORTER:
         takes = re.sub(pattern, words, takes)
-    if takes != "mapping" or not key.name.endswith(FOLDED):
-        return takes
-    below = [each.name for each in case_keys() if each.name.rpartition(".")[0] == key.name]
-    return f"{{{', '.join(name.removeprefix(f'{key.name}.') for name in below)}}}"
+    return takes
 
 
 def of_a_form(name: str) -> bool:
