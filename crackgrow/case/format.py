@@ -32,7 +32,7 @@ UNITS_SPEC: Final = Mapping(
         "stress": Field(Choice(tuple(UNITS["stress"])), "unit of bare stresses, tractions and moduli", "Pa"),
         "origin": Field(
             ListOf(Quantity("length"), 2),
-            "a round place near the scene, [x, y], where coordinates are of a map",
+            "a round place near the scene, for coordinates of a map",
             OPTIONAL,
         ),
     }
@@ -44,7 +44,7 @@ BODY: Final = Converted(
     Mapping(
         {
             **keys_of(model.Body),
-            "edges": Field(EDGES, "names for edges of a polygon: a number, or a list of consecutive ones", OPTIONAL),
+            "edges": Field(EDGES, "names for edges of a polygon, by number", OPTIONAL),
         }
     ),
     with_file_edges,
@@ -52,7 +52,7 @@ BODY: Final = Converted(
 
 TIPS: Final = Choice(
     ("both", "start", "end", "none"),
-    ("both ends", "the first point alone", "the last point alone", "it stays as it is"),
+    ("both ends", "the first point", "the last point", "it does not grow"),
 )
 
 _CRACK_KEYS: Final = keys_of(model.Crack)
@@ -63,15 +63,15 @@ CRACK: Final = Mapping(
         "contact": _CRACK_KEYS["contact"],
         "contact_by": Field(
             Named("attribute", Named("value", _CRACK_KEYS["contact"].spec, any_name=True), at_most=1, any_name=True),
-            "laws of lines of a map by the value of an attribute; others have `contact`",
+            "laws by an attribute of the map's lines",
             OPTIONAL,
         ),
     }
 )
 
 OUTLINE: Final = Field(
-    Choice(("fixed", "rollers"), ("no displacement", "none across it, on sides along x or y; free to slide along it")),
-    "how the whole outline is held, where no other body lies",
+    Choice(("fixed", "rollers"), ("no displacement", "none across it, on sides along x or y")),
+    "how the whole outline is held",
 )
 
 SUPPORT: Final = OneOf(
@@ -88,11 +88,11 @@ MINIMAL: Final = "minimal"
 SUPPORTS: Final = WordOr(
     (MINIMAL,),
     ListOf(SUPPORT),
-    ("three constraints at points of the outline, which take no force: for loads that balance",),
+    ("three constraints that take no force, for loads that balance",),
 )
 
 _PRESSURE: Final = keys_of(model.FluidPressure)
-_PRESSED: Final = Field(PAIR, "names of two bodies with an interface that is not bonded")
+_PRESSED: Final = Field(PAIR, "names of two bodies, not bonded")
 
 LOAD: Final = OneOf(
     (
@@ -110,15 +110,12 @@ LOAD: Final = OneOf(
 STAGE: Final = Mapping(
     {
         "name": Field(Text(), "name of the stage", OPTIONAL),
-        "factor": Field(
-            Number(), "of given displacements and of loads without a factor of their own; left out: as before", OPTIONAL
-        ),
+        "factor": Field(Number(), "of given displacements and all other loads; left out: as before", OPTIONAL),
         "loads": Field(Named("load", Number()), "factors of loads by their name, from this stage on", OPTIONAL),
         "excavate": Field(OneOrList(Text()), "bodies that are taken out", OPTIONAL),
         "release": Field(
             Number(Bounds(at_least=0, at_most=1)),
-            "share of what rock that is gone did on the rest that is taken away by the end; left out: 1 of a stage "
-            "that excavates, else as before",
+            "share of the removed rock's action that ends; left out: 1 where it excavates, else as before",
             OPTIONAL,
         ),
     }
@@ -134,9 +131,9 @@ _HISTORY: Final = Mapping(
             WordOr(
                 (EVENTS,),
                 Integer(Bounds(at_least=1, at_most=10_000)),
-                ("from one change of a contact point to the next",),
+                ("from one change of contact status to the next",),
             ),
-            "how the way to each load of the history is taken; a number: in so many increments of one size",
+            "load path; a number: in so many equal increments",
             OPTIONAL,
         ),
     },
@@ -160,14 +157,14 @@ LOADING: Final = WordOr(
     ("critical", "strength_reduction"),
     Converted(_HISTORY, _history_or_stages),
     (
-        "every step finds the load factor at which the criterion of growth is just met",
-        "friction and cohesion of contact are divided by a factor until the scene fails",
+        "each step finds the load factor at which the criterion is just met",
+        "the factor of safety: friction and cohesion divided by a factor until the scene fails",
     ),
 )
 
 
 _ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")
-_ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip of what is between them")
+_ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip between them")
 
 HISTORY_POINT: Final = OneOf(
     (
@@ -181,9 +178,7 @@ HISTORY_POINT: Final = OneOf(
 OUTPUT: Final = Mapping(
     {
         **keys_of(model.Output),
-        "points": Field(
-            Named("point", HISTORY_POINT), "places whose course history.csv tells, with reactions", OPTIONAL
-        ),
+        "points": Field(Named("point", HISTORY_POINT), "places for history.csv", OPTIONAL),
     }
 )
 
@@ -199,8 +194,8 @@ CASE: Final = Mapping(
         "source": _CASE_KEYS["source"],
         "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
         "plane": _CASE_KEYS["plane"],
-        "materials": Field(MATERIALS, "elastic constants that bodies refer to by name", OPTIONAL),
-        "laws": Field(LAWS, "laws of contact that cracks, interfaces and foundations refer to by name", OPTIONAL),
+        "materials": Field(MATERIALS, "elastic constants by name", OPTIONAL),
+        "laws": Field(LAWS, "laws of contact by name", OPTIONAL),
         "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
         "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
         "interfaces": Field(ListOf(mapping_of(model.Interface)), "contact between bodies that share a boundary", []),
@@ -210,7 +205,7 @@ CASE: Final = Mapping(
         "growth": _CASE_KEYS["growth"],
         "numerics": _CASE_KEYS["numerics"],
         "output": replace(_CASE_KEYS["output"], spec=OUTPUT),
-        "base": Field(OfFile("a case file"), "the case that this one is, but for `set`, title and source", OPTIONAL),
+        "base": Field(OfFile("a case file"), "the case that this one changes", OPTIONAL),
         "set": Field(OfFile("a mapping"), "keys of the base that differ, such as growth.steps: 3", OPTIONAL),
     }
 )

@@ -61,12 +61,12 @@ class Strength:
     toughness: Annotated[
         float | None,
         Quantity("toughness", POSITIVE),
-        Doc("K_Ic, at which tips open by every criterion; its averaging radius follows from it"),
+        Doc("K_Ic, at which tips open; gives the averaging radius"),
     ] = None  # Pa sqrt(m)
     shear_toughness: Annotated[
         float | None,
         Quantity("toughness", POSITIVE),
-        Doc("K_IIc, at which tips grow in shear; left out: that by cohesion and the averaging radius"),
+        Doc("K_IIc, at which tips grow in shear; left out: by the cohesion"),
     ] = None  # Pa sqrt(m)
 
 
@@ -99,7 +99,7 @@ class Body:
 class Wear:
     """What faces are after slips, from `friction` and `dilation_angle` of the law on."""
 
-    slip: Annotated[tuple[float, ...], ListOf(SIZE), Doc("slips, rising; the last takes all that can be lost")]  # m
+    slip: Annotated[tuple[float, ...], ListOf(SIZE), Doc("slips, rising")]  # m
     friction: Annotated[tuple[float, ...], ListOf(Number(NOT_NEGATIVE)), Doc("friction after each")]
     dilation_angle: Annotated[
         tuple[float, ...] | None, ListOf(ACUTE), Doc("dilation angle after each; left out: as it was")
@@ -131,7 +131,7 @@ class CoulombContact:
     tension: Annotated[
         float,
         COHESION,
-        Doc("tensile strength, up to which faces stay together; then, or once they have slipped, they have none"),
+        Doc("tensile strength; none once faces have opened or slipped"),
     ] = field(default=0.0, kw_only=True)  # Pa
     residual_friction: Annotated[
         float,
@@ -143,22 +143,22 @@ class CoulombContact:
         Choice(("lost", "kept"), ("none is left", "stays where the point is closed")),
         Doc("cohesion of points that slipped or opened", key="cohesion_after_slip"),
     ] = False
-    dilation_angle: Annotated[float, ACUTE, Doc("faces part by tan of it x slip")] = 0.0  # degrees
+    dilation_angle: Annotated[float, ACUTE, Doc("psi: slip opens faces by tan(psi)")] = 0.0  # degrees
     weakening_length: Annotated[
         float,
         SIZE,
         Doc(
-            "slip over which friction, cohesion and tension fall linearly to what is left; left out: at once",
+            "slip over which friction, cohesion, tension fall linearly; left out: at once",
             default=OPTIONAL,
         ),
     ] = 0.0  # m
     decay_length: Annotated[
         float,
         SIZE,
-        Doc("slip over which the same fall to 1/e of what can be lost, in place of weakening_length", default=OPTIONAL),
+        Doc("in its place: slip after which 1/e of what can be lost is left", default=OPTIONAL),
     ] = 0.0  # m
     residual_dilation_angle: Annotated[
-        float | None, ACUTE, Doc("dilation angle where slip has taken all; left out: it does not wear")
+        float | None, ACUTE, Doc("dilation angle after that; left out: it does not wear")
     ] = None  # degrees
     wear: Annotated[Wear | None, Doc("friction and dilation angle after slips, linear between them")] = None
     stiffness: Annotated[
@@ -174,11 +174,9 @@ class CoulombContact:
     max_closure: Annotated[
         float | None,
         SIZE,
-        Doc("most that the joint closes, by a hyperbola (Bandis) that begins with stiffness.normal; left out: linear"),
+        Doc("largest closure of a hyperbolic joint (Bandis); left out: linear"),
     ] = None  # m
-    barton: Annotated[
-        Barton | None, Doc("roughness: friction is tan(phi + JRC log10(JCS/p)), at most of 70 deg, tan(phi) = friction")
-    ] = None
+    barton: Annotated[Barton | None, Doc("friction is tan(phi + JRC log10(JCS/p)), tan(phi) = friction")] = None
 
     @property
     def worn(self) -> tuple[float, float]:
@@ -208,7 +206,7 @@ class Crack:
     contact: Annotated[
         CoulombContact | None,
         ByName("law", "laws", ("none",)),
-        Doc("law of the closed faces; none: they never touch each other"),
+        Doc("law of the closed faces; none: they never touch"),
     ]
     body: str  # the body that it lies in
     left_out: int = 0  # vertices that were given besides: each repeats the one before it
@@ -256,7 +254,7 @@ OnEdge = Annotated[
     EdgeRegion,
     REGION,
     Doc(
-        "an edge or a part of one; in YAML 1.1, which takes `on` for true: along",
+        "an edge or a part of one; in YAML 1.1: along",
         key="on",
         also=("along", "true"),
         drawn=True,
@@ -286,7 +284,7 @@ class ContactSupport:
 
 
 Held = Annotated[bool, Doc("acts in full at every load factor")]
-LoadName = Annotated[str | None, Doc("name, by which stages give it factors of its own; loads may share one")]
+LoadName = Annotated[str | None, Doc("name, by which stages give it factors")]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -311,7 +309,7 @@ class EdgePressure:
     pressure: Annotated[
         Component,
         OrFormula("stress"),
-        Doc("pressure of a fluid on the edge, or on both faces of crack or interface; negative: it pulls"),
+        Doc("fluid pressure on the edge, or on both faces; negative: it pulls"),
     ]  # Pa, positive pushes into the rock
     held: Held = False
     name: LoadName = None
@@ -329,7 +327,7 @@ class FarField:
     stress: Annotated[
         tuple[Component, Component, Component],
         ListOf(OrFormula("stress"), 3),
-        Doc("stress far away, [xx, yy, xy], whose traction acts on the outline", key="far_field"),
+        Doc("stress [xx, yy, xy] whose traction acts on the outline", key="far_field"),
     ]  # Pa
     region: EdgeRegion  # the outline, as far as no other body lies there
     held: Held = False
@@ -446,12 +444,12 @@ class Initiation:
     at: Annotated[
         Literal["tips", "ends", "cracks", "outlines", "anywhere"],
         Doc(
-            "where cracks may start, by the criterion of growth",
+            "where cracks may start",
             (
-                "nowhere new: cracks go on at their tips",
-                "also once at each end of the given cracks that a wing has grown from",
-                "also between cracks: at kinks, beside wings, behind a crack that another one ends on",
-                "also at outlines and holes",
+                "nowhere new",
+                "ends of given cracks that a wing has grown from",
+                "kinks, beside wings, behind a crack that another one ends on",
+                "also outlines and holes",
                 "also within the rock",
             ),
             short=True,
@@ -460,7 +458,7 @@ class Initiation:
     spacing: Annotated[
         float | None,
         WordOr((AUTO,), SIZE),
-        Doc("distance of the places on outlines and in the rock; auto: the larger of increment and averaging radius"),
+        Doc("distance of these; auto: the larger of increment and averaging radius"),
     ] = None  # m
 
 
@@ -468,13 +466,9 @@ class Initiation:
 class Subcritical:
     """How fast tips grow below the toughness: v = v_max (K / K_c)^n."""
 
-    velocity: Annotated[
-        float, Quantity("velocity", POSITIVE), Doc("v_max in v = v_max (K/K_c)^n: that at the toughness")
-    ]  # m/s
+    velocity: Annotated[float, Quantity("velocity", POSITIVE), Doc("v_max in v = v_max (K/K_c)^n")]  # m/s
     exponent: Annotated[float, Number(Bounds(at_least=0, at_most=200)), Doc("n")]
-    threshold: Annotated[
-        float, Number(Bounds(at_least=0, below=1)), Doc("K over K_c up to which a tip stands still")
-    ] = 0.0
+    threshold: Annotated[float, Number(Bounds(at_least=0, below=1)), Doc("K/K_c up to which a tip stands still")] = 0.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -482,7 +476,7 @@ class Growth:
     """How cracks grow."""
 
     steps: Annotated[
-        int, Integer(Bounds(at_least=0, at_most=10000)), Doc("growth steps; 0: the criterion is only judged")
+        int, Integer(Bounds(at_least=0, at_most=10000)), Doc("growth steps; 0: the criterion is evaluated only")
     ]
     increment: Annotated[float, SIZE, Doc("length added to a tip in one step")]  # m
     advance: Annotated[
@@ -491,7 +485,7 @@ class Growth:
             "tips that advance in a step",
             (
                 "one tip a step",
-                "one tip a step, of those that have grown least",
+                "one of the least grown",
                 "every tip that meets the criterion",
             ),
             default="all",
@@ -502,41 +496,39 @@ class Growth:
         Doc(
             "when and where a tip grows",
             (
-                "averaged stress of the tip: across its major principal stress, else on a Mohr-Coulomb plane",
-                "hoop tension and shear on every ray from the tip; follows the path of K_II = 0 better",
-                "direction of the largest hoop stress, from K_I and K_II",
+                "across the averaged major principal stress, else on a Mohr-Coulomb plane",
+                "the ray with the largest hoop tension or shear over strength",
+                "largest hoop stress, from K_I and K_II",
             ),
         ),
     ]
     direction: Annotated[
         Literal["explicit", "implicit"],
         Doc(
-            "left out: implicit for max_hoop_stress in rock with a toughness, else explicit",
-            ("that at the old tip", "corrected until K_II vanishes at the new tip; max_hoop_stress"),
+            "left out: implicit for max_hoop_stress with a toughness",
+            ("that at the old tip", "K_II vanishes at the new tip; max_hoop_stress alone"),
             default=OPTIONAL,
         ),
     ]
     tip_radius: Annotated[
         float | None,
         Mapping({"radius": Field(SIZE, "Shepard averaging radius, a material length")}, short="radius"),
-        Doc("how the stress at a tip is taken where rock has no toughness", key="tip_stress", default=OPTIONAL),
+        Doc("in place of a toughness", key="tip_stress", default=OPTIONAL),
     ]  # m
-    unload_between_steps: Annotated[
-        bool, Doc("start every step from the unloaded state; false: friction remembers")
-    ] = True
+    unload_between_steps: Annotated[bool, Doc("every step starts unloaded; false: friction remembers")] = True
     initiation: Annotated[Initiation, Doc("where new cracks start")] = Initiation()
     link_distance: Annotated[
         float | None,
         WordOr((AUTO,), SIZE),
-        Doc("a segment that heads for another crack and comes this close links up with it; auto: a tenth of increment"),
+        Doc("a segment that comes this close to another crack ends on it; auto: a tenth of increment"),
     ] = None  # m
     law: Annotated[
         Literal["critical", "subcritical"],
         Doc(
             "what lets a tip grow",
             (
-                "a tip grows where the criterion is met",
-                "every tip grows with a velocity that follows from K over K_c",
+                "where the criterion is met",
+                "by a velocity that follows from K/K_c",
             ),
         ),
     ] = "critical"
@@ -562,14 +554,14 @@ class ContactNumerics:
         Literal["mortar", "gauss"],
         Doc(
             "where contact is enforced",
-            ("on average round nodes along the faces", "at Gauss points; wants a finite stiffness"),
+            ("on average round nodes", "needs a finite stiffness"),
         ),
     ] = "mortar"
     solver: Annotated[
         Literal["newton", "lemke"],
         Doc(
             "how the contact problem is solved",
-            ("semismooth Newton", "complementary pivots; slow with many points"),
+            ("semismooth Newton", "pivoting, slow with many points"),
         ),
     ] = "newton"
     spacing: Annotated[float, Number(Bounds(at_least=0.5, at_most=4)), Doc("least distance of contact nodes, in h")] = (
@@ -595,8 +587,7 @@ class Refinement:
         Levels,
         LEVELS,
         Doc(
-            "at re-entrant corners, ends of loaded and supported parts; auto: also at holes, narrow rock and along "
-            "these parts",
+            "at re-entrant corners, ends of loaded and supported parts; auto: also at holes, in narrow rock",
             default=OPTIONAL,
         ),
     ] = 0
@@ -619,16 +610,16 @@ class Numerics:
             Share(Bounds(at_least=0.001, at_most=0.2)),
             tuple(f"{100.0 * target:g} %" for target in TARGETS.values()),
         ),
-        Doc("what the error estimate of the goal may be, over its largest value: cells are refined until it is"),
+        Doc("largest error estimate of the goal, over its largest value"),
     ] = STANDARD
     goal: Annotated[
         Goal,
         Doc(
-            "what accuracy is of",
+            "quantity that accuracy is of",
             (
                 "stress intensity",
-                "the jump of all faces",
-                "forces of supports and surfaces",
+                "of all faces",
+                "of supports and surfaces",
                 "the critical load factor",
             ),
         ),
@@ -652,7 +643,7 @@ class Numerics:
             "functions that follow the singular stress at tips",
             (
                 "gathered where refine.tips is not 0",
-                "a set on every patch that a tip lies in",
+                "on every patch that a tip lies in",
                 "one set a tip, if it has room",
             ),
         ),
@@ -704,7 +695,7 @@ class PointPair:
     name: str
     bodies: tuple[str, str]
     points: Annotated[
-        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much closer they come", key="between", drawn=True)
+        Floats, ListOf(POINT, 2), Doc("two points of the rock: how much they converge", key="between", drawn=True)
     ]  # (2, 2) m
 
 
@@ -717,9 +708,7 @@ class Output:
     """What is written."""
 
     frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("steps written as frames")] = "every_step"
-    fields: Annotated[
-        tuple[str, ...], ListOf(Choice(FIELDS)), Doc("fields in a frame; energy_error takes a tenth of a run")
-    ] = ("displacement", "stress")
+    fields: Annotated[tuple[str, ...], ListOf(Choice(FIELDS)), Doc("fields in a frame")] = ("displacement", "stress")
     figures: Annotated[bool, Doc("draw pictures and plots")] = True
     report: Annotated[bool, Doc("write report.html at the end")] = True
     points: tuple[HistoryPoint, ...] = ()  # whose course is written

@@ -44,9 +44,9 @@ _DISK: Final = Mapping({"center": _CENTER, "radius": Field(SIZE, "radius")})
 
 _BESIDE_FILE: Final = {
     "units": Field(
-        Choice(tuple(UNITS["length"])), "unit of its coordinates; left out: what it tells, or the case's", OPTIONAL
+        Choice(tuple(UNITS["length"])), "unit of its coordinates; left out: the file's or the case's", OPTIONAL
     ),
-    "origin": Field(ListOf(Number(), 2), "its coordinates, [x, y], of what is [0, 0] in the case", OPTIONAL),
+    "origin": Field(ListOf(Number(), 2), "what is [0, 0] of the case, in its coordinates", OPTIONAL),
 }
 
 _SIMPLE_SHAPES: Final = (
@@ -55,7 +55,7 @@ _SIMPLE_SHAPES: Final = (
     {"disk": Field(_DISK, "a disk")},
     {
         "file": Field(OutlineFile(), "a file with a polygon, or a mesh"),
-        "region": Field(Text(), "name or number of a group of the mesh's cells; left out: all of them", OPTIONAL),
+        "region": Field(Text(), "group of the mesh's cells; left out: all", OPTIONAL),
         **_BESIDE_FILE,
     },
 )
@@ -72,14 +72,14 @@ _COLUMNS: Final = OneOf(
     (
         Mapping(
             {
-                "crack": Field(Text(), "column that tells cracks apart; rows of one follow each other"),
+                "crack": Field(Text(), "column of the crack's name; its rows follow each other"),
                 "x": Field(Text(), "column of x of a vertex"),
                 "y": Field(Text(), "column of y of a vertex"),
             }
         ),
         Mapping(
             {
-                "start": Field(_PAIR_OF_COLUMNS, "columns of x and y of the start of a crack, which is a row"),
+                "start": Field(_PAIR_OF_COLUMNS, "columns of x and y of the start of a row's crack"),
                 "end": Field(_PAIR_OF_COLUMNS, "columns of x and y of its end"),
             }
         ),
@@ -110,14 +110,12 @@ _PATHS: Final = OneOf(
         Mapping(
             {
                 "file": Field(OutlineFile(of_cracks=True), "a file with lines, each a crack, or a mesh"),
-                "curve": Field(Text(), "name or number of a group of the mesh's lines: the crack", OPTIONAL),
+                "curve": Field(Text(), "group of the mesh's lines", OPTIONAL),
                 **_BESIDE_FILE,
-                "tolerance": Field(
-                    SIZE, "how far ends may lie off what they end on; left out: 1e-5 of the scene", OPTIONAL
-                ),
+                "tolerance": Field(SIZE, "distance at which ends meet lines; left out: 1e-5 of the scene", OPTIONAL),
                 "where": Field(
                     Named("attribute", OneOrList(Text()), any_name=True),
-                    "values that attributes of the lines must have; left out: all lines",
+                    "attributes that lines must have; left out: all lines",
                     OPTIONAL,
                 ),
                 "names": Field(Text(), "attribute that cracks are named by; left out: their number", OPTIONAL),

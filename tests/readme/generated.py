@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Final
 
 from crackgrow.case.accuracy import TARGETS, cells_along
-from crackgrow.case.keys import case_keys
+from crackgrow.case.keys import Key, case_keys
 from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import command_line
 from crackgrow.cli.parser import GROUPS, commands_of, helps_of
@@ -23,56 +23,97 @@ from crackgrow.cli.reference import FOLDERS, key_entry, sections
 from tests.readme.pictures import draw_all
 
 ROOT = Path(__file__).resolve().parents[2]
-LEFT_OUT: Final = "may be left out"
-FORMULA: Final = ' or a formula in x and y such as "0.09*x - 0.1"'
-MESHES: Final = ", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2"
-"""Told once, at the top of the page of keys."""
+NO_DEFAULT: Final = ("may be left out", "that of its keys", "empty")
+SHORTER: Final = (
+    (r' or a formula in x and y such as "0.09\*x - 0.1"', " or formula"),
+    (", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2", " or of a mesh"),
+    ("`m`; `cm`; `mm`; `um`; `km`", "a unit of length"),
+    (r"^list of 2, each a (\w+ or formula), or mapping", r"[x, y] or {x, y}, each a \1"),
+    (r"^(word or )?mapping, or a name from \w+,", "name, or mapping"),
+    (r"^(mapping with the keys of laws.NAME): (`\w+`)", r"\2, \1"),
+    (r"^list, each mapping: with", "list, each"),
+    (r"^(word|mapping): (with )?", ""),
+    (r"^word or ([^:]*): (.*), or ([^,]*)$", r"\2, or \1 \3"),
+    (r"^word or mapping: ", ""),
+    (r"^([\w, ]+): ([<>])", r"\1 \2"),
+    ("whole number", "integer"),
+)
+"""What the page of keys says in fewer words: some of it once, at its top."""
+
+FIRST: Final = ("new", "check", "run", "render", "compare", "explain")
+"""Commands that matter first."""
+
+BY_FORM: Final = "by form"
+FOLDED: Final = ("traction", "displacement", "columns")
+"""Mappings whose keys have no rows of their own."""
 
 BEGIN, END = "<!-- generated: {} -->", "<!-- end -->"
 
 CELL_RULES: Final = {
     "width": "smaller side of the narrowest body",
-    "tip": "length of a crack; of cells at its tips, and where contact status changes",
-    "stretch": "part of a crack behind a tip or beside a kink; of cells there",
-    "kink": "length of a crack; of cells at its kinks",
-    "end": "length of a crack; of cells at its ends on other lines, and where it meets another",
-    "room": "way from a tip to the nearest other crack, interface or outline",
-    "increment": "growth increment; of cells at tips",
-    "radius": "averaging radius of the tip stress; of cells at tips",
+    "tip": "length of a crack; cells at tips and changes of contact status",
+    "stretch": "part of a crack behind a tip or beside a kink; cells there",
+    "kink": "length of a crack; cells at its kinks",
+    "end": "length of a crack; cells where it meets others",
+    "room": "way from a tip to the nearest crack, interface or outline",
+    "increment": "growth increment; cells at tips",
+    "radius": "averaging radius of the tip stress; cells at tips",
     "feature": "width of a hole, diameter of a re-entrant corner or curve",
     "bridge": "rock between holes, outline and re-entrant corners",
-    "distance": "way from the nearest tip to a re-entrant corner or the end of a held part; of cells there",
+    "distance": "way from a tip to a re-entrant corner or end of a support; cells there",
     "support": "supported part of an edge or interface",
-    "load": "loaded part of an edge; length over which a pressure on faces varies",
+    "load": "loaded part of an edge; length over which face pressure varies",
 }
 """Lengths that have a number of cells to begin with."""
 
 
 def commands() -> str:
-    """The commands by group, with what they do."""
+    """The commands that matter first with what they do, and the names of the others."""
     helps = helps_of(commands_of(command_line()))
-    rows = [[group, f"`crackgrow {name}`", helps[name]] for group, names in GROUPS.items() for name in names]
-    return table(("group", "command", "what it does"), rows)
+    rows = table(("command", "what it does"), [[f"`crackgrow {name}`", helps[name]] for name in FIRST])
+    others = [f"`{name}`" for names in GROUPS.values() for name in names if name not in FIRST]
+    return f"{rows}\nAlso {', '.join(others)}.\n"
 
 
 def keys() -> str:
     """The units of quantities, and every key of a case, a table for each that a case begins with."""
     units = {kind: next(key.units for key in case_keys() if kind in key.kind) for kind in UNITS}
+    units["stiffness"] = " over ".join(", ".join(UNITS[kind]) for kind in ("stress", "length"))
     parts, names = [table(("quantity", "units"), units.items())], {key.name for key in case_keys()}
     single = [found[0] for _, found in sections() if len(found) == 1]
     for name, found in (("title", single), *((name, found) for name, found in sections() if len(found) > 1)):
-        rows = []
+        rows, about = [], ""
+        before = next((each for each in (f"{name}.NAME", f"{name}.N") if found[-1].name.startswith(f"{each}.")), name)
         for key in found:
-            facts = key_entry(key).facts
-            takes = ": ".join(filter(None, (facts["type"], facts.get("allowed")))).replace(FORMULA, " or formula")
-            takes = takes.replace(MESHES, " or of a mesh")
-            told = key.name.removeprefix(name) if "." in key.name else key.name
-            default = "-" if key.default == LEFT_OUT else key.default
-            if key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
-                rows.append([f"`{told}`", facts["meaning"], takes, default])
-        heading = " ".join(f"`{key.name}`" for key in found if "." not in key.name)
-        parts.append(f"## {heading}\n\n{table(('key', 'meaning', 'takes', 'default'), rows)}")
+            takes, meaning = takes_of(key), key.doc.replace(", [x, y]", "")
+            told = key.name.removeprefix(before) if "." in key.name else key.name
+            default = "-" if key.default in NO_DEFAULT else BY_FORM if of_a_form(key.name) else key.default
+            if key.name.rpartition(".")[0].endswith(FOLDED):
+                continue
+            if key.name == name and takes == "mapping" and default == "-":
+                about = f"{meaning}\n\n"
+            elif key.name.replace(".holes.N", "") not in names - {key.name}:  # holes are shapes
+                rows.append([f"`{told}`", meaning, takes, default])
+        heading = " ".join(f"`{before if key.name == name else key.name}`" for key in found if "." not in key.name)
+        parts.append(f"## {heading}\n\n{about}{table(('key', 'meaning', 'takes', 'default'), rows)}")
     return "\n".join(parts)
+
+
+def takes_of(key: Key) -> str:
+    """What a key takes, in few words."""
+    facts = key_entry(key).facts
+    takes = ": ".join(filter(None, (facts["type"], facts.get("allowed"))))
+    for pattern, words in SHORTER:
+        takes = re.sub(pattern, words, takes)
+    return takes
+
+
+def of_a_form(name: str) -> bool:
+    """Whether a key belongs to some of the forms that a mapping takes."""
+    allowed = {key.name: key.allowed for key in case_keys()}
+    forms = re.findall(r"\{(.*?)\}", allowed.get(re.sub(r"(\.N|\.NAME)?\.\w+$", "", name), ""))
+    has = [name.rpartition(".")[2] in form.split(", ") for form in forms]
+    return any(has) and not all(has)
 
 
 def presets() -> str:
@@ -98,8 +139,8 @@ PARTS: Final[dict[tuple[str, str], Callable[[], str]]] = {
 
 def table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A table in Markdown."""
-    lines = [head, ["---"] * len(head), *rows]
-    return "".join(f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in lines)
+    lines = [f"| {' | '.join(cell.replace('|', chr(92) + '|') for cell in line)} |\n" for line in (head, *rows)]
+    return "".join([lines[0], f"|{'---|' * len(head)}\n", *lines[1:]])
 
 
 def part_of(text: str, name: str) -> str:

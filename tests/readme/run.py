@@ -24,7 +24,7 @@ ROOT = Path(__file__).resolve().parents[2]
 
 READMES = (
     "README.md", "cases/README.md", "cases/MODEL.md", "cases/CONTACT.md", "cases/LOADS.md", "cases/GROWTH.md",
-    "cases/ACCURACY.md", "cases/KEYS.md", "cases/PYTHON.md", "cases/GLOSSARY.md", "cases/MAPS.md",
+    "cases/STARTS.md", "cases/ACCURACY.md", "cases/KEYS.md", "cases/PYTHON.md", "cases/GLOSSARY.md", "cases/MAPS.md",
     "cases/sweeps/README.md",
     "outputs/README.md", "crackgrow/README.md", "tests/README.md", "tests/verification/README.md",
     "tests/benchmarks/README.md", "tests/stability/README.md", "tests/experiments/README.md",
