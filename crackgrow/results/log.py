@@ -191,10 +191,7 @@ def _time_words(result: StepResult) -> list[str]:
 
 def event_line(event: Event) -> str:
     """One line on what a tip has met, or where a crack has started, and where that is."""
-    at = place_text(event.point)
-    if event.kind == "initiation":
-        return f"step {event.step}, initiation: crack '{event.crack}' starts on {event.met} at {at}"
-    return f"step {event.step}, {event.kind}: crack '{event.crack}' ({event.tip}) reached {event.met} at {at}"
+    return f"step {event.step}, {event.kind}: {event.words}"
 
 
 class Progress:

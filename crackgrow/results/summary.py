@@ -49,6 +49,8 @@ class Tally:
     load_factor_error: float = math.nan  # percent
     goal_error: float = math.nan  # percent
     time: float = math.nan  # s, of the last step
+    peak: float = -math.inf  # the largest load factor
+    peak_step: int = 0
 
     @property
     def warnings(self) -> list[str]:
@@ -69,6 +71,8 @@ class Tally:
         self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
         self.goal_error = max((self.goal_error, result.goal_error), key=_known)
         self.time = float(result.time)
+        if result.load_factor > self.peak:
+            self.peak, self.peak_step = float(result.load_factor), int(result.step)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
         for check in CHECKS:
@@ -144,6 +148,7 @@ def summarize(
         "resumed_with_steps": list(resumed),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
         **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
+        "peak_load": {"load_factor": tally.peak, "step": tally.peak_step} if tally.steps else None,
         "worst_checks": {
             check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
         },
@@ -156,7 +161,7 @@ def summarize(
             "load_factor_percent_at_most": or_null(tally.load_factor_error),
             "goal_percent_at_most": or_null(tally.goal_error),
         },
-        "events": [event_record(event) for event in (*tally.events, *end.events)],
+        "events": [{**event_record(event), "words": event.words} for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
         "cautions": [{**record, "size": or_null(record["size"])} for record in tally.cautions.records()],
     }

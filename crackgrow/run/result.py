@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.units import place_text
 from crackgrow.contact.coulomb import OPEN as OPEN
 from crackgrow.contact.coulomb import SLIP as SLIP
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
@@ -165,6 +166,14 @@ class Event:
     tip: Literal["start", "end"]
     point: Floats  # (2,) m
     met: str  # "crack 'b'", "its own path", "hole0 of body 'rock'", "the outline of body 'rock'", "interface 'a/b'"
+
+    @property
+    def words(self) -> str:
+        """What has happened, and where."""
+        at = place_text(self.point)
+        if self.kind == "initiation":
+            return f"crack '{self.crack}' starts on {self.met} at {at}"
+        return f"crack '{self.crack}' ({self.tip}) reached {self.met} at {at}"
 
 
 def event_record(event: Event) -> dict[str, Any]:
