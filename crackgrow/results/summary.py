@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from crackgrow import __version__
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import or_null
@@ -99,6 +100,9 @@ class Tally:
         self.seconds[phase] = self.seconds.get(phase, 0.0) + float(seconds)
 
 
+Curve = tuple[str, str, Floats, Floats]
+
+
 @dataclass(frozen=True, slots=True)
 class LoadPoint:
     """A step on the load curve."""
@@ -106,6 +110,8 @@ class LoadPoint:
     factor: float
     displacement: float  # m, of the loads
     crack_length: float  # m, of all cracks
+    stress: Sequence[float]  # Pa, mean of the specimen: xx, yy, xy
+    strain: Sequence[float]
     slip: Mapping[str, float]  # m, largest slip, with its sign, of every surface that has a contact law
 
 
@@ -113,7 +119,19 @@ def load_point(result: StepResult) -> LoadPoint:
     """The point of a step."""
     touching = [face for face in result.faces if face.crack in result.contact.crack]
     slip = {face.crack: float(face.slip[np.argmax(np.abs(face.slip))]) for face in touching}
-    return LoadPoint(result.load_factor, result.load_displacement, result.crack_length, slip)
+    means = result.mean_stress, result.mean_strain
+    return LoadPoint(result.load_factor, result.load_displacement, result.crack_length, *means, slip)
+
+
+def larger_stress(stresses: Sequence[Sequence[float]], strains: Sequence[Sequence[float]]) -> Curve:
+    """The stress-strain curve along the axis with the larger mean stress: axis, sense, stress (n,) Pa and strain (n,).
+
+    Both are positive in the sense that the largest stress has.
+    """
+    stress, strain = np.array(stresses, dtype=float), np.array(strains, dtype=float)
+    step, axis = np.unravel_index(np.argmax(np.abs(stress[:, :2])), (len(stress), 2))
+    sign = -1.0 if stress[step, axis] < 0.0 else 1.0
+    return "xy"[axis], "compressive" if sign < 0.0 else "tensile", sign * stress[:, axis], sign * strain[:, axis]
 
 
 def summarize(

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
 Value = str | bool | int | float
 Row = tuple[Value, ...]
 
+COMPONENTS: Final = ("xx", "yy", "xy")
+
 HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in declarations.RUN if ".csv" in file.name}
 """Columns of the tables by name."""
 
@@ -170,7 +172,9 @@ def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
         "released_energy": energy.released,
         "energy_error": energy.error,
     }
-    return _row(declarations.STEPS, (result,), seconds | energies)
+    means = {"mean_stress": result.mean_stress, "mean_strain": result.mean_strain}
+    parts = {f"{name}_{xx}": part for name, of in means.items() for xx, part in zip(COMPONENTS, of, strict=True)}
+    return _row(declarations.STEPS, (result,), seconds | energies | parts)
 
 
 GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {

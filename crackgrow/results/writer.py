@@ -303,6 +303,8 @@ class RunWriter:
             figures.draw_contact(folder / "contact.png", self.case, last)
         if len({point.factor for point in self._curve}) > 1:
             figures.draw_load_curve(folder / "load_curve.png", self.case, self._curve)
+        if len({tuple(point.stress) for point in self._curve}) > 1:
+            figures.draw_stress_strain(folder / "stress_strain.png", self.case, self._curve)
 
     def _draw_sigma_1(self, name: str, result: StepResult) -> None:
         from crackgrow.results import figures  # as above

@@ -38,6 +38,7 @@ from crackgrow.run.result import (
     StepResult,
     TipResult,
 )
+from crackgrow.run.specimen import specimen_means
 from crackgrow.solid.elasticity import PlaneElasticity
 
 Estimate = Callable[[], ErrorEstimate]
@@ -57,6 +58,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     contact, faces = solution.state.along_surfaces
     errors, missed = solution.errors or unmeasured(solution), misfits(solution, faces)
     still = _sticking(contact, paths, pressed_strain(solution, faces))
+    means = specimen_means(solution.state)
     critical, goal = isinstance(scene.case.loading, CriticalLoad), scene.case.numerics.goal
     estimate = cache(estimate_maker(solution))
     asked = estimate if "energy_error" in scene.case.output.fields else None
@@ -82,6 +84,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         overlap_share=max((surface.share for surface in missed), default=0.0),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
+        mean_stress=means[0],
+        mean_strain=means[1],
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         cautions=cautions(solution, faces, missed, state.step),
         norm_error=estimate().relative if state.step == 0 else float("nan"),

@@ -245,6 +245,8 @@ class StepResult:
     overlap_share: float  # of what is small beside a surface's jump and the displacement: beyond 1 the step warns
     energy: Energy
     load_displacement: float  # m, of the loads
+    mean_stress: tuple[float, float, float]  # Pa, xx, yy, xy: of the whole specimen, holes included
+    mean_strain: tuple[float, float, float]  # the same, cracks included; xy is half the angle
     crack_length: float  # m, of all cracks
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first

@@ -10,6 +10,8 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.results.folder import HISTORY, RunFolder
+from crackgrow.results.summary import larger_stress
+from crackgrow.results.tables import COMPONENTS
 from crackgrow.results.units import (
     ENERGIES,
     FORCES,
@@ -59,6 +61,12 @@ def charts(run: RunFolder) -> list[Chart]:
         load = {"load factor": factor}
         found.append(_chart("Load curve", "load factor", load, NO_UNIT, xlabel=xlabel, x=x, steps=run.solved))
         found.append(by_step("Load factor", "load factor", load, NO_UNIT))
+    if "mean_stress_xx" in table.columns:  # not of a run by a version before
+        means = [[table.numbers(f"mean_{what}_{xx}") for xx in COMPONENTS] for what in ("stress", "strain")]
+        along, sense, stress, strain = larger_stress(*(np.array(mean).T.tolist() for mean in means))
+        what = f"{sense} stress along {along}"
+        xlabel, x = f"{sense} strain along {along} [1e-3]", rounded_all(strain, 1e-3)
+        found.append(_chart("Stress and strain", what, {what: stress}, STRESSES, xlabel=xlabel, x=x, steps=run.solved))
     for title, values in (("Crack length", length), ("Displacement of the loads", displacement)):
         found.append(by_step(title, title.lower(), {title.lower(): values}, LENGTHS))
     energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
