@@ -173,11 +173,11 @@ def draw_stress_strain(path: Path, case: Case, curve: Sequence[LoadPoint]) -> No
     axes.set(
         xlabel=f"{sense} strain along {along} [1e-3]",
         ylabel=f"{sense} stress along {along} [{unit}]",
-        title=f"peak {stress[peak] / size:.4g} {unit} at step {peak}",
     )
     axes.margins(0.1)
     axes.grid(linewidth=0.3)
-    in_rows(figure, np.array([[axes]]), f"{case.title} (points: steps)")
+    words = f"peak {stress[peak] / size:.4g} {unit} at step {peak}"
+    in_rows(figure, np.array([[axes]]), f"{case.title} ({words})")
     _save(path, figure)
 
 
