@@ -11,15 +11,10 @@ from crackgrow.cover.cover import build_cover
 from crackgrow.cover.gathered import RADIUS, STRAIGHT
 
 SIZE = (24, 20)
+
+
 CRACK = [(7.3, 10.2), (16.4, 11.4)]
 """Its tips have room for each other, and to the outline of a body of `SIZE`."""
-
-
-def gathered_at(build, *cracks: list, levels: int = 0, places=(), size=SIZE) -> list[bool]:
-    """Whether the functions of each tip are gathered."""
-    lines = [build.crack(points, name=f"crack {k}", gathered=True) for k, points in enumerate(cracks)]
-    sample = build.block(size, lines, 2.0, levels, places)
-    return [tip.carriers.gathered for tip in sample.cover.tips]
 
 
 def test_a_gathered_tip_has_three_carriers_whatever_patches_there_are(build) -> None:
@@ -47,40 +42,33 @@ def test_functions_are_numbered_without_gaps_also_where_only_some_are_gathered(b
     np.testing.assert_array_equal(np.unique(seen), np.arange(cover.n_functions))
 
 
-@pytest.mark.parametrize(("distance", "room"), [(0.96 * RADIUS, False), (1.04 * RADIUS, True)])
-def test_nothing_else_may_be_within_the_radius(build, distance: float, room: bool) -> None:
-    """Another crack, or the outline: beside the tip, or ahead of it."""
-    across = [(16.4 + distance, 8.0), (16.4 + distance, 15.0)]
-    assert gathered_at(build, CRACK, across, size=(40, 20))[:2] == [True, room]
-    beside = [(12.0, 11.4 + distance), (20.0, 11.4 + distance)]
+def gathered_at(build, *cracks: list, levels: int = 0, places=(), size=SIZE) -> list[bool]:
+    """Whether the functions of each tip are gathered."""
+    lines = [build.crack(points, name=f"crack {k}", gathered=True) for k, points in enumerate(cracks)]
+    sample = build.block(size, lines, 2.0, levels, places)
+    return [tip.carriers.gathered for tip in sample.cover.tips]
+
+
+@pytest.mark.parametrize(("share", "room"), [(0.95, False), (1.05, True)])
+def test_functions_are_gathered_where_nothing_else_is_within_the_radius(build, share: float, room: bool) -> None:
+    """Nor a kink within the length that must be straight, nor the crack's other end where functions are still seen."""
+    away = share * RADIUS
+    ahead, beside = [(16.4 + away, 8.0), (16.4 + away, 15.0)], [(12.0, 11.4 + away), (20.0, 11.4 + away)]
+    assert gathered_at(build, CRACK, ahead, size=(40, 20))[:2] == [True, room]
     assert gathered_at(build, CRACK, beside, size=(24, 30))[:2] == [True, room]
-    right = 24.5 - distance
-    assert gathered_at(build, [(right - 10.0, 10.2), (right, 10.4)]) == [True, room]
+    assert gathered_at(build, [(14.5 - away, 10.2), (24.5 - away, 10.4)]) == [True, room]  # the outline is at 24.5
+    assert gathered_at(build, [*CRACK, (16.4, 11.4 + share * STRAIGHT)]) == [True, room]
+    length = 8.5 if room else 7.5  # the radius and half the diagonal of a patch
+    assert gathered_at(build, [(7.3, 10.2), (7.3 + length, 10.2)]) == [room, room]
+    from_side = build.crack([(0.5, 10.2), (0.5 + length, 10.2)], (False, True), gathered=True)
+    assert build.block(SIZE, [from_side], 2.0).cover.tips[0].carriers.gathered is room
 
 
-def test_the_radius_goes_by_the_cells_at_the_tip(build) -> None:
+def test_the_radius_goes_by_the_cells_at_the_tip_and_a_crack_that_turns_back_has_none(build) -> None:
     beside = [(14.0, 13.4), (20.0, 13.4)]
     assert gathered_at(build, CRACK, beside)[1] is False
     assert gathered_at(build, CRACK, beside, levels=2, places=[CRACK[1]])[1] is True
-
-
-@pytest.mark.parametrize(("length", "room"), [(0.9 * STRAIGHT, False), (1.1 * STRAIGHT, True)])
-def test_the_last_segment_is_not_too_short(build, length: float, room: bool) -> None:
-    kinked = [*CRACK, (16.4, 11.4 + length)]
-    assert gathered_at(build, kinked) == [True, room]
-
-
-@pytest.mark.parametrize(("length", "room"), [(7.5, False), (8.5, True)])
-def test_a_crack_as_far_as_its_functions_are_seen(build, length: float, room: bool) -> None:
-    """Farther than R by half the diagonal of a patch; also of a crack from the side."""
-    assert gathered_at(build, [(7.3, 10.2), (7.3 + length, 10.2)]) == [room, room]
-    crack = replace(build.crack([(0.5, 10.2), (0.5 + length, 10.2)], (False, True)), gathered=True)
-    assert build.block(SIZE, [crack], 2.0).cover.tips[0].carriers.gathered is room
-
-
-def test_a_crack_that_turns_back_keeps_to_patches(build) -> None:
-    back = [(16.0, 14.2), (13.0, 12.2), (8.0, 11.4), (15.0, 10.2)]
-    assert gathered_at(build, back)[1] is False
+    assert gathered_at(build, [(16.0, 14.2), (13.0, 12.2), (8.0, 11.4), (15.0, 10.2)])[1] is False
 
 
 def test_without_the_wish_nothing_is_gathered_and_with_it_patches_stay_as_they_are(build) -> None:

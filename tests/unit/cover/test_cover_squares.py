@@ -7,58 +7,38 @@ import pytest
 import shapely
 
 from crackgrow.cover.lattice import Lattice, place_lattice
-from crackgrow.cover.refinement import MOST_LEVELS, Focus, balanced, refined
-from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
+from crackgrow.cover.refinement import MOST_LEVELS, Focus, refined
+from crackgrow.cover.squares import QUANTA, Squares
 from tests.unit.cover.graded import boxes, graded
 
 LEVELS = (0, 1, 3, 6)
 
 
-def holders(squares: Squares, places: np.ndarray) -> np.ndarray:
-    """The square (m,) that holds each of `places` (m, 2) or lies above and right of it, -1 for none."""
+@pytest.mark.parametrize("levels", LEVELS)
+def test_squares_are_found_as_by_looking_at_each(levels: int) -> None:
+    """Those that hold places (or have them as lower left corner), touch points, and lie within larger squares."""
+    squares, rng = graded(levels, levels).cells, np.random.default_rng(levels)
     low, high = boxes(squares)
+    corners = np.concatenate([low, high])
+    places = np.concatenate([rng.integers(-QUANTA, 11 * QUANTA, (300, 2)), corners, corners - 1, corners - (0, 1)])
     inside = ((low <= places[:, None]) & (places[:, None] < high)).all(axis=2)
     assert inside.sum(axis=1).max() <= 1
-    return np.where(inside.any(axis=1), inside.argmax(axis=1), -1)
+    np.testing.assert_array_equal(squares.at(places), np.where(inside.any(axis=1), inside.argmax(axis=1), -1))
 
-
-@pytest.mark.parametrize("levels", LEVELS)
-def test_places_are_found_as_by_looking_at_each_square(levels: int) -> None:
-    lattice = graded(levels, levels)
-    squares, rng = lattice.cells, np.random.default_rng(levels)
-    corners = np.concatenate(boxes(squares))
-    places = np.concatenate([rng.integers(-QUANTA, 11 * QUANTA, (300, 2)), corners, corners - 1, corners - (0, 1)])
-    np.testing.assert_array_equal(squares.at(places), holders(squares, places))
-
-
-@pytest.mark.parametrize("levels", LEVELS)
-def test_squares_round_points_are_all_that_touch_them(levels: int) -> None:
-    squares, rng = graded(levels, levels).cells, np.random.default_rng(levels)
-    low, high = (corners / QUANTA for corners in boxes(squares))
-    on_rims = rng.permutation(np.stack([low[:, 0], 0.5 * (low + high)[:, 1]], axis=1))[:100]
-    points = np.concatenate([rng.uniform(0.0, 10.0, (200, 2)), rng.permutation(low)[:200], on_rims])
+    on_rims = np.stack([low[:, 0], 0.5 * (low + high)[:, 1]], axis=1) / QUANTA
+    some = [rng.permutation(points)[:100] for points in (low / QUANTA, on_rims)]
+    points = np.concatenate([rng.uniform(0.0, 10.0, (200, 2)), *some])
     for point, around in zip(points, squares.around(points), strict=True):
-        touching = np.flatnonzero(((low <= point) & (point <= high)).all(axis=1))
+        touching = np.flatnonzero(((low <= point * QUANTA) & (point * QUANTA <= high)).all(axis=1))
         assert set(around[around >= 0]) == set(touching)
 
-
-@pytest.mark.parametrize("levels", LEVELS)
-def test_squares_within_larger_ones(levels: int) -> None:
-    squares = graded(levels, levels).cells
-    low, high = boxes(squares)
     for part in range(-1, levels + 1):
         size = int(QUANTA / 2.0**part)
-        asked = size * np.random.default_rng(part + 1).integers(-1, 11 * QUANTA // size, (40, 2))
+        asked = size * rng.integers(-1, 11 * QUANTA // size, (40, 2))
         found = squares.within(asked, np.full(len(asked), size))
         for k, corner in enumerate(asked):
-            inside = np.flatnonzero(((corner <= low) & (high <= corner + size)).all(axis=1))
-            np.testing.assert_array_equal(np.sort(found.of(k)), inside)
-
-
-def touching(squares: Squares) -> np.ndarray:
-    """Which squares touch each other, (n, n)."""
-    low, high = boxes(squares)
-    return np.asarray(((low[:, None] <= high) & (low <= high[:, None])).all(axis=2))
+            within = np.flatnonzero(((corner <= low) & (high <= corner + size)).all(axis=1))
+            np.testing.assert_array_equal(np.sort(found.of(k)), within)
 
 
 def area(squares: Squares) -> int:
@@ -68,35 +48,13 @@ def area(squares: Squares) -> int:
 @pytest.mark.parametrize("levels", LEVELS)
 @pytest.mark.parametrize("rings", [2.0, 3.0])
 def test_no_cell_is_more_than_twice_as_large_as_one_that_it_touches(levels: int, rings: float) -> None:
-    for seed in range(3):
-        lattice = graded(seed, levels, rings=rings)
-        cells = lattice.cells
-        assert area(cells) == QUANTA**2 * np.prod(lattice.shape)
-        assert len(np.unique(cells.at(cells.low))) == cells.n
-        larger = cells.size[:, None] > 2 * cells.size
-        assert not (touching(cells) & larger).any()
-
-
-@pytest.mark.parametrize("levels", LEVELS)
-def test_nothing_is_divided_without_need(levels: int) -> None:
-    """Of the four quarters of a cell that only balance has divided one touches a cell of half its size or less."""
-    rng = np.random.default_rng(levels)
-    low, size = np.array([(0, 0), (QUANTA, 0), (0, QUANTA), (QUANTA, QUANTA)]), np.full(4, QUANTA)
-    for _ in range(levels):
-        one = np.arange(len(size)) == rng.choice(np.flatnonzero(size == size.min()))
-        quarters = quarters_of(low[one], size[one])
-        low, size = (np.concatenate([a[~one], b]) for a, b in zip((low, size), quarters, strict=True))
-    given = squares_of(low, size)
-    cells = balanced(given)
-    was = given.size[given.at(cells.low)]
-    parents = np.unique(
-        np.column_stack([cells.low // (2 * cells.size[:, None]), 2 * cells.size])[cells.size < was], axis=0
-    )
-    for x, y, side in parents:
-        corner = np.array([x, y]) * side
-        near = ((cells.low <= corner + side) & (corner <= boxes(cells)[1])).all(axis=1)
-        inside = ((corner <= cells.low) & (cells.low < corner + side)).all(axis=1)
-        assert (cells.size[near & ~inside] < side // 2).any() or (cells.size[inside] < side // 2).any()
+    lattice = graded(levels, levels, rings=rings)
+    cells = lattice.cells
+    low, high = boxes(cells)
+    assert area(cells) == QUANTA**2 * np.prod(lattice.shape)
+    assert len(np.unique(cells.at(cells.low))) == cells.n
+    touching = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
+    assert not (touching & (cells.size[:, None] > 2 * cells.size)).any()
 
 
 def distances(lattice: Lattice, place: np.ndarray) -> np.ndarray:
@@ -133,26 +91,20 @@ def test_rounding_of_a_place_on_a_corner_is_no_matter(noise: float) -> None:
     np.testing.assert_array_equal(np.unique(mirrored, axis=0), np.unique(cells[0].low, axis=0))
 
 
-def test_sizes_between_powers_of_two_are_halved_until_they_are_no_larger() -> None:
+def smallest(place: tuple[float, float], asked: float) -> tuple[int, bool]:
+    """The smallest cell, quanta, of a lattice of 6 x 6 with a place that asks for cells, and whether it is filled."""
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
-    for asked, side in ((1.0, 1.0), (0.99, 0.5), (0.5, 0.5), (0.3, 0.25), (7.0, 1.0)):
-        fine = refined(lattice, Focus(shapely.points([[3.1, 4.2]]), np.array([asked]), 2.0))
-        assert fine.cells.size.min() / QUANTA == side
+    cells = refined(lattice, Focus(shapely.points([place]), np.array([asked]), 2.0)).cells
+    return int(cells.size.min()), area(cells) == area(lattice.cells)
+
+
+def test_sizes_are_halved_until_they_are_no_larger_and_there_is_a_smallest() -> None:
+    for asked, side in ((1.0, 1.0), (0.99, 0.5), (0.5, 0.5), (0.3, 0.25), (7.0, 1.0), (1e-9, 0.5**MOST_LEVELS)):
+        assert smallest((3.1, 4.2), asked) == (side * QUANTA, True)
+    for outside_or_on_the_rim, divided in (((-40.0, 3.0), 1), ((0.0, 0.0), 8), ((5.0, 0.0), 8), ((1e7, 1e7), 1)):
+        assert smallest(outside_or_on_the_rim, 0.125) == (QUANTA // divided, True)
+    lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
     assert refined(lattice, Focus(np.empty(0, dtype=object), np.empty(0), 2.0)) is lattice
-
-
-@pytest.mark.parametrize("place", [(-40.0, 3.0), (0.0, 0.0), (5.0, 0.0), (1e7, 1e7)])
-def test_places_outside_of_the_lattice_or_on_its_rim_are_no_fault(place: tuple[float, float]) -> None:
-    lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
-    fine = refined(lattice, Focus(shapely.points([place]), np.array([0.125]), 2.0))
-    assert area(fine.cells) == area(lattice.cells)
-    assert (fine.cells.size.min() < QUANTA) == (min(place) >= 0.0 and max(place) < 100.0)
-
-
-def test_there_is_a_smallest_cell() -> None:
-    lattice = place_lattice(np.zeros(2), np.full(2, 4.0), 1.0, 2.0)
-    fine = refined(lattice, Focus(shapely.points([(3.2, 3.3)]), np.array([1e-9]), 2.0))
-    assert fine.cells.size.min() == QUANTA // 2**MOST_LEVELS
 
 
 def test_lines_and_many_places_close_together() -> None:

@@ -10,6 +10,8 @@ from crackgrow.cover.tips import crack_angle, seen_from_tip, tip_angle
 
 KINKED = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
 """Seen from the tip; every circle round it meets the crack once."""
+
+
 HAND = np.array([[0.3, -0.2], [0.1, 0.2], [-0.5, 0.4]])
 
 
@@ -35,6 +37,7 @@ def test_angle_on_the_faces_of_a_straight_crack(turn: float) -> None:
 
 @pytest.mark.parametrize("points", [KINKED, HAND])
 def test_angle_jumps_by_two_pi_across_the_crack(points: np.ndarray) -> None:
+    """It is pi on the left of the last segment; beyond, that at which the crack lies there."""
     tip = seen_from_tip(points, 1.0, ends_inside=False)
     along, left = directions(points)
     share = np.linspace(0.05, 0.95, 19)[:, None]
@@ -44,7 +47,10 @@ def test_angle_jumps_by_two_pi_across_the_crack(points: np.ndarray) -> None:
         _, low = tip_angle(tip, on, on + 1e-7 * left[k])
         _, high = tip_angle(tip, on, on - 1e-7 * left[k])
         np.testing.assert_allclose(high - low, 2 * np.pi, rtol=1e-14)
-        np.testing.assert_allclose(high, crack_angle(tip, np.hypot(*(on - points[0]).T)), atol=1e-12)
+        local = (on - points[0]) @ tip.rotation.T
+        true = np.mod(np.arctan2(local[:, 1], local[:, 0]), 2 * np.pi) if k else np.pi
+        np.testing.assert_allclose(high, true, atol=1e-12)
+        np.testing.assert_allclose(crack_angle(tip, np.hypot(*local.T)), true, atol=1e-12)
 
 
 @pytest.mark.parametrize("points", [KINKED, HAND])
@@ -78,32 +84,27 @@ def test_distance_and_polar_form_give_the_point_back() -> None:
     np.testing.assert_allclose(tip.point + local @ tip.rotation, points, atol=1e-13)
 
 
-def test_crack_angle_is_pi_on_the_last_segment_and_the_true_angle_beyond() -> None:
-    tip = seen_from_tip(KINKED, 1.0, ends_inside=False)
-    first = np.hypot(*(KINKED[1] - KINKED[0]))
-    np.testing.assert_allclose(crack_angle(tip, np.linspace(1e-3, first, 5)), np.pi, rtol=1e-14)
-    local = (KINKED[2:] - KINKED[0]) @ tip.rotation.T
-    true = np.mod(np.arctan2(local[:, 1], local[:, 0]), 2 * np.pi)
-    np.testing.assert_allclose(crack_angle(tip, np.hypot(*local.T)), true, rtol=1e-13)
+BACK = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [-3.0, 0.5]])
+"""The second segment comes nearer to the tip again: the angle is not known beyond its start."""
+CORNER = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
+LENGTH = float(np.hypot(*(KINKED[-1] - KINKED[0])))
 
 
-def test_tip_functions_fade_at_the_other_tip_if_it_is_within_reach() -> None:
-    length = np.hypot(*(KINKED[-1] - KINKED[0]))
-    assert seen_from_tip(KINKED, 5.0, ends_inside=True).fade == pytest.approx(length)
-    assert seen_from_tip(KINKED, 0.9 * length, ends_inside=True).fade == np.inf
-    assert seen_from_tip(KINKED, 5.0, ends_inside=False).fade == np.inf
-
-
-def test_tip_functions_fade_where_the_crack_turns_back() -> None:
-    """The second segment comes nearer to the tip again: the angle is not known beyond its start."""
-    back = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [-3.0, 0.5]])
-    tip = seen_from_tip(back, 5.0, ends_inside=False)
-    assert tip.fade == pytest.approx(2.0)
-    np.testing.assert_array_equal(tip.radii, [0.0, 2.0])
-    assert seen_from_tip(back, 1.9, ends_inside=False).fade == np.inf
-
-
-def test_right_angle_at_the_far_end_still_grows_outward() -> None:
-    corner = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
-    assert seen_from_tip(corner, 5.0, ends_inside=False).fade == np.inf
-    assert seen_from_tip(corner, 5.0, ends_inside=True).fade == pytest.approx(np.sqrt(5))
+@pytest.mark.parametrize(
+    ("points", "reach", "ends_inside", "fade"),
+    [
+        (KINKED, 5.0, True, LENGTH),
+        (KINKED, 0.9 * LENGTH, True, np.inf),
+        (KINKED, 5.0, False, np.inf),
+        (BACK, 5.0, False, 2.0),
+        (BACK, 1.9, False, np.inf),
+        (CORNER, 5.0, False, np.inf),
+        (CORNER, 5.0, True, np.sqrt(5.0)),
+    ],
+)
+def test_tip_functions_fade_within_reach_at_the_other_tip_and_where_the_crack_turns_back(
+    points: np.ndarray, reach: float, ends_inside: bool, fade: float
+) -> None:
+    tip = seen_from_tip(points, reach, ends_inside)
+    assert tip.fade == pytest.approx(fade)
+    assert points is not BACK or reach < 2.0 or tip.radii.tolist() == [0.0, 2.0]
