@@ -16,8 +16,13 @@ from crackgrow.solid.elasticity import plane_elasticity
 from tests.near_tips import site_fields
 
 POISSON = 0.25
+
+
 SHEAR_MODULUS = 1.0 / (2.0 * (1.0 + POISSON))  # of the sample's Young's modulus 1
+
+
 KOLOSOV = {"strain": 3.0 - 4.0 * POISSON, "stress": (3.0 - POISSON) / (1.0 + POISSON)}
+
 
 RAYS = 5e-4
 """Relative error of a mean over the angle by 72 rays: the stress has kinks on the crack faces."""
@@ -70,59 +75,28 @@ def closed_form(t: np.ndarray, K_I: float, K_II: float) -> np.ndarray:
     return K_I * first + K_II * second
 
 
-@pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize(("plane", "spacing"), [("strain", 1.0), ("stress", 1.0), ("strain", 0.02)])
 @pytest.mark.parametrize(("angle", "at_end"), [(0.0, True), (0.0, False), (23.0, True), (-31.0, False)])
 @pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.0, 1.0), (0.7, -0.4)])
-def test_rays_and_mean_of_the_near_field(
-    build, K_I: float, K_II: float, angle: float, at_end: bool, plane: str
+def test_rays_mean_and_faces_of_the_near_field(
+    build, K_I: float, K_II: float, angle: float, at_end: bool, plane: str, spacing: float
 ) -> None:
-    sample = stub(build, angle, at_end)
-    radius = 0.2
-    material = plane_elasticity(1.0, POISSON, plane)
-    field = site_fields(sample.cover, [material], near_field(sample, K_I, K_II, plane), at_tips(sample.cover), radius)[
-        0
-    ]
-    assert field.direction == pytest.approx(np.deg2rad(angle), abs=1e-8)
-    # weight area / distance on a ray: the mean of r^-1/2 is 2 R^-1/2
-    scale = 2.0 / np.sqrt(2.0 * np.pi * radius)
-    np.testing.assert_allclose(
-        in_tip_axes(field, field.rays), scale * closed_form(field.angles, K_I, K_II), atol=1e-6 * scale
-    )
-    root = np.sqrt(2.0 * np.pi * radius)
-    _, yy, xy = in_tip_axes(field, field.mean[None])[0] * root
-    assert yy == pytest.approx(1.5279 * K_I, abs=2 * RAYS)
-    assert xy == pytest.approx(1.0186 * K_II, abs=2 * RAYS)
+    """On a ray the weight is area / distance: the mean of r^-1/2 is 2 R^-1/2. The faces open by sqrt(r) exactly.
 
-
-def test_the_mean_falls_with_the_root_of_the_radius(build) -> None:
-    sample = stub(build, 0.0, True)
-    u = near_field(sample, 1.0, 0.0)
-    cover, tips = sample.cover, at_tips(sample.cover)
-    wide, narrow = (site_fields(cover, [sample.material], u, tips, radius)[0].mean for radius in (0.2, 0.05))
-    np.testing.assert_allclose(narrow, 2.0 * wide, atol=1e-6)
-
-
-def test_the_radius_is_a_length_in_metres(build) -> None:
-    """The same K and radius on lattices of different spacing give the same stress."""
-    means = []
-    for spacing in (1.0, 0.02):
-        sample = stub(build, 12.0, True, spacing)
-        u = near_field(sample, 1.0, 0.5)
-        field = site_fields(sample.cover, [sample.material], u, at_tips(sample.cover), 0.2 * spacing)[0]
-        means.append(field.mean * np.sqrt(spacing))
-    np.testing.assert_allclose(means[1], means[0], rtol=1e-6)
-
-
-@pytest.mark.parametrize("spacing", [1.0, 0.02])
-@pytest.mark.parametrize(("angle", "at_end"), [(0.0, True), (0.0, False), (23.0, True), (-31.0, False)])
-@pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.0, 1.0), (0.7, -0.4)])
-def test_stress_intensity_of_the_near_field(
-    build, K_I: float, K_II: float, angle: float, at_end: bool, spacing: float
-) -> None:
-    """Opening and slip are sqrt(r) exactly; K_II > 0 moves the face on the left of the tip's direction outward."""
+    K_II > 0 moves the face on the left of the tip's direction outward."""
     sample = stub(build, angle, at_end, spacing)
-    u = near_field(sample, K_I, K_II)
-    found = from_face_displacements(sample.cover, [sample.material.young_prime], u, [0])[0]
+    material, u = plane_elasticity(1.0, POISSON, plane), near_field(sample, K_I, K_II, plane)
+    for radius in (0.2 * spacing, 0.05 * spacing):
+        (field,) = site_fields(sample.cover, [material], u, at_tips(sample.cover), radius)
+        assert field.direction == pytest.approx(np.deg2rad(angle), abs=1e-8)
+        np.testing.assert_allclose(np.diff(field.angles), 2.0 * np.pi / N_RAYS, rtol=1e-12)
+        assert np.abs(field.angles).max() == pytest.approx(np.pi * (1.0 - 1.0 / N_RAYS))  # none on the crack
+        root = np.sqrt(2.0 * np.pi * radius)
+        expected = 2.0 * closed_form(field.angles, K_I, K_II)
+        np.testing.assert_allclose(root * in_tip_axes(field, field.rays), expected, atol=2e-6)
+        _, yy, xy = root * in_tip_axes(field, field.mean[None])[0]
+        assert (yy, xy) == pytest.approx((1.5279 * K_I, 1.0186 * K_II), abs=2 * RAYS)
+    found = from_face_displacements(sample.cover, [material.young_prime], u, [0])[0]
     assert found == pytest.approx((K_I, K_II), abs=1e-6)
 
 
@@ -156,13 +130,6 @@ def test_what_lies_outside_of_the_body_does_not_count(build) -> None:
     assert (share < 0.99).sum() > 20
     expected = np.outer(share, [0.0, 1.0, 0.0])
     np.testing.assert_allclose(field.rays, expected, atol=1e-3)
-
-
-def test_rays_are_spread_evenly_and_none_lies_on_the_crack(build) -> None:
-    sample = stub(build, 0.0, True)
-    field = site_fields(sample.cover, [sample.material], near_field(sample, 1.0, 0.0), at_tips(sample.cover), 0.2)[0]
-    np.testing.assert_allclose(np.diff(field.angles), 2.0 * np.pi / N_RAYS, rtol=1e-12)
-    assert np.abs(field.angles).max() == pytest.approx(np.pi * (1.0 - 1.0 / N_RAYS))
 
 
 def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
