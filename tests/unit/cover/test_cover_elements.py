@@ -6,12 +6,17 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.cover.elements import Elements, locate
+from crackgrow.case.surface import crack_name
+from crackgrow.cover.elements import Elements, cut_elements, locate
+from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.errors import GeometryError
+from crackgrow.geometry.tolerance import GRID
 from tests.unit.cover_tables import areas, tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
+BOX = np.array([(0.5, 0.5), (7.5, 0.5), (7.5, 6.5), (0.5, 6.5)])
 AREA = 1e-7
 """Relative: vertices move by 1e-9 spacings, along rims of about 40 spacings."""
 
@@ -158,3 +163,53 @@ def test_outline_edges_go_round_the_body_counter_clockwise(build) -> None:
 def test_crack_that_leaves_the_body_is_refused(build) -> None:
     with pytest.raises(GeometryError, match="'out'"):
         build.block((6, 5), [build.crack([(3.0, 3.0), (8.0, 3.3)], (True, False), name="out")])
+
+
+def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_as_well() -> None:
+    """At x = 4 two lines without a common vertex are a grid step above and below (4, 3.5), and cross left of it, nearer
+    to x = 4 than to the next point of the grid: the tiles on the right must have the vertex (4, 3.5) too."""
+    lattice = place_lattice(BOX[0], BOX[2], 1.0, 2.0)
+    lines = []
+    for name, sign in (("up", 1.0), ("down", -1.0)):
+        middle = np.array([(3.9, -0.4), (4.1, 0.4 + 2.0 * GRID)])
+        path = np.concatenate([[(0.5, -1.4)], middle, [(7.5, 1.3)]]) * (1.0, sign) + (0.0, 3.5)
+        lines.append(CrackGeometry(crack_name(name), lattice.to_lattice(path), False, False))
+    at = lattice.to_lattice(np.array([4.0, 3.5]))
+    assert np.all(at % 1.0 == (0.0, 0.5))
+    elements = cut_elements(lattice, [BodyGeometry((lattice.to_lattice(BOX),))], lines)
+    vertex = int(np.flatnonzero(np.all(elements.vertices == at, axis=1))[0])
+    beside = elements.rings.face[elements.rings.start == vertex]
+    assert set(lattice.tile_low[elements.tile[beside], 0]) == {at[0] - 1.0, at[0]}
+    rim = elements.outlines.points
+    assert np.hypot(*(rim[:, 1] - rim[:, 0]).T).sum() == pytest.approx(26.0, rel=1e-8)
+    ends = np.bincount(elements.rings.end, minlength=len(elements.vertices))
+    np.testing.assert_array_equal(np.bincount(elements.rings.start, minlength=len(elements.vertices)), ends)
+
+
+def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -> None:
+    """Inside of one tile, where neither has the end of a piece."""
+    cracks = [[(3.1, 3.2), (5.2, 4.9)], [(3.2, 2.2), (4.24, 3.9)], [(2.2, 2.2), (1.7, 0.6)]]
+    elements = build.block(
+        (6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], 1.5
+    ).cover.elements
+    crossed, rim = elements.lines[0], elements.outlines
+    np.testing.assert_array_equal(crossed.points[1:, 0], crossed.points[:-1, 1])
+    np.testing.assert_allclose(crossed.s[[0, -1], [0, 1]], [0.0, np.hypot(2.1, 1.7)], atol=1e-8)
+    lengths = np.bincount(rim.side, np.hypot(*(rim.points[:, 1] - rim.points[:, 0]).T))
+    np.testing.assert_allclose(lengths, [6.0, 5.0, 6.0, 5.0], rtol=1e-8)
+
+
+@pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
+def test_every_edge_lies_between_the_elements_that_its_ends_go_round(build, support: float) -> None:
+    """Each directed edge of a ring is one edge, with the ring's element on the side that it leads round."""
+    elements = build.block((6, 5), [build.crack([(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)])], support).cover.elements
+    edges = elements.edges
+    two = edges.right >= 0
+    found = np.concatenate(
+        [np.stack([edges.a, edges.b, edges.left]), np.stack([edges.b, edges.a, edges.right])[:, two]], 1
+    )
+    rings = np.stack([elements.rings.start, elements.rings.end, elements.rings.face])
+    np.testing.assert_array_equal(found[:, np.lexsort(found)], rings[:, np.lexsort(rings)])
+    a, b = elements.vertices[edges.a], elements.vertices[edges.b]
+    step, towards = b - a, elements.reference[edges.left] - a
+    assert (step[:, 0] * towards[:, 1] - step[:, 1] * towards[:, 0]).min() > 0.0

@@ -125,13 +125,6 @@ def test_vertices_stay_and_places_come_in_order_along_the_line() -> None:
     np.testing.assert_array_equal(line.points[~line.junctions], path)
 
 
-@pytest.mark.parametrize("turned", [False, True])
-def test_lines_along_the_lattice_meet_exactly_on_its_nodes(turned: bool) -> None:
-    paths = [[(1.3, 3.0), (5.0, 3.0)], [(3.0, 1.2), (3.0, 5.0)], [(1.0, 1.0), (5.0, 5.0)], [(3.0, 3.0), (4.0, 1.0)]]
-    lines = with_junctions(lines_of(*(paths[::-1] if turned else paths)))
-    assert [joined_points(line) for line in lines] == [[(3.0, 3.0)]] * 4
-
-
 @pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 5e-7, -5e-7])
 def test_crack_on_an_interface_does_not_bend_it_off_its_bodies(off: float) -> None:
     """Two bodies, one on top of the other, the crack in the lower one."""

@@ -107,15 +107,6 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
         assert (after.crack.tip_at_start, after.crack.tip_at_end) == (True, True)
 
 
-def test_advances_are_counted_end_by_end() -> None:
-    crack = growing([(0.0, 0.0), (1.0, 0.0), (2.0, 0.3)])
-    assert [crack.n_advances(end) for end in (False, True)] == [0, 0]
-    for step, at_end in enumerate([True, True, False, True], start=1):
-        crack, _ = advanced(crack, at_end, Way(0.05, 0.4), step, PLATE)
-    assert [crack.n_advances(end) for end in (False, True)] == [1, 3]
-    assert crack.steps.tolist() == [3, 0, 0, 0, 1, 2, 4]
-
-
 @pytest.mark.parametrize("at_end", [False, True])
 def test_a_segment_that_would_leave_ends_on_the_outline_without_a_tip(at_end: bool) -> None:
     points = [(0.0, 1.0), (9.5, 1.0)]

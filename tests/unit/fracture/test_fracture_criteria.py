@@ -17,7 +17,6 @@ from crackgrow.fracture.criteria import (
     TipLoading,
     Verdict,
     directional_strength,
-    hoop_and_shear,
     hoop_stress_kink,
     max_hoop_stress,
     shear_growth,
@@ -299,18 +298,6 @@ def test_rays_along_the_crack_itself_are_no_way_forward() -> None:
     assert verdict.criticality == pytest.approx(2.5, rel=0.01)
 
 
-def test_hoop_and_shear_are_the_stress_across_the_ray() -> None:
-    rng = np.random.default_rng(11)
-    field = TipField(0.7, ANGLES, rng.normal(size=(N_RAYS, 3)), np.zeros(3))
-    hoop, shear = hoop_and_shear(field, field.rays)
-    for k in range(0, N_RAYS, 7):
-        a = 0.7 + ANGLES[k]
-        tensor = field.rays[k][[0, 2, 2, 1]].reshape(2, 2)
-        along, across = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
-        assert hoop[k] == pytest.approx(across @ tensor @ across, abs=1e-12)
-        assert shear[k] == pytest.approx(along @ tensor @ across, abs=1e-12)
-
-
 @pytest.mark.parametrize("K_I", [-2.0, -0.1, 0.0, 0.3, 1.0, 5.0])
 @pytest.mark.parametrize("K_II", [1.0, -0.5])
 def test_max_hoop_stress_goes_to_the_largest_hoop_stress(K_I: float, K_II: float) -> None:
@@ -329,18 +316,6 @@ def test_a_tip_that_is_pressed_together_does_not_grow() -> None:
     verdict = max_hoop_stress(near_field(-1.0, 0.0), WEAK_IN_TENSION)
     assert (verdict.branch, verdict.kink) == ("none", 0.0)
     assert verdict.criticality < 0.0
-
-
-@pytest.mark.parametrize("K_II", [1.0, -1.0])
-def test_friction_makes_shear_growth_wait_for_the_pressure_but_not_turn_beyond_it(K_II: float) -> None:
-    """c + p tan(phi) straight ahead, less beside it, by at most what pressure the tip's own field takes away."""
-    limits, p, scale = Strength(tension=0.35, cohesion=0.58, friction_angle=32.0), 3.0, np.sqrt(2.0 * np.pi * RADIUS)
-    ahead = limits.cohesion + p * np.tan(np.deg2rad(32.0))
-    found = [shear_growth(near_field(0.0, 0.5 * f * K_II * scale, pressure=p), limits) for f in (0.3 * ahead, ahead)]
-    assert found[0].criticality < 1.0 - RAYS
-    assert found[1].criticality > 1.0
-    beyond = shear_growth(near_field(0.0, 2.0 * ahead * K_II * scale, pressure=5.0 * p), WEAK_IN_SHEAR)
-    assert np.rad2deg(beyond.kink) == pytest.approx(0.0, abs=DIRECTION)
 
 
 def tough_in_shear(field: TipField, part: float = 1.0) -> TipLoading:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import tracemalloc
-
 import numpy as np
 import pytest
 from scipy.sparse import block_array, block_diag, csc_array, csr_array, vstack
@@ -11,7 +9,6 @@ from scipy.sparse.linalg import splu
 
 from crackgrow.linear import ConstrainedSystem, symmetric
 from crackgrow.linear import factorization as module
-from crackgrow.linear.dissection import LEAF, dissected
 from crackgrow.linear.factorization import Factorization
 from crackgrow.linear.fronts import fronts_of
 from tests.unit.linear.lattices import Floats, Ints, boxes_at, lattice, net
@@ -105,38 +102,6 @@ def test_separate_pieces_are_solved_and_condensed_each_by_itself() -> None:
     rows = csr_array(rng.normal(size=(12, len(dense))) * (rng.uniform(size=(12, len(dense))) < 0.1))
     expected = rows @ np.linalg.solve(dense, rows.toarray().T)
     np.testing.assert_allclose(system.compliance(rows), expected, atol=1e-10 * np.abs(expected).max())
-
-
-def test_compliance_never_holds_all_right_hand_sides_at_once() -> None:
-    """100 loads on one line of a lattice: a third of the numbers that their solutions are is enough."""
-    matrix, nodes = lattice(45, 3)
-    loaded = 2 * np.flatnonzero(np.abs(nodes[:, 1] - 22) <= 1)[:100]
-    rows = csr_array((np.ones(100), (np.arange(100), loaded)), shape=(100, matrix.shape[0]))
-    factorization = factorized(matrix, nodes)
-    factorization.compliance(rows[:2])
-    tracemalloc.start()
-    found = factorization.compliance(rows)
-    peak = tracemalloc.get_traced_memory()[1]
-    tracemalloc.stop()
-    assert peak < 8 * matrix.shape[0] * 100 / 2
-    expected = rows @ solved(factorization, rows.T.toarray())
-    np.testing.assert_allclose(found, expected, atol=1e-12 * np.abs(expected).max())
-
-
-@pytest.mark.parametrize("sides", [(), (0, 1)])
-@pytest.mark.parametrize("n", [6, 20])
-def test_springs_without_ground_are_held_by_constraints(n: int, sides: tuple[int, ...]) -> None:
-    """By one unknown, or by averages along two sides, which no front has all unknowns of."""
-    matrix, nodes = net(n, 33)
-    places = np.repeat(nodes, 2, axis=0)
-    rows = [(places[:, axis] == 0) / np.sum(places[:, axis] == 0) for axis in sides]
-    held = csr_array(np.stack(rows or [np.eye(1, len(places))[0]]))
-    loads = np.sqrt(matrix.diagonal()) * np.random.default_rng(34).normal(size=len(places))
-    given = 3.0 + 0.5 * np.arange(held.shape[0])
-    u, m = ConstrainedSystem(matrix, held, boxes_at(nodes)).solve(loads, given)
-    np.testing.assert_allclose(held @ u, given, rtol=1e-12)
-    terms = abs(matrix) @ np.abs(u) + abs(held).T @ np.abs(m) + np.abs(loads)
-    assert np.abs(matrix @ u + held.T @ m - loads).max() <= 1e-12 * terms.max()
 
 
 def test_a_body_within_one_part_is_held_by_bonds_to_the_rest() -> None:
@@ -266,15 +231,6 @@ def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_a
     np.testing.assert_array_equal(after.compliance(others[change]), alone.compliance(others[change]))
 
 
-def test_nothing_is_solved_with_factors_that_were_handed_over(rock: tuple[csc_array, Ints]) -> None:
-    matrix, nodes = rock
-    before = factorized(matrix, nodes)
-    before.hand_over()
-    factorized(changed(matrix, 7), nodes, before)
-    with pytest.raises(RuntimeError, match="handed over"):
-        solved(before, np.zeros(matrix.shape[0]))
-
-
 def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
     """40 x 40 nodes that reach 2 nodes far: two columns of nodes separate, 160 unknowns; L has few entries."""
     matrix, nodes = lattice(40, 17)
@@ -289,20 +245,3 @@ def test_couplings_beyond_the_boxes_are_refused() -> None:
     wrong = np.random.default_rng(9).permutation(nodes)
     with pytest.raises(ValueError, match="further apart than couplings reach"):
         fronts_of(symmetric(matrix), csr_array((0, 1800)), *boxes_at(wrong))
-
-
-@pytest.mark.parametrize("n", [1, 7, 300, 2000])
-def test_parts_of_a_dissection_are_coupled_to_those_above_them_alone(n: int) -> None:
-    """Boxes, here of 1 to 16 units, overlap those of their own part, of parts below it and of parts above it."""
-    rng = np.random.default_rng(n)
-    half, middle = 2 ** rng.integers(0, 4, n), rng.integers(-90, 110, (n, 2))
-    low, high = middle - half[:, None], middle + half[:, None]
-    part, parent, along = dissected(low, high)
-    np.testing.assert_array_equal(np.sort(along), np.arange(n))
-    assert len(parent) > n // (4 * LEAF)
-    assert (parent[:-1] > np.arange(len(parent) - 1)).all()
-    overlap = ((low[:, None] < high) & (low < high[:, None])).all(axis=2)
-    for lower, upper in np.unique(np.sort(part[np.argwhere(overlap)], axis=1), axis=0).tolist():
-        while lower != upper:
-            lower = int(parent[lower])
-            assert 0 <= lower <= upper

@@ -70,20 +70,6 @@ def test_loads_on_edges_have_their_resultant_force_and_moment(build, name: str, 
     np.testing.assert_allclose(found, [force_x, force_y, x * force_y - y * force_x], atol=tolerance * size)
 
 
-@pytest.mark.parametrize("edge", SIDES)
-def test_edge_points_lie_on_the_edge_and_their_lengths_add_up(build, edge: str) -> None:
-    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
-    (found,) = edge_points(sample.cover, [build.edge(edge)])
-    length, s = found.lengths, found.s
-    metres = sample.lattice.to_metres(found.points)
-    axis, value = {"bottom": (1, 0.5), "right": (0, 6.5), "top": (1, 5.5), "left": (0, 0.5)}[edge]
-    np.testing.assert_allclose(metres[:, axis], value, rtol=1e-14)
-    assert length.sum() == pytest.approx(SIDES[edge], rel=1e-8)
-    assert 0.0 < s.min() < s.max() < SIDES[edge]
-    assert length @ s == pytest.approx(SIDES[edge] ** 2 / 2, rel=1e-8)
-    assert found.elements.min() >= 0
-
-
 def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
     """Held on average over a spacing the edge moves between small cells, and larger cells elsewhere do not tell it."""
     sample = build.block((8, 8), support=2.0, levels=3, places=[(8.5, 4.5)])
@@ -194,11 +180,6 @@ def test_free_motions_are_named(build: type[Build], supports: list[PointSupport]
 def test_free_motion_does_not_depend_on_the_unit_of_length(build: type[Build], size: float, place: str) -> None:
     with pytest.raises(FreePieceError, match=re.escape(f"rotation about {place}")):
         body(build, size).system([at(3.0 * size, 2.0 * size, (HELD, HELD))])
-
-
-def test_held_body_has_no_free_motion(build: type[Build]) -> None:
-    body(build).system([EdgeSupport(build.edge("bottom"), (0.0, 0.0))])
-    body(build).system([at(3.0, 2.0, (HELD, HELD)), at(7.0, 2.0, (FREE, HELD))])
 
 
 def test_piece_that_cracks_cut_off_is_named_with_its_place(build: type[Build]) -> None:
