@@ -11,8 +11,6 @@ from crackgrow.cover.cover import build_cover
 from crackgrow.cover.gathered import RADIUS, STRAIGHT
 
 SIZE = (24, 20)
-
-
 CRACK = [(7.3, 10.2), (16.4, 11.4)]
 """Its tips have room for each other, and to the outline of a body of `SIZE`."""
 

@@ -16,21 +16,11 @@ from crackgrow.geometry.tolerance import GRID, TOUCH
 from tests.unit.cover_tables import areas, function_table
 
 SUPPORTS = (1.5, 2.0, 2.5)
-
 P = (3.5, 2.875)  # on the grid of the arrangement
-
-
 MAIN = [(1.7, 2.2), (5.3, 3.55)]  # P is its middle
-
-
 TO_P = [(1.7, 2.2), P]
-
-
 STEEP = [P, (3.1, 5.1)]
-
-
 DOWN = [P, (5.1, 2.1)]
-
 ACROSS = [(2.9, 1.2), (3.6, 5.1)]
 MET = tuple(np.array(shapely.LineString(MAIN).intersection(shapely.LineString(ACROSS)).coords[0]))
 

@@ -11,7 +11,6 @@ from crackgrow.cover.tips import crack_angle, seen_from_tip, tip_angle
 KINKED = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
 """Seen from the tip; every circle round it meets the crack once."""
 
-
 HAND = np.array([[0.3, -0.2], [0.1, 0.2], [-0.5, 0.4]])
 
 

@@ -149,10 +149,7 @@ def across(x: float, low: float = -3.0, high: float = 3.0) -> list[tuple[float, 
 
 
 Y = CORNER * CLEARANCE
-
-
 ALONG = [(0.0, -0.05), (9.0, -0.05)]
-
 
 MEETINGS = {
     "the first that it would cross": ([across(4.8), across(4.5), across(4.9)], 0.0, (4.5, 0.0), 1, None),

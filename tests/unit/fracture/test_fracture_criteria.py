@@ -26,28 +26,14 @@ from crackgrow.fracture.criteria import (
 from crackgrow.fracture.tip_stress import TipField
 
 N_RAYS = 72
-
-
 ANGLES = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
-
-
 RADIUS = 1e-3  # m
-
 ROOT = np.sqrt(2.0 * np.pi * RADIUS)
-
-
 ROCK = Strength(tension=2.0, cohesion=10.0, friction_angle=40.0)
-
-
 WEAK_IN_TENSION = Strength(tension=1e-3, cohesion=1e6, friction_angle=40.0)
-
-
 WEAK_IN_SHEAR = Strength(tension=1e6, cohesion=1e-3, friction_angle=10.0)
-
-
 RAYS = 1e-3
 """Relative error of a peak between rays that are 5 degrees apart, by a parabola."""
-
 
 DIRECTION = 0.5
 """Degrees: error of the peak's direction."""
@@ -109,7 +95,6 @@ def by_rays(site: TipLoading, limits: Strength) -> Verdict:
 
 
 AXES = np.deg2rad([-80.0, -33.0, 4.0, 41.0, 77.0])
-
 of_all_criteria = pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
 
 

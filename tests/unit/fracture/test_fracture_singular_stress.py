@@ -17,8 +17,6 @@ from tests.conftest import Build, Sample
 from tests.unit.exact_fields import solved_under, true_error
 
 K = (2.0, -1.0)
-
-
 MATERIAL = plane_elasticity(1.0, 0.25, "strain")
 
 

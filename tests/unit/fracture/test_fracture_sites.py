@@ -12,7 +12,6 @@ from crackgrow.fracture.sites import BESIDE, Looked, Site, start_sites
 from tests.near_tips import site_fields
 
 APART = 0.5
-
 BENT = [(2.0, 6.1), (6.05, 6.1), (8.05, 6.1 + 2.0 * np.sqrt(3.0))]  # turns by 60 degrees
 GENTLE = [(2.0, 6.1), (6.05, 6.1), (10.05, 7.1)]
 WALL, GUEST = [(6.05, 2.0), (6.05, 10.0)], [(2.0, 6.1), (6.05, 6.1)]
@@ -100,11 +99,7 @@ def test_uniform_stress_is_averaged_exactly(build, where: Looked) -> None:
 
 
 TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
-
-
 RECTANGLE = np.array([(0.0, 0.0), (7.3, 0.0), (7.3, 11.0), (0.0, 11.0)])
-
-
 CIRCLE = 5.3 * np.stack([np.cos(np.pi * np.arange(64) / 32), np.sin(np.pi * np.arange(64) / 32)], axis=1)
 
 

@@ -23,13 +23,8 @@ from tests.scenes import shipped_case
 from tests.solving import solve_step
 
 YOUNG = 1e10
-
-
 MATERIAL = plane_elasticity(YOUNG, 0.25, "strain")
-
-
 K = np.array([2.0, -1.0])
-
 
 PATHS = {
     "straight": [[0, 0], [-9, 0]],

@@ -15,14 +15,8 @@ from crackgrow.solid.elasticity import plane_elasticity
 from tests.near_tips import site_fields
 
 POISSON = 0.25
-
-
 SHEAR_MODULUS = 1.0 / (2.0 * (1.0 + POISSON))  # of the sample's Young's modulus 1
-
-
 KOLOSOV = {"strain": 3.0 - 4.0 * POISSON, "stress": (3.0 - POISSON) / (1.0 + POISSON)}
-
-
 RAYS = 5e-4
 """Relative error of a mean over the angle by 72 rays: the stress has kinks on the crack faces."""
 

@@ -8,7 +8,6 @@ from scipy.sparse import csc_array
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
 REACH = 2
 
 

@@ -163,8 +163,6 @@ def test_edge_between_two_tips_integrates_the_opening_of_a_crack() -> None:
 
 
 ENDS = np.array([[[0.0, 0.0], [3.0, 4.0]], [[3.0, 4.0], [3.0, 6.0]]])  # 5 and 2 long
-
-
 LENGTHS = np.array([5.0, 2.0])
 
 

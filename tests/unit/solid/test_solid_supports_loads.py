@@ -147,8 +147,6 @@ def test_point_support_holds_the_point_exactly_and_lies_in_the_body(build) -> No
 
 
 LOWER, UPPER = (2.0, 1.0), (8.0, 6.0)
-
-
 FREE, HELD = None, 0.0
 
 
