@@ -10,8 +10,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
 from tests.conftest import Sample
 from tests.unit.approximation.tip_values import at_polar
-from tests.unit.cover_tables import function_table, gradient_rows, patch_table
-from tests.unit.regular_functions import regular_functions
+from tests.unit.cover_tables import gradient_rows
 
 CRACK = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 PLACES = [CRACK[0], CRACK[2], (5.6, 4.9)]
@@ -131,59 +130,24 @@ def test_moments_are_as_well_conditioned_as_on_one_size(build, support: float) -
     assert max(worst) < 1.5 * worst[0]
 
 
-def one_tip_at_a_time(sample, points: np.ndarray, elements: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """All functions (n, n_functions) and gradients (n, n_functions, 2): phi_i, and phi_i times each tip's functions."""
-    cover, lattice = sample.cover, sample.lattice
-    cell = np.floor(points)  # tiles are cells at support 2
-    phi, dphi, _ = regular_functions(points - cell, lattice.support)
-    values = np.zeros((len(points), cover.n_functions))
-    gradients = np.zeros((len(points), cover.n_functions, 2))
-    table = patch_table(cover)[elements]
-    row, slot = np.nonzero(table >= 0)
-    patch = table[row, slot]
-    values[row, patch], gradients[row, patch] = phi[row, slot], dphi[row, slot]
-    for tip, first in zip(cover.tips, function_table(cover), strict=True):
-        f, df = at_polar(tip, *tip_angle(tip, points, cover.elements.reference[elements]))
-        for p in np.flatnonzero(first >= 0):
-            four = slice(first[p], first[p] + 4)
-            values[:, four] = values[:, [p]] * f
-            gradients[:, four] = gradients[:, [p]] * f[:, :, None] + values[:, [p], None] * df
-    return values, gradients / lattice.spacing
-
-
-def test_functions_of_many_tips_are_those_of_one_tip_at_a_time_in_few_columns(build) -> None:
-    sample = build.field_of_cracks(4)
-    cover = sample.cover
-    points, elements = inner_points(sample, 23, 300)
-    expected, expected_gradients = one_tip_at_a_time(sample, points, elements)
-    basis, values = basis_at(cover, points, elements), values_at(cover, points, elements)
-    for found in (basis, values):
-        np.testing.assert_allclose(found.rows.toarray(), expected, atol=1e-14)
-    for axis, found in enumerate(gradient_rows(basis)):
-        size = 1.0 + np.abs(expected_gradients[:, :, axis])
-        assert (np.abs(found.toarray() - expected_gradients[:, :, axis]) / size).max() < 1e-13
-    table = patch_table(cover)[elements]
-    singular = np.array([(first >= 0)[table] & (table >= 0) for first in function_table(cover)])
-    acting = singular.any(axis=2).sum(axis=0)
-    assert len(cover.tips) == 32
-    assert acting.max() <= len(cover.tips) // 4  # a point sees few of them
-    needed = (table >= 0).sum(axis=1) + 4 * singular.sum(axis=(0, 2))
-    np.testing.assert_array_equal(np.diff(basis.rows.indptr), needed)
-
-
-@pytest.mark.parametrize("levels", [0, 2])
-def test_gathered_functions_are_the_carriers_times_the_tip_functions_within_their_reach(build, levels: int) -> None:
-    sample = scene(build, "gathered", 2.0, levels)
+@pytest.mark.parametrize(
+    ("name", "levels"), [("graded", 0), ("graded", 3), ("many tips", 0), ("gathered", 0), ("gathered", 2)]
+)
+def test_functions_at_tips_are_the_carriers_times_the_four_within_their_reach(build, name: str, levels: int) -> None:
+    """A carrier is the function of a patch, or a sum over patches for gathered ones."""
+    sample = scene(build, name, 2.0, levels)
     cover, n_patches = sample.cover, len(sample.cover.patches.nodes)
-    points, elements = inner_points(sample, 30, 3000)
-    found = values_at(cover, points, elements).rows.toarray()
+    points, elements = inner_points(sample, 30, 2000)
+    found, seen = values_at(cover, points, elements).rows.toarray(), 0
     for tip in cover.tips:
-        four = at_polar(tip, *tip_angle(tip, points, cover.elements.reference[elements]))[0]
-        for carrier in range(3):
+        four, first = at_polar(tip, *tip_angle(tip, points, cover.elements.reference[elements]))[0], tip.first_function
+        for carrier in range(tip.carriers.n):
             mine = tip.carriers.number == carrier
             sums = found[:, :n_patches][:, tip.patches[mine]] @ tip.carriers.shares[mine]
-            first = tip.first_function + 4 * carrier
-            np.testing.assert_allclose(found[:, first : first + 4], sums[:, None] * four, atol=1e-13)
-        seen = found[:, tip.first_function : tip.first_function + 12].any(axis=1)
-        farthest = np.hypot(*(points[seen] - tip.point).T).max()
-        assert 0.6 * tip.carriers.reach < farthest <= tip.carriers.reach
+            own = slice(first + 4 * carrier, first + 4 * carrier + 4)
+            np.testing.assert_allclose(found[:, own], sums[:, None] * four, atol=1e-13)
+        seen += 4 * tip.carriers.n
+        near = found[:, first : first + 4 * tip.carriers.n].any(axis=1)
+        farthest = np.hypot(*(points[near] - tip.point).T).max()
+        assert 0.6 * tip.carriers.gathered * tip.carriers.reach < farthest <= tip.carriers.reach
+    assert n_patches + seen == cover.n_functions

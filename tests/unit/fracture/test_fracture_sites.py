@@ -35,20 +35,16 @@ def plate(build, *cracks):
     return build.sample((0.0, 0.0), (12.0, 12.0), given, support=2.0, spacing=1.0)
 
 
-@pytest.mark.parametrize(
-    ("cracks", "began", "ways"),
-    [
-        ([BENT], [], [(0, 120.0, 30.0), (0, 300.0, 90.0)]),  # a corner of rock on either side of a kink
-        ([GENTLE], [], []),
-        (
-            [GENTLE],
-            [KINK],
-            [(0, 90.0 + SLIGHT, 60.0 - SLIGHT), (0, 270.0 + SLIGHT, 60.0 + SLIGHT)],
-        ),  # growth began at the bend
-        ([GUEST], [KINK], []),  # an end of a crack
-        ([WALL, GUEST], [], [(1, 0.0, 60.0), (1, 135.0, 15.0), (1, 225.0, 15.0)]),  # behind WALL the guest may go on
-    ],
-)
+CORNERS = [
+    ([BENT], [], [(0, 120.0, 30.0), (0, 300.0, 90.0)]),  # a corner of rock on either side of a kink
+    ([GENTLE], [], []),
+    ([GENTLE], [KINK], [(0, 90.0 + SLIGHT, 60.0 - SLIGHT), (0, 270.0 + SLIGHT, 60.0 + SLIGHT)]),  # where growth began
+    ([GUEST], [KINK], []),  # an end of a crack
+    ([WALL, GUEST], [], [(1, 0.0, 60.0), (1, 135.0, 15.0), (1, 225.0, 15.0)]),  # behind WALL the guest may go on
+]
+
+
+@pytest.mark.parametrize(("cracks", "began", "ways"), CORNERS)
 def test_starts_on_cracks_are_the_corners_of_rock(build, cracks: list, began: list, ways: list) -> None:
     """Crack, direction and half width in degrees of the corners at the kink or junction."""
     found = sites(plate(build, *cracks), looked(on_cracks=True), [np.array(place) for place in began])
