@@ -197,19 +197,3 @@ def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -
     np.testing.assert_allclose(crossed.s[[0, -1], [0, 1]], [0.0, np.hypot(2.1, 1.7)], atol=1e-8)
     lengths = np.bincount(rim.side, np.hypot(*(rim.points[:, 1] - rim.points[:, 0]).T))
     np.testing.assert_allclose(lengths, [6.0, 5.0, 6.0, 5.0], rtol=1e-8)
-
-
-@pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
-def test_every_edge_lies_between_the_elements_that_its_ends_go_round(build, support: float) -> None:
-    """Each directed edge of a ring is one edge, with the ring's element on the side that it leads round."""
-    elements = build.block((6, 5), [build.crack([(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)])], support).cover.elements
-    edges = elements.edges
-    two = edges.right >= 0
-    found = np.concatenate(
-        [np.stack([edges.a, edges.b, edges.left]), np.stack([edges.b, edges.a, edges.right])[:, two]], 1
-    )
-    rings = np.stack([elements.rings.start, elements.rings.end, elements.rings.face])
-    np.testing.assert_array_equal(found[:, np.lexsort(found)], rings[:, np.lexsort(rings)])
-    a, b = elements.vertices[edges.a], elements.vertices[edges.b]
-    step, towards = b - a, elements.reference[edges.left] - a
-    assert (step[:, 0] * towards[:, 1] - step[:, 1] * towards[:, 0]).min() > 0.0

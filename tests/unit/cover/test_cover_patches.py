@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections import Counter
+
 import numpy as np
 import pytest
 import shapely
@@ -48,61 +50,38 @@ def pieces(sample, node: np.ndarray) -> list[shapely.Polygon]:
 
 @pytest.mark.parametrize("support", SUPPORTS)
 @pytest.mark.parametrize("name", LAYOUTS)
-def test_a_node_has_one_patch_for_each_connected_piece_and_elements_there_share_it(
+def test_a_node_has_one_patch_for_each_connected_piece_which_elements_there_share(
     build, name: str, support: float
 ) -> None:
     """Checked node by node with the geometry itself, not with the graph that numbered the patches."""
     sample = layout(build, name, support)
-    patches, reference = sample.cover.patches, sample.cover.elements.reference
-    counts = {tuple(node): 0 for node in np.ndindex(sample.lattice.shape[0] + 1, sample.lattice.shape[1] + 1)}
-    parts = {node: pieces(sample, np.array(node, dtype=float)) for node in counts}
-    for node in patches.nodes:
-        counts[tuple(node)] += 1
-    assert counts == {node: len(found) for node, found in parts.items()}
-    table = patch_table(sample.cover)
+    patches, elements, table = sample.cover.patches, sample.cover.elements, patch_table(sample.cover)
+    parts = {
+        node: pieces(sample, np.array(node, dtype=float))
+        for node in np.ndindex(sample.lattice.shape[0] + 1, sample.lattice.shape[1] + 1)
+    }
+    counts = Counter(map(tuple, patches.nodes))
+    assert counts == {node: len(found) for node, found in parts.items() if found}
     for node in np.array([[2, 2], [3, 3], [4, 2], [4, 4]]) + sample.lattice.reach:
         owners = np.where((table >= 0) & (patches.nodes[table] == node).all(axis=2), table, -1).max(axis=1)
         inside = np.flatnonzero(owners >= 0)
-        contains = np.array([shapely.contains_xy(part, reference[inside]) for part in parts[tuple(node)]])
+        contains = np.array([shapely.contains_xy(part, elements.reference[inside]) for part in parts[tuple(node)]])
         np.testing.assert_array_equal(contains.sum(axis=0), 1)
         pairs = np.unique(np.stack([contains.argmax(axis=0), owners[inside]], axis=1), axis=0)
         assert len(pairs) == len(contains) == len(np.unique(pairs[:, 1]))
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-@pytest.mark.parametrize("name", LAYOUTS)
-def test_every_element_has_one_patch_of_each_node_that_covers_it(build, name: str, support: float) -> None:
-    sample = layout(build, name, support)
-    cover = sample.cover
-    nodes = cover.elements.cell[:, None] + regular_window(support)[None]
-    depth = support - np.abs(nodes - cover.elements.reference[:, None]).max(axis=2)
-    table = patch_table(cover)
-    used = table >= 0
-    np.testing.assert_array_equal(used, depth > 0.0)
-    np.testing.assert_array_equal(cover.patches.nodes[table[used]], nodes[used])
-    np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(cover.patches.nodes)))
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-@pytest.mark.parametrize("name", ["kinked", "from the left side", "two", "steep bend", "crossing"])
-def test_singular_patches_hold_the_tip_and_are_not_cut_through(build, name: str, support: float) -> None:
-    """A tip is inside of one piece: the piece that touches both of the faces next to it."""
-    sample = layout(build, name, support)
-    cover = sample.cover
-    assert len(cover.tips) == sum(sum(tips) for _, tips in LAYOUTS[name])
-    for tip in cover.tips:
-        points = tip.points
-        away = (points[1] - points[0]) / np.hypot(*(points[1] - points[0]))
-        left = np.array([-away[1], away[0]])
-        faces = points[0] + 1e-3 * away + 1e-4 * np.stack([left, -left])
-        expected = 0
-        for node in np.unique(cover.patches.nodes, axis=0):
-            holds = np.abs(points[0] - node).max() < support - 1e-3
-            sides = [part for part in pieces(sample, node) if holds and shapely.contains_xy(part, faces).all()]
-            expected += len(sides)
-            singular = (cover.patches.nodes[tip.patches] == node).all(axis=1).sum()
-            assert singular == len(sides), (name, node, points[0])
-        assert expected > 0
+    nodes, used = elements.cell[:, None] + regular_window(support)[None], table >= 0
+    np.testing.assert_array_equal(used, np.abs(nodes - elements.reference[:, None]).max(axis=2) < support)
+    np.testing.assert_array_equal(patches.nodes[table[used]], nodes[used])
+    np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(patches.nodes)))
+    assert len(sample.cover.tips) == sum(sum(tips) for _, tips in LAYOUTS[name])
+    for tip in sample.cover.tips:  # inside of one piece: that which touches both of the faces next to it
+        place, away = tip.point, (tip.points[1] - tip.points[0]) / np.hypot(*(tip.points[1] - tip.points[0]))
+        faces = place + 1e-3 * away + 1e-4 * np.array([[-away[1], away[0]], [away[1], -away[0]]])
+        singular = Counter(map(tuple, patches.nodes[tip.patches]))
+        for node, found in parts.items():
+            holds = np.abs(place - node).max() < support - 1e-3
+            assert singular[node] == sum(holds and shapely.contains_xy(part, faces).all() for part in found)
+        assert singular
 
 
 def test_a_corner_cut_off_where_the_weight_is_below_round_off_gets_no_patch(build) -> None:

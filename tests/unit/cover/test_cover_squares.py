@@ -105,15 +105,3 @@ def test_sizes_are_halved_until_they_are_no_larger_and_there_is_a_smallest() -> 
         assert smallest(outside_or_on_the_rim, 0.125) == (QUANTA // divided, True)
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
     assert refined(lattice, Focus(np.empty(0, dtype=object), np.empty(0), 2.0)) is lattice
-
-
-def test_lines_and_many_places_close_together() -> None:
-    lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
-    near = 4.0 + 1e-4 * np.random.default_rng(1).normal(size=(500, 2))
-    line = shapely.LineString([(2.3, 2.2), (6.1, 3.1)])
-    fine = refined(lattice, Focus(np.append(shapely.points(near), line), np.append(np.full(500, 0.03), 0.25), 2.0))
-    alone = refined(lattice, Focus(np.append(shapely.points([(4.0, 4.0)]), line), np.array([0.03, 0.25]), 2.0))
-    assert abs(fine.cells.n - alone.cells.n) < 0.2 * alone.cells.n
-    low, high = (corners / QUANTA for corners in boxes(fine.cells))
-    crossed = shapely.intersects(shapely.box(*low.T, *high.T), line)
-    assert fine.cells.size[crossed].max() == QUANTA // 4

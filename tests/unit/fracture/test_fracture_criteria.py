@@ -176,7 +176,8 @@ def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -
     axis, phi = np.deg2rad(20.0), np.deg2rad(30.0)
     limits = Strength(tension=1e3, cohesion=10.0, friction_angle=30.0)
     sigma = 2.0 * limits.cohesion * np.cos(phi) / (1.0 - np.sin(phi))
-    assert by_rays(uniform(uniaxial(-sigma, axis)), limits).criticality == pytest.approx(1.0, rel=RAYS)
+    for judge in (by_rays, shear_growth):
+        assert judge(uniform(uniaxial(-sigma, axis)), limits).criticality == pytest.approx(1.0, rel=RAYS)
     below, beyond = (by_rays(uniform(uniaxial(-f * sigma, axis)), limits) for f in (0.97, 1.03))
     assert (below.branch, beyond.branch) == ("none", "shear")
     assert axis_apart(beyond.kink, axis) == pytest.approx(0.25 * np.pi - 0.5 * phi, abs=np.deg2rad(DIRECTION))
