@@ -104,6 +104,7 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
         kept = after.crack.points[:-1] if at_end else after.crack.points[1:]
         np.testing.assert_array_equal(kept, before.crack.points)
         assert after.steps.tolist() == ([0, 0, 3] if at_end else [3, 0, 0])
+        assert [after.n_advances(end) for end in (False, True)] == [not at_end, at_end]
         assert (after.crack.tip_at_start, after.crack.tip_at_end) == (True, True)
 
 
@@ -144,6 +145,7 @@ def across(x: float, low: float = -3.0, high: float = 3.0) -> list[tuple[float, 
 
 Y = CORNER * CLEARANCE
 ALONG = [(0.0, -0.05), (9.0, -0.05)]
+BESIDE = [(4.0, -0.05), (2.0, -3.0)]
 
 MEETINGS = {
     "the first that it would cross": ([across(4.8), across(4.5), across(4.9)], 0.0, (4.5, 0.0), 1, None),
@@ -158,33 +160,22 @@ MEETINGS = {
        for tip in ((4.6, 0.08), (5.06, 0.05), (4.3, -0.09), (4.7, 0.0))},
     "the other tip": ([[(5.6, 1.6), (4.6, 0.08)]], 0.0, (4.6, 0.08), 0, True),
     **{f"a crack along it, into which it turns by {drop}": ([ALONG], -drop, None, 0, None) for drop in (0.03, 0.2)},
+    "beyond the clearance": ([across(5.0 + 1.01 * CLEARANCE)], 0.0, (5.0, 0.0), None, None),
+    **{f"along a crack or away from it by {kink}": ([ALONG], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
+       for kink in (0.0, 0.02, 0.5 * np.sqrt(3.0), -0.01, -0.02)},
+    **{f"a tip beside the tip {kink}": ([BESIDE], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
+       for kink in (0.0, 0.02, 0.5 * np.sqrt(3.0))},
 }  # fmt: skip
-"""Other cracks, the kink (its sine), where the segment ends, on which crack, and on which of its tips."""
+"""Other cracks, the kink (its sine), where the segment ends, on which crack (or none), and on which of its tips."""
 
 
 @pytest.mark.parametrize("name", MEETINGS)
-def test_a_segment_ends_on_what_it_crosses_or_comes_close_to(name: str) -> None:
+def test_a_segment_ends_on_what_it_crosses_or_comes_close_to_and_grows_on_along_it_or_away(name: str) -> None:
     others, kink, at, number, which = MEETINGS[name]
     end, met = advance_flaw(*others, kink_deg=float(np.rad2deg(np.arcsin(kink))))
-    assert met is not None
-    assert (met.kind, met.number, met.end) == ("crack", number, which)
+    found = None if met is None else (met.kind, met.number, met.end)
+    assert found == (None if number is None else ("crack", number, which))
     np.testing.assert_allclose(end[1:] if at is None else end, [-0.05] if at is None else at, atol=1e-15)
-
-
-@pytest.mark.parametrize(
-    ("other", "kink"),
-    [
-        (across(5.0 + 1.01 * CLEARANCE), 0.0),
-        *((ALONG, kink) for kink in (0.0, 0.02, np.sin(np.pi / 3.0), -0.01, -0.02)),
-        *(([(4.0, -0.05), (2.0, -3.0)], kink) for kink in (0.0, 0.02, np.sin(np.pi / 3.0))),  # a tip beside the tip
-    ],
-)
-def test_a_segment_keeps_growing_along_what_is_near_and_away_from_it(
-    other: list[tuple[float, float]], kink: float
-) -> None:
-    end, met = advance_flaw(other, kink_deg=float(np.rad2deg(np.arcsin(kink))))
-    assert met is None
-    np.testing.assert_allclose(end, [4.0 + np.sqrt(1.0 - kink**2), kink], atol=1e-15)
 
 
 def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
