@@ -75,7 +75,7 @@ def test_plain_functions_reproduce_linear_fields_and_all_have_the_slopes_of_thei
     assert (basis.rows.count_nonzero(axis=0) > 0).sum() > 0.7 * cover.n_functions
     assert np.abs(basis.rows - values_at(cover, points, elements).rows).max() < 1e-13
     np.testing.assert_allclose(basis.rows[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(basis.rows[:, :n_patches] @ cover.patches.nodes, points, rtol=1e-12)
+    np.testing.assert_allclose(basis.rows[:, :n_patches] @ cover.patches.nodes, points, rtol=0.0, atol=1e-12)
     step = 1e-6 * size
     for axis, slope in enumerate(slopes):
         plain, along = slope[:, :n_patches], np.eye(2)[axis]
@@ -145,7 +145,8 @@ def test_functions_at_tips_are_the_carriers_times_the_four_within_their_reach(bu
             mine = tip.carriers.number == carrier
             sums = found[:, :n_patches][:, tip.patches[mine]] @ tip.carriers.shares[mine]
             own = slice(first + 4 * carrier, first + 4 * carrier + 4)
-            np.testing.assert_allclose(found[:, own], sums[:, None] * four, atol=1e-13)
+            tolerance = 1e-13 if tip.carriers.gathered else 1e-14
+            np.testing.assert_allclose(found[:, own], sums[:, None] * four, atol=tolerance)
         seen += 4 * tip.carriers.n
         near = found[:, first : first + 4 * tip.carriers.n].any(axis=1)
         farthest = np.hypot(*(points[near] - tip.point).T).max()
