@@ -131,21 +131,3 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
             moments = np.bincount(points.ray, points.weight * r**power, N_RAYS)
             np.testing.assert_allclose(moments, np.power(whole, power + 1) / (power + 1), atol=1e-9)
     assert hidden > 40
-
-
-def test_a_site_reads_the_same_alone_and_among_others(build) -> None:
-    """To the last bit: some near an outline or a crack that hides rays."""
-    path = np.array([[0.0, 6.03], [3.3, 6.6]])
-    sample = build.sample((0.0, 0.0), (12.0, 12.0), [build.crack(path, (False, True))], support=2.0)
-    (tip,) = at_tips(sample.cover)
-    places = np.random.default_rng(5).uniform(0.6, 11.4, (16, 2))
-    places = sample.lattice.to_lattice(places)
-    kinds = ["rock" if number % 2 else "tip" for number in range(len(places))]
-    sites = [replace(tip, kind=kind, point=at, direction=at[0]) for kind, at in zip(kinds, places, strict=True)]
-    sites.append(tip)
-    u, radii = np.random.default_rng(6).normal(size=sample.cover.n_dofs), np.linspace(0.5, 1.5, len(sites))
-    together = site_fields(sample.cover, [plane_elasticity(1.0, POISSON, "strain")], u, sites, radii.tolist())
-    for site, radius, field in zip(sites, radii.tolist(), together, strict=True):
-        (alone,) = site_fields(sample.cover, [plane_elasticity(1.0, POISSON, "strain")], u, [site], radius)
-        np.testing.assert_array_equal(field.rays, alone.rays)
-        np.testing.assert_array_equal(field.mean, alone.mean)
