@@ -7,9 +7,28 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from crackgrow.approximation.mls import mls
 from crackgrow.cover.tips import TipView, seen_from_tip, tip_angle
 from tests.unit.approximation.tip_values import at_polar
-from tests.unit.regular_functions import functions_of, regular_functions
+from tests.unit.cover_tables import regular_window
+
+
+def functions_of(nodes: np.ndarray, point: np.ndarray, support: float) -> np.ndarray:
+    """Values and derivatives (3, k) at a point (2,) of the functions of nodes (k, 2), all of one half width."""
+    k = len(nodes)
+    found, alone, work, per_half = np.empty((3, k)), np.empty((1, k)), np.empty((5, k)), np.full(k, 1.0 / support)
+    at = np.ascontiguousarray(nodes.T, dtype=float)
+    mls(*point, at, per_half, k, True, found, work)
+    mls(*point, at, per_half, k, False, alone, work)
+    np.testing.assert_array_equal(alone[0], found[0])
+    return found
+
+
+def regular_functions(local: np.ndarray, support: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Values (n, w) and gradients (n, w, 2) at places in a cell (n, 2), in its sides, and the nodes (w, 2)."""
+    nodes = regular_window(support)
+    found = np.array([functions_of(nodes, point, support) for point in local])
+    return found[:, 0], found[:, 1:].transpose(0, 2, 1), nodes
 
 
 def test_weight_is_the_cubic_spline() -> None:

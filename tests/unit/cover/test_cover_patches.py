@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.unit.cover_tables import function_table, patch_table
-from tests.unit.regular_functions import regular_window
+from tests.unit.cover_tables import function_table, patch_table, regular_window
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
