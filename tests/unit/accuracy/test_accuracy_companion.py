@@ -67,7 +67,7 @@ def test_tips_are_found_by_name_and_what_is_not_there_is_not_known() -> None:
     assert errors.K[1:] == pytest.approx((0.1 * math.sqrt(2.0),) * 2)
 
 
-def test_goals_are_shares_of_their_largest_values() -> None:
+def test_goals_are_shares_of_their_largest_values_and_unknown_without_a_companion() -> None:
     there = replace(HERE, load_factor=2.1, jumps=np.array([[0.0, 1.9]]), forces=np.array([[3.0, 4.5]]))
     errors = errors_of(GRADING, HERE, there)
     assert [errors.estimate(goal) for goal in ("load_factor", "slip", "reaction")] == pytest.approx([0.05, 0.05, 0.1])
@@ -75,12 +75,9 @@ def test_goals_are_shares_of_their_largest_values() -> None:
     assert errors_of(GRADING, small, replace(small, jumps=np.zeros((1, 2)))).estimate("slip") == pytest.approx(2e-3)
     nothing = replace(HERE, jumps=np.zeros((0, 2)))
     assert errors_of(GRADING, nothing, nothing).estimate("slip") == math.inf
-
-
-def test_without_a_companion_nothing_is_known() -> None:
-    errors = errors_of(GRADING, HERE, None)
-    assert all(map(math.isnan, (*errors.K, *errors.kinks)))
-    assert errors.estimate("K") == errors.estimate("slip") == math.inf
+    unknown = errors_of(GRADING, HERE, None)
+    assert all(map(math.isnan, (*unknown.K, *unknown.kinks)))
+    assert unknown.estimate("K") == unknown.estimate("slip") == math.inf
 
 
 def test_a_tip_that_opens_before_the_first_contact_point_loses_its_shear() -> None:
@@ -122,6 +119,10 @@ def test_neighbours_are_refined_and_kept_with_a_crack_that_is_off() -> None:
 def test_features_of_cracks_that_are_off_are_refined_by_as_many_levels_as_they_need() -> None:
     assert refined(off(0.035, 0.009, 0.011), None, 0.01, "K", apart(3), ()).cracks == (2, 0, 1)
     assert refined(off(1.0), None, 0.01, "K", apart(1), ()).cracks == (MOST_AT_ONCE,)
+    by_slip = replace(off(0.0, 0.0), shares={"slip": 0.02})
+    assert refined(by_slip, None, 0.01, "slip", apart(2), ()).cracks == (1, 1)  # another goal: all cracks
+    unknown = refined(errors_of(GRADING, HERE, None), None, 0.01, "K", apart(2), ())
+    assert (unknown.cracks, unknown.rest) == ((1, 1), 0)
 
 
 def test_where_that_leaves_too_much_theta_and_corners_are_refined_too() -> None:
@@ -129,17 +130,6 @@ def test_where_that_leaves_too_much_theta_and_corners_are_refined_too() -> None:
     found = refined(now, off(0.02), 0.01, "K", apart(1), ())
     assert (found.cracks, found.rest) == ((2,), 1)
     assert refined(now, off(0.04), 0.01, "K", apart(1), ()).rest == 0
-
-
-def test_where_no_error_is_known_all_cracks_are_refined() -> None:
-    unknown = errors_of(GRADING, HERE, None)
-    assert refined(unknown, None, 0.01, "K", apart(2), ()).cracks == (1, 1)
-    assert refined(unknown, None, 0.01, "K", apart(2), ()).rest == 0
-
-
-def test_another_goal_refines_all_cracks() -> None:
-    errors = replace(off(0.0, 0.0), shares={"slip": 0.02})
-    assert refined(errors, None, 0.01, "slip", apart(2), ()).cracks == (1, 1)
 
 
 def test_cells_of_a_crack_that_is_better_than_asked_for_are_coarsened_as_far_as_the_target_lets_them() -> None:

@@ -22,6 +22,9 @@ from tests.one_size import one_size
 from tests.scenes import shipped_case
 
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
+FLAW = "cracks.flaw.path={points: [[-5, 0], [5, 0]]}"
+AUTO = "numerics.spacing=auto"
+THREE = "numerics.spacing=3"
 
 
 def case(name: str, *settings: str) -> Case:
@@ -32,6 +35,11 @@ def laid_out(scene: Case) -> Cover:
     return cover_of(make_scene(scene), beginning(scene).cracks)
 
 
+def automatic(*settings: str) -> Cover:
+    """The cover of `compression30` with automatic cells, without growth unless it is set."""
+    return laid_out(case("compression30", AUTO, "growth.steps=0", *settings))
+
+
 def size_at(cover: Cover, metres: tuple[float, float]) -> float:
     """Side of the cell at a place, spacings."""
     lattice = cover.lattice
@@ -39,39 +47,20 @@ def size_at(cover: Cover, metres: tuple[float, float]) -> float:
     return float(lattice.cells.size[lattice.tiles.cell[tile]] / lattice.cells.size.max())
 
 
-def test_without_halvings_all_cells_are_of_one_size() -> None:
-    cover = laid_out(case("compression30", "numerics.refine.rings=3"))
-    assert np.all(cover.sizes == 1.0)
-
-
-def test_tips_kinks_and_corners_get_the_cells_that_they_ask_for() -> None:
+def test_tips_kinks_corners_and_junctions_get_the_cells_that_they_ask_for() -> None:
     path = "cracks.flaw.path={points: [[-6, -4], [0, 0], [5, 0]]}"
     notch = "bodies.rock.shape.holes=[{rectangle: {center: [9, 18], width: 6, height: 6}}]"
-    settings = ("numerics.spacing=3", "numerics.refine={tips: 2, kinks: 4, corners: 1}")
-    cover = laid_out(case("compression30", path, notch, *settings))
+    cover = laid_out(case("compression30", path, notch, THREE, "numerics.refine={tips: 2, kinks: 4, corners: 1}"))
     assert [tip.size for tip in cover.tips] == [0.25, 0.25]
-    assert size_at(cover, (0.0, 0.0)) == 2.0**-4
-    assert size_at(cover, (0.0061, 0.0149)) == 0.5
-    assert size_at(cover, (-0.013, 0.005)) == 1.0
-
-
-def test_the_less_a_crack_turns_the_larger_are_the_cells_at_its_kink() -> None:
-    sizes = []
-    for y in (0.02, 0.3, 0.6, 1.2):  # turns by 0.2, 3, 6, 12 degrees
-        path = f"cracks.flaw.path={{points: [[-6, 0], [0, 0], [6, {y}]]}}"
-        scene = shipped_case("compression30", [AUTO, path, "growth.steps=0", *QUIET])
-        sizes.append(size_at(laid_out(scene), (1e-6, 1e-6)))
-    assert sizes[0] > sizes[1] > sizes[2] > sizes[3]
-
-
-def test_where_cracks_meet_or_end_on_an_outline_cells_are_small() -> None:
-    cover = laid_out(case("junction_static", "numerics.refine.kinks=2"))
-    assert cover.sizes.min() == 0.25
+    places = ((0.0, 0.0), (0.0061, 0.0149), (-0.013, 0.005))
+    assert [size_at(cover, place) for place in places] == [2.0**-4, 0.5, 1.0]
+    assert laid_out(case("junction_static", "numerics.refine.kinks=2")).sizes.min() == 0.25
+    assert np.all(laid_out(case("compression30", "numerics.refine.rings=3")).sizes == 1.0)
 
 
 def test_small_cells_follow_the_tip_and_stay_at_the_kink() -> None:
-    settings = ("numerics.spacing=3", "numerics.refine={tips: 2, kinks: 3}", "growth.steps=2")
-    steps = list(grow(case("compression30", *settings)))
+    scene = case("compression30", THREE, "numerics.refine={tips: 2, kinks: 3}", "growth.steps=2")
+    steps = list(grow(scene))
     assert all(tip.cell_size == pytest.approx(0.75e-3) for step in steps for tip in step.tips)
     assert steps[-1].n_dofs > steps[0].n_dofs
     assert steps[-1].cracks[0].points.shape[0] > 2
@@ -99,70 +88,61 @@ def test_contact_remembers_through_cells_of_several_sizes() -> None:
     np.testing.assert_allclose(runs[1], runs[0], atol=0.01 * np.abs(runs[0]).max())
 
 
-FLAW = "cracks.flaw.path={points: [[-5, 0], [5, 0]]}"
-AUTO = "numerics.spacing=auto"
-
-
 def halved_to(size: float, lattice: float) -> float:
     """Side, in those of the largest of a step, of the largest that is no larger than `size` (m)."""
     return float(2.0 ** -max(0, np.ceil(np.log2(0.5 * lattice / size))))
 
 
-@pytest.mark.parametrize(
-    ("settings", "size"),
-    [
-        (("growth.steps=0",), 0.010 / CELLS["stretch"]),
-        (("growth.steps=3", "growth.increment=0.3"), 0.0003 / CELLS["increment"]),
-        (("growth.steps=3", "growth.tip_stress={radius: 0.2}"), 0.0002 / CELLS["radius"]),
-        (("growth.steps=0", "cracks.other={path: {points: [[5.5, -3], [5.5, 3]]}}"), 0.0005 / CELLS["room"]),
-    ],
-)
-def test_automatic_cells_at_tips_follow_length_growth_and_room(settings: tuple[str, ...], size: float) -> None:
-    contact = "cracks.other.contact={friction: 0.3, cohesion: 0}"
-    more = (contact,) if "other" in settings[-1] else ()
-    cover = laid_out(case("compression30", AUTO, FLAW, *settings, *more))
-    (tip,) = (tip for tip in cover.tips if str(cover.cracks[tip.crack].name) == "flaw" and tip.at_end)
-    assert 2.0 * tip.size == halved_to(size, cover.lattice.spacing)
+LONG, SHORT = 0.008, 0.001
+CORNERED = f"cracks.flaw.path={{points: [[-8, 0], [0, 0], [0, {1e3 * SHORT}]]}}"
+BESIDE = ("cracks.other={path: {points: [[5.5, -3], [5.5, 3]]}, contact: {friction: 0.3, cohesion: 0}}", FLAW)
+HOLE = "bodies.rock.shape.holes=[{disk: {center: [0, 12], radius: 1}}]"
+AT_TIP = [(0.005, 0.0)]
+FEATURES = {
+    "length": ((FLAW,), AT_TIP, 0.010 / CELLS["stretch"]),
+    "growth": ((FLAW, "growth.steps=3", "growth.increment=0.3"), AT_TIP, 0.0003 / CELLS["increment"]),
+    "radius": ((FLAW, "growth.steps=3", "growth.tip_stress={radius: 0.2}"), AT_TIP, 0.0002 / CELLS["radius"]),
+    "room": (BESIDE, AT_TIP, 0.0005 / CELLS["room"]),
+    "kink": ((CORNERED,), [(0.0, 0.0)], min((LONG + SHORT) / CELLS["kink"], SHORT / CELLS["stretch"])),
+    "hole": ((FLAW, HOLE), [(0.0, 0.0132), (-0.0012, 0.012)], 0.002 / CELLS["feature"]),
+}
+"""Settings, places (m) of a feature, and the cells (m) that it asks for."""
 
 
-@pytest.mark.parametrize(
-    "settings", [(AUTO,), ("numerics.spacing=3",), ("numerics.spacing=3", "numerics.refine.tips=2")]
-)
-def test_the_cells_that_are_told_beforehand_are_those_of_the_first_step(settings: tuple[str, ...]) -> None:
-    scene = case("compression30", *settings)
-    assert cells_of(make_scene(scene), beginning(scene).cracks).equal(laid_out(scene).lattice.cells)
-
-
-def test_automatic_cells_at_a_kink_follow_both_parts_beside_it() -> None:
-    long, short = 0.008, 0.001
-    path = f"cracks.flaw.path={{points: [[-8, 0], [0, 0], [0, {1e3 * short}]]}}"
-    cover = laid_out(case("compression30", AUTO, "growth.steps=0", path))
-    wanted = min((long + short) / CELLS["kink"], short / CELLS["stretch"])
-    assert size_at(cover, (0.0, 0.0)) == halved_to(wanted, cover.lattice.spacing)
-
-
-def test_a_rough_crack_gets_no_cells_for_each_of_its_jogs() -> None:
-    x = np.linspace(-8.0, 8.0, 81)
-    points = np.column_stack([x, 0.05 * (-1.0) ** np.arange(81)])
-    cover = laid_out(case("compression30", AUTO, "growth.steps=0", f"cracks.flaw.path={{points: {points.tolist()}}}"))
-    kinks = 0.016 / CELLS["kink"] / JOG
-    assert cover.lattice.cells.size.min() / cover.lattice.cells.size.max() >= 0.5 * kinks / 0.0031
-
-
-def test_automatic_cells_along_a_hole_follow_its_width() -> None:
-    hole = "bodies.rock.shape.holes=[{disk: {center: [0, 12], radius: 1}}]"
-    cover = laid_out(case("compression30", AUTO, FLAW, "growth.steps=0", hole))
-    wanted = halved_to(0.002 / CELLS["feature"], cover.lattice.spacing)
-    assert size_at(cover, (0.0, 0.0132)) == size_at(cover, (-0.0012, 0.012)) == wanted
+@pytest.mark.parametrize("name", FEATURES)
+def test_automatic_cells_follow_lengths_growth_room_kinks_and_holes(name: str) -> None:
+    settings, places, wanted = FEATURES[name]
+    cover = automatic(*settings)
+    expected = halved_to(wanted, cover.lattice.spacing)
+    assert [size_at(cover, place) for place in places] == [expected] * len(places)
     assert size_at(cover, (0.0, -0.025)) == 1.0
+
+
+def test_automatic_cells_are_larger_at_kinks_that_turn_less_and_at_none_of_many_jogs() -> None:
+    kinked = "cracks.flaw.path={{points: [[-6, 0], [0, 0], [6, {}]]}}"
+    sizes = [size_at(automatic(kinked.format(y)), (1e-6, 1e-6)) for y in (0.02, 0.3, 0.6, 1.2)]  # 0.2 to 12 degrees
+    assert sizes[0] > sizes[1] > sizes[2] > sizes[3]
+    points = np.column_stack([np.linspace(-8.0, 8.0, 81), 0.05 * (-1.0) ** np.arange(81)])
+    cells = automatic(f"cracks.flaw.path={{points: {points.tolist()}}}").lattice.cells
+    assert cells.size.min() / cells.size.max() >= 0.5 * 0.016 / CELLS["kink"] / JOG / 0.0031
+
+
+def test_a_pressure_that_varies_along_a_crack_has_small_cells_where_it_does() -> None:
+    cover = automatic(FLAW, 'loads=[{crack: flaw, pressure: "1e6*exp(-((x - 2)/0.3)**2)"}]')
+    assert size_at(cover, (0.0023, 1e-6)) < 0.5 * size_at(cover, (-0.0023, 1e-6))
 
 
 def test_the_largest_cells_are_smaller_where_a_crack_is_a_thousandth_of_what_levels_reach() -> None:
     """A crack of a micrometre in a block of 31 mm."""
-    tiny = "cracks.flaw.path={points: [[0, 0], [0.001, 0]]}"
-    cover = laid_out(case("compression30", AUTO, tiny, "growth.steps=0"))
+    cover = automatic("cracks.flaw.path={points: [[0, 0], [0.001, 0]]}")
     assert min(tip.size for tip in cover.tips) >= 2.0**-15
     assert all(tip.size * cover.lattice.spacing <= 1e-6 / CELLS["tip"] * 1.0000001 for tip in cover.tips)
+
+
+@pytest.mark.parametrize("settings", [(AUTO,), (THREE,), (THREE, "numerics.refine.tips=2")])
+def test_the_cells_that_are_told_beforehand_are_those_of_the_first_step(settings: tuple[str, ...]) -> None:
+    scene = case("compression30", *settings)
+    assert cells_of(make_scene(scene), beginning(scene).cracks).equal(laid_out(scene).lattice.cells)
 
 
 def on(scene: Scene, **grading: Any) -> Cover:
@@ -188,28 +168,16 @@ def test_the_cells_of_a_step_are_those_of_its_companion_quartered_and_so_are_pie
             assert np.median(np.diff(along.at(many))) == pytest.approx(np.median(np.diff(along.at(few))) / 2, rel=0.05)
 
 
-def test_levels_refine_the_features_of_their_crack_alone() -> None:
+def test_levels_refine_the_features_of_their_crack_alone_and_where_its_contact_changes() -> None:
     scene = make_scene(shipped_case("two_flaws", [AUTO, *QUIET]))
     given, refined = on(scene), on(scene, cracks=(2, 0))
     sizes = [{(tip.crack, tip.at_end): tip.size for tip in cover.tips} for cover in (given, refined)]
     assert all(sizes[1][end] == sizes[0][end] / (4.0 if end[0] == 0 else 1.0) for end in sizes[0])
     assert on(scene, rest=1).n_dofs > given.n_dofs
-
-
-def test_places_where_contact_status_changes_have_small_cells_once_their_crack_is_refined() -> None:
-    scene = make_scene(shipped_case("compression30", [AUTO, FLAW, "growth.steps=0", *QUIET]))
-    middle = ((0, 0.0, 0.0),)
-    sizes = [size_at(on(scene, cracks=(level,), changes=middle), (1e-5, 1e-5)) for level in (0, 3)]
-    assert sizes[1] <= 0.010 / CELLS["tip"] / 8.0 / (0.5 * scene.lattice.spacing)
-    assert sizes[1] < sizes[0]
-
-
-def test_a_pressure_that_varies_along_a_crack_has_small_cells_where_it_does() -> None:
-    pressure = "1e6*exp(-((x - 2)/0.3)**2)"
-    load = f'loads=[{{crack: flaw, pressure: "{pressure}"}}]'
-    scene = shipped_case("compression30", [AUTO, FLAW, "growth.steps=0", load, *QUIET])
-    cover = laid_out(scene)
-    assert size_at(cover, (0.0023, 1e-6)) < 0.5 * size_at(cover, (-0.0023, 1e-6))
+    scene = make_scene(case("compression30", AUTO, FLAW, "growth.steps=0"))
+    few, many = (size_at(on(scene, cracks=(level,), changes=((0, 0.0, 0.0),)), (1e-5, 1e-5)) for level in (0, 3))
+    assert many <= 0.010 / CELLS["tip"] / 8.0 / (0.5 * scene.lattice.spacing)
+    assert many < few
 
 
 @pytest.mark.parametrize("factor", [1e-5, 1 / 3, 1e5])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.accuracy.energy_norm import Samples, error_estimate, fit, misfits
-from crackgrow.solid.elasticity import energy_components, energy_density, plane_elasticity
+from crackgrow.solid.elasticity import energy_density
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
 
@@ -33,25 +33,18 @@ def errors_and_estimates(build: type[Build], support: float) -> tuple[np.ndarray
     return np.array(found).T
 
 
-@pytest.mark.parametrize("support", [1.5, 1.75, 2.5])
-def test_the_estimate_of_a_smooth_field_is_its_error(build: type[Build], support: float) -> None:
-    """Linear functions: both fall at a rate of one."""
+@pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
+def test_the_estimate_of_a_smooth_field_is_its_error_or_a_bound(build: type[Build], support: float) -> None:
+    """Linear functions: both fall at a rate of one. At a support of two they are cubic B-splines: the error falls at a
+    rate of three, as that of a quadratic fit does, which is larger."""
     errors, estimates = errors_and_estimates(build, support)
-    np.testing.assert_allclose(estimates, errors, rtol=0.15)
     for values in (errors, estimates):
-        np.testing.assert_allclose(np.log2(values[0] / values[1]), 1.0, atol=0.1)
-
-
-def test_at_a_support_of_two_the_estimate_of_a_smooth_field_is_an_upper_bound_that_falls_as_fast(
-    build: type[Build],
-) -> None:
-    """The functions are cubic B-splines there: the error falls at a rate of three, as that of a quadratic fit does,
-    which is larger."""
-    errors, estimates = errors_and_estimates(build, 2.0)
-    assert np.all(estimates > errors)
-    assert estimates[-1] < 1e-3  # percent
-    for values in (errors, estimates):
-        np.testing.assert_allclose(np.log2(values[0] / values[1]), 3.0, atol=0.1)
+        np.testing.assert_allclose(np.log2(values[0] / values[1]), 3.0 if support == 2.0 else 1.0, atol=0.1)
+    if support == 2.0:
+        assert np.all(estimates > errors)
+        assert estimates[-1] < 1e-3  # percent
+    else:
+        np.testing.assert_allclose(estimates, errors, rtol=0.15)
 
 
 @pytest.mark.parametrize("support", [1.5, 2.0])
@@ -77,10 +70,6 @@ def test_the_parts_of_the_elements_add_up_and_the_norm_is_that_of_the_stress(bui
     body = np.zeros(1, dtype=np.int64)
     density = energy_density([sample.material], uniform(np.zeros((1, 2))), body)[0]
     np.testing.assert_allclose(estimate.norm**2, 12.0 * density, rtol=1e-9)
-
-
-def test_without_stress_there_is_no_relative_error(build: type[Build]) -> None:
-    sample = build.sample((0.0, 0.0), (4.0, 3.0), spacing=1.0, support=2.0)
     estimate = error_estimate(sample.cover, [sample.material], np.zeros(sample.cover.n_dofs), ())
     assert estimate.absolute == 0.0
     assert np.isnan(estimate.relative)
@@ -99,13 +88,3 @@ def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> 
     np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
     assert misfits(coefficients, [samples], 1)[0] < 1e-16
     assert not coefficients[2].any()
-
-
-@pytest.mark.parametrize("plane", ["strain", "stress"])
-def test_energy_components_square_to_the_strain_energy(plane: str) -> None:
-    material = plane_elasticity(3.0, 0.3, plane)
-    stress = np.array([[1.0, 2.0, -0.5], [0.0, 0.0, 1.0]])
-    body = np.zeros(2, dtype=np.int64)
-    expected = np.einsum("ni,ij,nj->n", stress, np.linalg.inv(material.matrix), stress)
-    np.testing.assert_allclose(energy_density([material], stress, body), expected)
-    np.testing.assert_allclose(np.sum(energy_components([material], stress, body) ** 2, axis=1), expected)

@@ -6,19 +6,19 @@ import numpy as np
 import pytest
 import shapely
 
-from crackgrow.cover.elements import Elements, locate
+from crackgrow.case.surface import crack_name
+from crackgrow.cover.elements import Elements, cut_elements, locate
+from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.errors import GeometryError
+from crackgrow.geometry.tolerance import GRID
 from tests.unit.cover_tables import areas, tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
+BOX = np.array([(0.5, 0.5), (7.5, 0.5), (7.5, 6.5), (0.5, 6.5)])
 AREA = 1e-7
 """Relative: vertices move by 1e-9 spacings, along rims of about 40 spacings."""
-
-
-def crack_lengths(elements: Elements, crack: int = 0) -> np.ndarray:
-    ends = elements.lines[crack].points
-    return np.hypot(*(ends[:, 1] - ends[:, 0]).T)
 
 
 def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
@@ -37,58 +37,22 @@ def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
-@pytest.mark.parametrize("cracks", [[], [KINKED], [KINKED, [(4.4, 1.1), (5.2, 4.6)]]])
-def test_elements_fill_the_body(build, support: float, cracks: list) -> None:
-    sample = build.block((6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], support)
-    assert areas(sample.lattice, sample.cover.elements).sum() == pytest.approx(30.0, rel=AREA)
-    assert areas(sample.lattice, sample.cover.elements).min() > 0.0
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_plus_is_on_the_left_of_every_crack_edge(build, support: float) -> None:
-    elements = build.block((6, 5), [build.crack(KINKED)], support).cover.elements
-    assert on_their_sides(elements).all()
-    assert not np.intersect1d(elements.lines[0].plus, elements.lines[0].minus).size
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_crack_edges_follow_the_crack_without_gaps(build, support: float) -> None:
+def test_points_are_located_in_elements_that_hold_them_and_points_outside_in_none(build, support: float) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], support)
-    edges = sample.cover.elements.lines[0]
-    np.testing.assert_allclose(edges.s[1:, 0], edges.s[:-1, 1], atol=1e-8)
-    np.testing.assert_array_equal(edges.points[1:, 0], edges.points[:-1, 1])
-    corners = np.concatenate([[0], np.cumsum(np.hypot(*np.diff(KINKED, axis=0).T))])
-    np.testing.assert_allclose([edges.s[0, 0], edges.s[-1, 1]], corners[[0, -1]], atol=1e-8)
-    np.testing.assert_array_equal(edges.segment, (edges.s.mean(axis=1) > corners[1]).astype(int))
-    assert sample.cover.elements.is_crack.sum() == len(edges.s)
-
-
-def test_turning_a_crack_round_swaps_its_sides(build) -> None:
-    forth = build.block((6, 5), [build.crack(KINKED)]).cover.elements
-    back = build.block((6, 5), [build.crack(KINKED[::-1])]).cover.elements
-    np.testing.assert_array_equal(forth.reference[forth.lines[0].plus], back.reference[back.lines[0].minus][::-1])
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_located_element_holds_the_point(build, support: float) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], support)
-    elements = sample.cover.elements
-    points = sample.lattice.reach + np.random.default_rng(7).uniform((0.5, 0.5), (6.5, 5.5), (400, 2))
+    elements, reach = sample.cover.elements, sample.lattice.reach
+    points = reach + np.random.default_rng(7).uniform((0.5, 0.5), (6.5, 5.5), (400, 2))
     found = locate(sample.lattice, elements, points)
-    assert found.min() >= 0
     whole = found < elements.n_whole
     assert 0 < whole.sum() < len(points)
     low, high = tile_boxes(sample.lattice, elements.tile[found[whole]])
     assert np.all((low <= points[whole]) & (points[whole] <= high))
     polygons = elements.polygons[found[~whole] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points[~whole])).max() <= 1e-8  # ON_LINE
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_reference_points_are_located_in_their_own_elements(build, support: float) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], support)
-    elements = sample.cover.elements
     np.testing.assert_array_equal(locate(sample.lattice, elements, elements.reference), np.arange(elements.n))
+    outside = np.array([[0.4, 3.0], [6.6, 3.0], [3.0, 0.49], [3.0, 5.51], [-50.0, 3.0], [3.0, 1e4]])
+    np.testing.assert_array_equal(locate(sample.lattice, elements, outside + reach), [-1] * 6)
+    on_the_rim = np.array([[0.5, 0.5], [6.5, 0.5], [6.5, 5.5], [0.5, 5.5], [3.0, 0.5], [6.5, 4.2]])
+    assert locate(sample.lattice, elements, on_the_rim + reach).min() >= 0
 
 
 @pytest.mark.parametrize("elsewhere", [[], [[(8.1, 2.3), (10.8, 2.4)], [(8.3, 6.1), (9.9, 7.7)]]])
@@ -102,19 +66,8 @@ def test_points_on_faces_are_in_the_first_element_there(build, elsewhere: list[l
     np.testing.assert_array_equal(found, np.tile(np.minimum(edges.plus, edges.minus), (3, 1)))
 
 
-def test_points_outside_of_the_body_have_no_element(build) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)])
-    outside = np.array([[0.4, 3.0], [6.6, 3.0], [3.0, 0.49], [3.0, 5.51], [-50.0, 3.0], [3.0, 1e4]])
-    np.testing.assert_array_equal(locate(sample.lattice, sample.cover.elements, outside + 2), [-1] * 6)
-
-
-def test_boundary_points_belong_to_the_body(build) -> None:
-    sample = build.block((6, 5))
-    corners = np.array([[0.5, 0.5], [6.5, 0.5], [6.5, 5.5], [0.5, 5.5], [3.0, 0.5], [6.5, 4.2]])
-    assert locate(sample.lattice, sample.cover.elements, corners + 2).min() >= 0
-
-
 OFFSETS = (0.0, 1e-12, 1e-10, 1e-9, 2e-9, 5e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
+
 PLACES = {
     "along a lattice line": [(1.3, 3.0), (4.6, 3.0)],
     "along a lattice line from node to node": [(2.0, 3.0), (5.0, 3.0)],
@@ -135,13 +88,19 @@ def fault(build, points: np.ndarray, support: float, levels: int = 0) -> str:
         sample = build.block((6, 5), [build.crack(points)], support, levels, np.round(points[:1], 2))
     except GeometryError as error:
         return str(error)
-    elements = sample.cover.elements
-    length = np.hypot(*np.diff(points, axis=0).T).sum()
+    elements, edges = sample.cover.elements, sample.cover.elements.lines[0]
+    corners = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    lengths = np.hypot(*(edges.points[:, 1] - edges.points[:, 0]).T)
+    segment = np.searchsorted(corners[1:-1], edges.s.mean(axis=1))
     wrong = {
-        "area": abs(areas(sample.lattice, sample.cover.elements).sum() - 30.0) > 30.0 * AREA,
-        "length": abs(crack_lengths(elements).sum() - length) > 1e-8,  # rounding moves each end by 1e-9
-        "side": not on_their_sides(elements).all(),
-        "gap": (elements.lines[0].points[1:, 0] != elements.lines[0].points[:-1, 1]).any(),
+        "area": abs(areas(sample.lattice, elements).sum() - 30.0) > 30.0 * AREA,
+        "empty": areas(sample.lattice, elements).min() <= 0.0,
+        "length": abs(lengths.sum() - corners[-1]) > 1e-8,  # rounding moves each end by 1e-9
+        "arc": abs(edges.s[-1, 1] - corners[-1]) > 1e-8 or np.abs(np.diff(edges.s)[:, 0] - lengths).max() > 1e-8,
+        "segment": (edges.segment != segment).any(),
+        "side": not on_their_sides(elements).all() or np.intersect1d(edges.plus, edges.minus).size,
+        "gap": (edges.points[1:, 0] != edges.points[:-1, 1]).any(),
+        "count": elements.is_crack.sum() != len(edges.s),
     }
     return ", ".join(name for name, is_wrong in wrong.items() if is_wrong)
 
@@ -172,10 +131,11 @@ AMONG_SIZES = PLACES | {
     "upright from a corner of small cells": [(2.75, 1.125), (2.75, 4.7)],
     "kinks on corners of small cells": [(2.0, 2.0), (2.25, 2.125), (2.5, 2.0), (4.0, 3.0)],
     "far off": [(1.31, 2.22), (5.67, 4.41)],
+    "far off and kinked": KINKED,
 }
 
 
-@pytest.mark.parametrize(("levels", "support"), [(2, 2.0), (6, 2.0), (3, 1.5)])
+@pytest.mark.parametrize(("levels", "support"), [(2, 2.0), (6, 2.0), (3, 1.5), (0, 1.75), (0, 2.5)])
 @pytest.mark.parametrize("place", AMONG_SIZES)
 def test_awkward_places_among_cells_of_many_sizes_cut_cleanly(build, place: str, support: float, levels: int) -> None:
     """A part of the crack lies in cells of 2^-levels, the rest in larger ones."""
@@ -205,13 +165,35 @@ def test_crack_that_leaves_the_body_is_refused(build) -> None:
         build.block((6, 5), [build.crack([(3.0, 3.0), (8.0, 3.3)], (True, False), name="out")])
 
 
-def test_two_bodies_side_by_side_keep_their_elements(build) -> None:
-    """The common side is no crack; elements on both sides know their body."""
-    from crackgrow.cover.elements import cut_elements
-    from crackgrow.cover.shapes import BodyGeometry
+def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_as_well() -> None:
+    """At x = 4 two lines without a common vertex are a grid step above and below (4, 3.5), and cross left of it, nearer
+    to x = 4 than to the next point of the grid: the tiles on the right must have the vertex (4, 3.5) too."""
+    lattice = place_lattice(BOX[0], BOX[2], 1.0, 2.0)
+    lines = []
+    for name, sign in (("up", 1.0), ("down", -1.0)):
+        middle = np.array([(3.9, -0.4), (4.1, 0.4 + 2.0 * GRID)])
+        path = np.concatenate([[(0.5, -1.4)], middle, [(7.5, 1.3)]]) * (1.0, sign) + (0.0, 3.5)
+        lines.append(CrackGeometry(crack_name(name), lattice.to_lattice(path), False, False))
+    at = lattice.to_lattice(np.array([4.0, 3.5]))
+    assert np.all(at % 1.0 == (0.0, 0.5))
+    elements = cut_elements(lattice, [BodyGeometry((lattice.to_lattice(BOX),))], lines)
+    vertex = int(np.flatnonzero(np.all(elements.vertices == at, axis=1))[0])
+    beside = elements.rings.face[elements.rings.start == vertex]
+    assert set(lattice.tile_low[elements.tile[beside], 0]) == {at[0] - 1.0, at[0]}
+    rim = elements.outlines.points
+    assert np.hypot(*(rim[:, 1] - rim[:, 0]).T).sum() == pytest.approx(26.0, rel=1e-8)
+    ends = np.bincount(elements.rings.end, minlength=len(elements.vertices))
+    np.testing.assert_array_equal(np.bincount(elements.rings.start, minlength=len(elements.vertices)), ends)
 
-    lattice = build.block((6, 5)).lattice
-    bodies = [np.array([[x, 2.5], [x + 3, 2.5], [x + 3, 7.5], [x, 7.5]]) for x in (2.5, 5.5)]
-    elements = cut_elements(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
-    np.testing.assert_allclose(np.bincount(elements.body, areas(lattice, elements)), [15.0, 15.0], rtol=AREA)
-    np.testing.assert_array_equal(elements.body, (elements.reference[:, 0] > 5.5).astype(int))
+
+def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -> None:
+    """Inside of one tile, where neither has the end of a piece."""
+    cracks = [[(3.1, 3.2), (5.2, 4.9)], [(3.2, 2.2), (4.24, 3.9)], [(2.2, 2.2), (1.7, 0.6)]]
+    elements = build.block(
+        (6, 5), [build.crack(points, name=str(k)) for k, points in enumerate(cracks)], 1.5
+    ).cover.elements
+    crossed, rim = elements.lines[0], elements.outlines
+    np.testing.assert_array_equal(crossed.points[1:, 0], crossed.points[:-1, 1])
+    np.testing.assert_allclose(crossed.s[[0, -1], [0, 1]], [0.0, np.hypot(2.1, 1.7)], atol=1e-8)
+    lengths = np.bincount(rim.side, np.hypot(*(rim.points[:, 1] - rim.points[:, 0]).T))
+    np.testing.assert_allclose(lengths, [6.0, 5.0, 6.0, 5.0], rtol=1e-8)

@@ -13,7 +13,7 @@ from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.geometry.tolerance import GRID, TOUCH
-from tests.unit.cover_tables import function_table
+from tests.unit.cover_tables import areas, function_table
 
 SUPPORTS = (1.5, 2.0, 2.5)
 P = (3.5, 2.875)  # on the grid of the arrangement
@@ -21,6 +21,9 @@ MAIN = [(1.7, 2.2), (5.3, 3.55)]  # P is its middle
 TO_P = [(1.7, 2.2), P]
 STEEP = [P, (3.1, 5.1)]
 DOWN = [P, (5.1, 2.1)]
+NEAR_P = (P[0] + 3e-7, P[1])
+ACROSS = [(2.9, 1.2), (3.6, 5.1)]
+MET = tuple(np.array(shapely.LineString(MAIN).intersection(shapely.LineString(ACROSS)).coords[0]))
 
 
 def lines_of(*paths, tips=(True, True)) -> list[CrackGeometry]:
@@ -31,48 +34,49 @@ def joined_points(line: CrackGeometry) -> list[tuple[float, ...]]:
     return [tuple(point) for point in line.points[line.junctions].tolist()]
 
 
-def tips(line: CrackGeometry) -> tuple[bool, bool]:
-    return line.tip_at_start, line.tip_at_end
+def joined(line: CrackGeometry) -> str:
+    """A line in one character a vertex: > or < a tip, + a junction, . any other."""
+    marks = ["+" if junction else "." for junction in line.junctions]
+    ends = (0, line.tip_at_start, "<"), (-1, line.tip_at_end, ">")
+    for end, is_tip, mark in ends:
+        assert not (is_tip and line.junctions[end])
+        marks[end] = mark if is_tip else marks[end]
+    return "".join(marks)
 
 
-def test_lines_that_do_not_meet_stay_as_they_are() -> None:
-    apart = lines_of(MAIN, [(1.0, 4.0), (3.0, 4.5)], [(5.3 + 3 * TOUCH, 3.6), (6.0, 3.6)])
-    assert all(one is other for one, other in zip(with_junctions(apart), apart, strict=True))
-    assert with_junctions([]) == []
-
-
-def test_crossing_lines_share_one_vertex_and_keep_their_tips() -> None:
-    one, other = with_junctions(lines_of(MAIN, [(2.9, 1.2), (3.6, 5.1)]))
-    assert joined_points(one) == joined_points(other)
-    assert one.junctions.tolist() == other.junctions.tolist() == [False, True, False]
-    assert tips(one) == tips(other) == (True, True)
-    expected = shapely.LineString(MAIN).intersection(shapely.LineString([(2.9, 1.2), (3.6, 5.1)]))
-    np.testing.assert_allclose(one.points[1], [expected.x, expected.y], atol=2 * GRID)
-
-
-@pytest.mark.parametrize("off", [0.0, 1e-7, -1e-7, 9e-7, -9e-7, -2e-6])
-def test_end_on_a_line_is_no_tip_wherever_it_stops_within_rounding(off: float) -> None:
-    """A negative `off` pokes through the line."""
+def stopped(off: float) -> list[tuple[float, float]]:
+    """The line STEEP with its foot `off` away from P along it: a negative one pokes through MAIN."""
     along = np.subtract(*STEEP[::-1]) / np.hypot(*np.subtract(*STEEP))
-    host, branch = with_junctions(lines_of(MAIN, [P + off * along, STEEP[1]]))
-    assert joined_points(host) == joined_points(branch)
-    assert tips(host) == (True, True)
-    assert tips(branch) == (False, True)
-    assert branch.junctions.tolist() == [True, False]
-    np.testing.assert_allclose(host.points, [MAIN[0], P, MAIN[1]], atol=3 * TOUCH)
+    return [tuple(P + off * along), STEEP[1]]
 
 
-def test_end_that_stops_short_by_more_than_rounding_is_a_tip() -> None:
-    host, branch = with_junctions(lines_of(MAIN, [(P[0], P[1] + 1e-3), STEEP[1]]))
-    assert tips(branch) == (True, True)
-    assert not host.junctions.any()
+MEETINGS = {
+    "apart": ([MAIN, [(1.0, 4.0), (3.0, 4.5)], [(5.3 + 3 * TOUCH, 3.6), (6.0, 3.6)]], ["<>", "<>", "<>"], None),
+    "crossing": ([MAIN, ACROSS], ["<+>", "<+>"], MET),
+    **{f"stopped {off}": ([MAIN, stopped(off)], ["<+>", "+>"], P) for off in (0.0, 1e-7, -1e-7, 9e-7, -9e-7, -2e-6)},
+    "stopped short by more than rounding": ([MAIN, stopped(1e-3)], ["<>", "<>"], None),
+    "ends that meet": ([TO_P, STEEP, DOWN], ["<+", "+>", "+>"], P),
+    "a ring": ([[(1.7, 2.2), (5.3, 3.6), (5.0, 1.3), (1.7 + 1e-7, 2.2)]], ["+..+"], (1.7, 2.2)),
+    "back onto its path": ([[*MAIN, (5.0, 1.3), (3.0, 1.2), P]], ["<+...+"], P),
+    "across itself": ([[(1.7, 2.2), (5.3, 3.6), (5.3, 2.2), (1.7, 3.6)]], ["<+..+>"], (3.5, 2.9)),
+    "vertices of both": ([[MAIN[0], P, (5.3, 2.2)], [(1.5, 3.7), NEAR_P, (5.0, 4.1)]], ["<+>", "<+>"], P),
+}
+"""Lines, what becomes of them, and where they meet."""
 
 
-def test_ends_that_meet_are_no_tips() -> None:
-    lines = with_junctions(lines_of(TO_P, STEEP, DOWN))
-    assert [tips(line) for line in lines] == [(True, False), (False, True), (False, True)]
-    assert [joined_points(line) for line in lines] == [[P]] * 3
-    assert [len(line.points) for line in lines] == [2, 2, 2]
+@pytest.mark.parametrize("name", MEETINGS)
+def test_lines_that_meet_share_a_vertex_and_ends_on_lines_are_no_tips(name: str) -> None:
+    paths, marks, place = MEETINGS[name]
+    given = lines_of(*paths)
+    lines = with_junctions(given)
+    assert [joined(line) for line in lines] == marks
+    if place is None:
+        assert all(one is other for one, other in zip(lines, given, strict=True))
+    else:
+        (point,) = {point for line in lines for point in joined_points(line)}
+        tolerance = 3 * TOUCH if name.startswith("stopped") else 1e-7 if name == "a ring" else 2 * GRID
+        np.testing.assert_allclose(point, place, rtol=0.0, atol=tolerance)
+    assert with_junctions([]) == []
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -99,27 +103,6 @@ def test_junctions_next_to_each_other_all_stay() -> None:
     assert np.all(np.diff(host.points[:, 0]) > 0.0)
 
 
-def test_closed_ring_has_no_tips() -> None:
-    (ring,) = with_junctions(lines_of([(1.7, 2.2), (5.3, 3.6), (5.0, 1.3), (1.7 + 1e-7, 2.2)]))
-    assert tips(ring) == (False, False)
-    assert ring.junctions.tolist() == [True, False, False, True]
-    np.testing.assert_array_equal(ring.points[0], ring.points[-1])
-
-
-def test_crack_that_comes_back_onto_its_path_ends_there() -> None:
-    (line,) = with_junctions(lines_of([*MAIN, (5.0, 1.3), (3.0, 1.2), P]))
-    assert tips(line) == (True, False)
-    assert line.junctions.tolist() == [False, True, False, False, False, True]
-    np.testing.assert_array_equal(line.points[1], line.points[5])
-
-
-def test_crack_that_crosses_itself_keeps_its_tips() -> None:
-    (line,) = with_junctions(lines_of([(1.7, 2.2), (5.3, 3.6), (5.3, 2.2), (1.7, 3.6)]))
-    assert tips(line) == (True, True)
-    assert line.junctions.tolist() == [False, True, False, False, True, False]
-    np.testing.assert_array_equal(line.points[1], line.points[4])
-
-
 def test_vertices_stay_and_places_come_in_order_along_the_line() -> None:
     path = [(1.0, 3.0), (3.0, 3.4), (5.0, 3.0), (7.0, 3.2)]
     crossings = [[(x, 2.0), (x + 0.3, 5.0)] for x in (6.1, 1.4, 4.2, 2.2, 3.9)]
@@ -128,19 +111,6 @@ def test_vertices_stay_and_places_come_in_order_along_the_line() -> None:
     assert line.junctions.sum() == len(crossings)
     assert np.all(np.diff(line.points[:, 0]) > 0.0)
     np.testing.assert_array_equal(line.points[~line.junctions], path)
-
-
-def test_crossing_at_vertices_of_both_keeps_one_vertex() -> None:
-    one, other = with_junctions(lines_of([MAIN[0], P, (5.3, 2.2)], [(1.5, 3.7), (P[0] + 3e-7, P[1]), (5.0, 4.1)]))
-    assert joined_points(one) == joined_points(other) == [P]
-    assert len(one.points) == len(other.points) == 3
-
-
-@pytest.mark.parametrize("turned", [False, True])
-def test_lines_along_the_lattice_meet_exactly_on_its_nodes(turned: bool) -> None:
-    paths = [[(1.3, 3.0), (5.0, 3.0)], [(3.0, 1.2), (3.0, 5.0)], [(1.0, 1.0), (5.0, 5.0)], [(3.0, 3.0), (4.0, 1.0)]]
-    lines = with_junctions(lines_of(*(paths[::-1] if turned else paths)))
-    assert [joined_points(line) for line in lines] == [[(3.0, 3.0)]] * 4
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 5e-7, -5e-7])
@@ -190,6 +160,7 @@ def sample_of(build, name: str, support: float):
 def test_edges_lead_along_every_line_with_plus_on_its_left(build, name: str, support: float) -> None:
     sample = sample_of(build, name, support)
     elements = sample.cover.elements
+    assert areas(sample.lattice, elements).sum() == pytest.approx(30.0, rel=1e-7)
     for line, edges, path in zip(sample.cover.cracks, elements.lines, LAYOUTS[name], strict=True):
         np.testing.assert_array_equal(edges.points[1:, 0], edges.points[:-1, 1])
         np.testing.assert_array_equal(edges.points[[0, -1], [0, 1]], line.points[[0, -1]])
@@ -224,30 +195,3 @@ def test_tip_functions_jump_on_their_own_crack_alone(build, name: str, support: 
             own = (tip.crack == number) & (from_tip[edge] < len(tip.path) - 1)  # up to where the crack turns back
             expected = own * 2.0 * np.sqrt(r) * fade * values[0, edge, patch]
             np.testing.assert_allclose(np.abs(jumps), expected, atol=1e-8)
-
-
-@pytest.mark.parametrize(
-    ("paths", "n_pieces", "n_tips_inside"),
-    [
-        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 0.7), (3.3, 5.3)]], 4, 0),
-        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 2.6 + 2.4 * 0.9 / 5.6), (3.3, 5.3)]], 3, 0),
-        ([[(0.7, 2.6), P], [P, (6.3, 5.0)], [P, (3.6, 0.7)]], 3, 0),
-        ([[(0.7, 2.6), P], [P, (3.6, 0.7)]], 2, 0),
-        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 0.7), (3.2, 3.4)]], 3, 1),
-        ([[(0.7, 2.6), (6.3, 3.5)], [(3.1, 2.2), (3.2, 3.4)]], 2, 2),
-        ([[(0.7, 2.6), P], [P, (3.9, 3.4)]], 1, 1),
-        ([[(0.7, 2.6), (6.3, 3.5)], [(0.7, 3.5), (6.3, 2.6)], [(3.5, 0.7), (3.5, 5.3)]], 6, 0),
-        ([[(2.4, 2.4), (3.6, 2.5), (3.0, 3.7), (2.4, 2.4)]], 2, 0),
-    ],
-    ids=["X", "T", "Y", "V", "X with a tip inside", "X with two", "V with a tip inside", "three", "ring"],
-)
-@pytest.mark.parametrize("support", [1.5, 2.0])
-def test_patches_of_the_node_in_the_middle_counted_by_hand(
-    build, paths: list, n_pieces: int, n_tips_inside: int, support: float
-) -> None:
-    """The node lies at (3, 3); arms end outside of its patch unless they have a tip inside."""
-    cover = build.block((6, 5), [build.crack(path, name=str(k)) for k, path in enumerate(paths)], support).cover
-    node = np.array([3, 3]) + cover.lattice.reach
-    mine = np.flatnonzero((cover.patches.nodes == node).all(axis=1))
-    assert len(mine) == n_pieces
-    assert sum(np.isin(mine, tip.patches).sum() for tip in cover.tips) == n_tips_inside

@@ -33,42 +33,48 @@ def growing(points: list[tuple[float, float]], steps: list[int] | None = None) -
     return GrowingCrack(crack, np.array(steps or [0] * len(points), dtype=np.int64))
 
 
-def numbers(
-    criticality: list[float], advance: Literal["most_critical", "in_turn", "all"], n_advances: list[int] | None = None
-) -> list[int]:
-    """The tips that grow, of tips that lie from left to right."""
+LESS, MORE, FAR_MORE = 1.0 - 0.5 * TIE, 1.0 + 0.5 * TIE, 1.0 + 2.0 * TIE
+LEAVING = [
+    ("all", [1.2, 0.9, 1.0, 3.0], None, [3, 0, 2]),  # all that are critical, the most critical first
+    ("all", [1.2, 3.0 * MORE, 1.2 * MORE, 3.0], None, [1, 3, 0, 2]),  # equal ones from left to right
+    ("all", [1.0, LESS, 1.0 - 2.0 * TIE], None, [0, 1]),  # tied with a critical one
+    ("all", [3.0, LESS], None, [0]),  # tied with nothing
+    ("all", [0.999999, 0.3], None, []),
+    ("most_critical", [0.999999, 0.3], None, []),
+    ("in_turn", [0.999999, 0.3], None, []),
+    ("all", [], None, []),
+    ("most_critical", [], None, []),
+    ("in_turn", [], None, []),
+    ("most_critical", [1.2, 2.0, 1.9, 0.5], [0, 9, 0, 0], [1]),  # however often it has advanced
+    ("most_critical", [0.4, 2.0, 2.0 * MORE], None, [1]),  # of equal ones the leftmost,
+    ("most_critical", [0.4, 2.0, 2.0 * LESS], None, [1]),
+    ("most_critical", [0.4, 2.0, 2.0 * MORE], [0, 3, 2], [2]),  # and before it the least advanced
+    ("most_critical", [0.4, 2.0, 2.0 * LESS], [0, 3, 2], [2]),
+    ("most_critical", [0.4, 2.0, 2.0 * FAR_MORE], [0, 3, 4], [2]),
+    ("in_turn", [1.0, LESS], [1, 0], [1]),
+    ("in_turn", [3.0, 1.1, 2.0], [2, 1, 1], [2]),  # the least advanced of those that are critical
+    ("in_turn", [3.0, 0.9, 0.8], [2, 0, 0], [0]),
+    ("in_turn", [2.0, 2.0], [1, 0], [1]),
+    ("all", [1.1, 1.2, 1.3, 1.4], [3, 5, STARTS, STARTS], [1, 0, 3]),  # one crack starts, after the tips
+    ("all", [1.1, 0.9, 1.3, 1.3], [3, 5, STARTS, STARTS], [0, 2, 3]),  # or equal ones
+    ("all", [0.9, 0.5, 0.8, 0.9], [3, 5, STARTS, STARTS], []),
+    *((way, [1.1, 1.2, 1.3, 1.4], [3, 5, STARTS, STARTS], [3]) for way in ("most_critical", "in_turn")),
+    *((way, [1.0 + 0.1 * TIE, 0.5, 1.0], [STARTS, 5, 7], [2]) for way in ("most_critical", "in_turn")),  # equal tips
+    *((way, [0.9, 0.5, 1.0, 1.0], [3, 5, STARTS, STARTS], [2]) for way in ("most_critical", "in_turn")),
+]
+"""How tips advance, their criticality from left to right, how often they have advanced, and which of them grow."""
+
+
+@pytest.mark.parametrize(("way", "criticality", "n_advances", "expected"), LEAVING)
+def test_which_tips_grow_and_where_cracks_start(
+    way: Literal["most_critical", "in_turn", "all"],
+    criticality: list[float],
+    n_advances: list[int] | None,
+    expected: list[int],
+) -> None:
     counts = np.array(n_advances or [0] * len(criticality), dtype=np.int64)
-    places = np.array([(float(k), 0.0) for k in range(len(criticality))]).reshape(-1, 2)
-    return leaving(np.array(criticality), counts, places, advance).tolist()
-
-
-def test_all_critical_tips_grow_with_all_the_most_critical_first() -> None:
-    assert numbers([1.2, 0.9, 1.0, 3.0], "all") == [3, 0, 2]
-    assert numbers([1.2, 3.0 * (1.0 + 0.5 * TIE), 1.2 * (1.0 + 0.5 * TIE), 3.0], "all") == [1, 3, 0, 2]
-
-
-@pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
-def test_no_tip_grows_below_the_criterion(advance: Literal["most_critical", "in_turn", "all"]) -> None:
-    assert numbers([0.999999, 0.3], advance) == []
-    assert numbers([], advance) == []
-
-
-def test_the_most_critical_tip_grows_however_often_it_has() -> None:
-    assert numbers([1.2, 2.0, 1.9, 0.5], "most_critical", [0, 9, 0, 0]) == [1]
-
-
-@pytest.mark.parametrize("sign", [-1.0, 1.0])
-def test_of_equally_critical_tips_the_least_advanced_and_then_the_leftmost_grows(sign: float) -> None:
-    tied = [0.4, 2.0, 2.0 * (1.0 + sign * 0.5 * TIE)]
-    assert numbers(tied, "most_critical") == [1]
-    assert numbers(tied, "most_critical", [0, 3, 2]) == [2]
-    assert numbers([0.4, 2.0, 2.0 * (1.0 + 2.0 * TIE)], "most_critical", [0, 3, 4]) == [2]
-
-
-def test_tips_tied_with_a_critical_one_are_critical() -> None:
-    assert numbers([1.0, 1.0 - 0.5 * TIE, 1.0 - 2.0 * TIE], "all") == [0, 1]
-    assert numbers([1.0, 1.0 - 0.5 * TIE], "in_turn", [1, 0]) == [1]
-    assert numbers([3.0, 1.0 - 0.5 * TIE], "all") == [0]  # tied with nothing
+    places = np.stack([np.arange(len(criticality), dtype=float), np.zeros(len(criticality))], axis=1)
+    assert leaving(np.array(criticality), counts, places, way).tolist() == expected
 
 
 @pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
@@ -81,12 +87,6 @@ def test_the_order_of_the_tips_does_not_matter(advance: Literal["most_critical",
         these = list(order)
         found = leaving(criticality[these], n_advances[these], places[these], advance)
         assert places[these][found].tolist() == expected
-
-
-def test_in_turn_takes_the_critical_tip_that_has_advanced_least() -> None:
-    assert numbers([3.0, 1.1, 2.0], "in_turn", [2, 1, 1]) == [2]
-    assert numbers([3.0, 0.9, 0.8], "in_turn", [2, 0, 0]) == [0]  # not critical
-    assert numbers([2.0, 2.0], "in_turn", [1, 0]) == [1]
 
 
 @pytest.mark.parametrize("kink_deg", [-70.5, 0.0, 45.0])
@@ -104,55 +104,26 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
         kept = after.crack.points[:-1] if at_end else after.crack.points[1:]
         np.testing.assert_array_equal(kept, before.crack.points)
         assert after.steps.tolist() == ([0, 0, 3] if at_end else [3, 0, 0])
+        assert [after.n_advances(end) for end in (False, True)] == [not at_end, at_end]
         assert (after.crack.tip_at_start, after.crack.tip_at_end) == (True, True)
 
 
-def test_advancing_changes_nothing_of_the_crack_before() -> None:
-    before = growing([(0.0, 0.0), (1.0, 0.0)])
-    points, steps = before.crack.points.copy(), before.steps.copy()
-    advanced(before, True, Way(0.3, 0.5), 1, PLATE)
-    np.testing.assert_array_equal(before.crack.points, points)
-    np.testing.assert_array_equal(before.steps, steps)
-
-
-def test_two_opposite_kinks_at_both_ends_keep_point_symmetry() -> None:
-    crack, _ = advanced(growing([(-1.0, -0.5), (1.0, 0.5)]), True, Way(0.8, 0.7), 1, PLATE)
-    crack, _ = advanced(crack, False, Way(0.8, 0.7), 2, PLATE)
-    np.testing.assert_allclose(crack.crack.points, -crack.crack.points[::-1], atol=1e-14)
-    assert crack.steps.tolist() == [2, 0, 0, 1]
-
-
-def test_advances_are_counted_end_by_end() -> None:
-    crack = growing([(0.0, 0.0), (1.0, 0.0), (2.0, 0.3)])
-    assert [crack.n_advances(end) for end in (False, True)] == [0, 0]
-    for step, at_end in enumerate([True, True, False, True], start=1):
-        crack, _ = advanced(crack, at_end, Way(0.05, 0.4), step, PLATE)
-    assert [crack.n_advances(end) for end in (False, True)] == [1, 3]
-    assert crack.steps.tolist() == [3, 0, 0, 0, 1, 2, 4]
-
-
 @pytest.mark.parametrize("at_end", [False, True])
-def test_a_segment_that_would_leave_ends_on_the_outline_without_a_tip(at_end: bool) -> None:
-    points = [(0.0, 1.0), (9.5, 1.0)]
-    before = growing(points if at_end else points[::-1])
-    after, met = advanced(before, at_end, Way(np.deg2rad(30.0), 2.0), 1, PLATE)
-    assert met is not None
-    assert met.kind == "outline"
-    end = after.crack.points[-1 if at_end else 0]
-    np.testing.assert_array_equal(end, met.point)
-    np.testing.assert_allclose(end, [10.0, 1.0 + 0.5 * np.tan(np.deg2rad(30.0))], atol=1e-12)
-    assert [after.can_grow(False), after.can_grow(True)] == [at_end, not at_end]
-
-
-def test_a_hole_is_met_by_its_number() -> None:
+def test_a_segment_that_would_leave_ends_on_the_outline_or_a_hole_without_a_tip(at_end: bool) -> None:
     holed = PLATE.difference(shapely.box(-9, -9, -8, -8)).difference(shapely.box(1.0, -1.0, 3.0, 1.0))
     number = next(k for k, hole in enumerate(holed.interiors) if hole.bounds[0] == 1.0)
-    after, met = advanced(
-        growing([(-2.0, 0.0), (0.0, 0.0)]), True, Way(0.0, 5.0), 1, holed
-    )  # 5 would reach beyond the hole
-    assert met is not None
-    assert (met.kind, met.number) == ("hole", number)
-    np.testing.assert_array_equal(after.crack.points[-1], [1.0, 0.0])
+    for points, way, place, expected in (
+        ([(0.0, 5.0), (9.5, 5.0)], Way(np.deg2rad(30.0), 2.0), [10.0, 5.0 + 0.5 * np.tan(np.deg2rad(30.0))], "outline"),
+        ([(-2.0, 0.0), (0.0, 0.0)], Way(0.0, 5.0), [1.0, 0.0], "hole"),  # 5 would reach beyond the hole
+    ):
+        after, met = advanced(growing(points if at_end else points[::-1]), at_end, way, 1, holed)
+        assert met is not None
+        assert met.kind == expected
+        assert expected == "outline" or met.number == number
+        end = after.crack.points[-1 if at_end else 0]
+        np.testing.assert_array_equal(end, met.point)
+        np.testing.assert_allclose(end, place, atol=1e-12)
+        assert [after.can_grow(False), after.can_grow(True)] == [at_end, not at_end]
 
 
 FLAW = [(0.0, 0.0), (4.0, 0.0)]
@@ -174,6 +145,8 @@ def across(x: float, low: float = -3.0, high: float = 3.0) -> list[tuple[float, 
 
 Y = CORNER * CLEARANCE
 ALONG = [(0.0, -0.05), (9.0, -0.05)]
+BESIDE = [(4.0, -0.05), (2.0, -3.0)]
+
 MEETINGS = {
     "the first that it would cross": ([across(4.8), across(4.5), across(4.9)], 0.0, (4.5, 0.0), 1, None),
     "just in front": ([across(4.03)], 0.0, (4.03, 0.0), 0, None),
@@ -187,39 +160,22 @@ MEETINGS = {
        for tip in ((4.6, 0.08), (5.06, 0.05), (4.3, -0.09), (4.7, 0.0))},
     "the other tip": ([[(5.6, 1.6), (4.6, 0.08)]], 0.0, (4.6, 0.08), 0, True),
     **{f"a crack along it, into which it turns by {drop}": ([ALONG], -drop, None, 0, None) for drop in (0.03, 0.2)},
+    "beyond the clearance": ([across(5.0 + 1.01 * CLEARANCE)], 0.0, (5.0, 0.0), None, None),
+    **{f"along a crack or away from it by {kink}": ([ALONG], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
+       for kink in (0.0, 0.02, 0.5 * np.sqrt(3.0), -0.01, -0.02)},
+    **{f"a tip beside the tip {kink}": ([BESIDE], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
+       for kink in (0.0, 0.02, 0.5 * np.sqrt(3.0))},
 }  # fmt: skip
-"""Other cracks, the kink (its sine), where the segment ends, on which crack, and on which of its tips."""
+"""Other cracks, the kink (its sine), where the segment ends, on which crack (or none), and on which of its tips."""
 
 
 @pytest.mark.parametrize("name", MEETINGS)
-def test_a_segment_ends_on_what_it_crosses_or_comes_close_to(name: str) -> None:
+def test_a_segment_ends_on_what_it_crosses_or_comes_close_to_and_grows_on_along_it_or_away(name: str) -> None:
     others, kink, at, number, which = MEETINGS[name]
     end, met = advance_flaw(*others, kink_deg=float(np.rad2deg(np.arcsin(kink))))
-    assert met is not None
-    assert (met.kind, met.number, met.end) == ("crack", number, which)
+    found = None if met is None else (met.kind, met.number, met.end)
+    assert found == (None if number is None else ("crack", number, which))
     np.testing.assert_allclose(end[1:] if at is None else end, [-0.05] if at is None else at, atol=1e-15)
-
-
-def test_a_corner_beyond_its_clearance_is_none() -> None:
-    end, met = advance_flaw([(4.7, -2.0), (4.6, 1.1 * Y), (4.7, 2.0)])
-    assert met is not None
-    np.testing.assert_allclose(end, [4.6, 0.0], atol=0.06 * Y)
-
-
-@pytest.mark.parametrize(
-    ("other", "kink"),
-    [
-        (across(5.0 + 1.01 * CLEARANCE), 0.0),
-        *((ALONG, kink) for kink in (0.0, 0.02, np.sin(np.pi / 3.0), -0.01, -0.02)),
-        *(([(4.0, -0.05), (2.0, -3.0)], kink) for kink in (0.0, 0.02, np.sin(np.pi / 3.0))),  # a tip beside the tip
-    ],
-)
-def test_a_segment_keeps_growing_along_what_is_near_and_away_from_it(
-    other: list[tuple[float, float]], kink: float
-) -> None:
-    end, met = advance_flaw(other, kink_deg=float(np.rad2deg(np.arcsin(kink))))
-    assert met is None
-    np.testing.assert_allclose(end, [4.0 + np.sqrt(1.0 - kink**2), kink], atol=1e-15)
 
 
 def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
@@ -232,50 +188,38 @@ def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
     assert after.crack.points[-1][1] == 0.0
 
 
-def test_a_crack_ends_on_its_own_older_path() -> None:
-    hook = growing([(0.0, 0.0), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    closed_up, met = advanced(hook, True, Way(np.deg2rad(90.0), 3.0), 1, PLATE)
-    assert met is not None
-    assert (met.kind, met.end) == ("own_path", None)
-    np.testing.assert_allclose(closed_up.crack.points[-1], [2.0, 0.0], atol=1e-15)
-    assert [closed_up.can_grow(end) for end in (False, True)] == [True, False]
-    short, met = advanced(hook, True, Way(np.deg2rad(90.0), 1.5), 1, PLATE)  # stops short of the first segment
-    assert met is None
+def test_a_crack_ends_on_its_own_older_path_or_other_tip() -> None:
+    bend = [(4.0, 0.0), (4.0, 2.0), (2.0, 2.0)]
+    for first, length, end, place, tips in (
+        ((0.0, 0.0), 3.0, None, [2.0, 0.0], [True, False]),
+        ((2.0, 0.05), 2.0, False, [2.0, 0.05], [False, False]),
+    ):
+        after, met = advanced(growing([first, *bend]), True, Way(np.deg2rad(90.0), length), 1, PLATE)
+        assert met is not None
+        assert (met.kind, met.end) == ("own_path", end)
+        np.testing.assert_allclose(after.crack.points[-1], place, atol=1e-15)
+        assert [after.can_grow(end) for end in (False, True)] == tips
+    short, met = advanced(growing([(0.0, 0.0), *bend]), True, Way(np.deg2rad(90.0), 1.5), 1, PLATE)
+    assert met is None  # stops short of the first segment
     np.testing.assert_allclose(short.crack.points[-1], [2.0, 0.5], atol=1e-14)
-
-
-def test_a_crack_that_reaches_its_own_other_tip_has_no_tip_left() -> None:
-    ring = growing([(2.0, 0.05), (4.0, 0.0), (4.0, 2.0), (2.0, 2.0)])
-    closed_up, met = advanced(ring, True, Way(np.deg2rad(90.0), 2.0), 1, PLATE)
-    assert met is not None
-    assert (met.kind, met.end) == ("own_path", False)
-    np.testing.assert_array_equal(closed_up.crack.points[-1], closed_up.crack.points[0])
-    assert [closed_up.can_grow(end) for end in (False, True)] == [False, False]
 
 
 @pytest.mark.parametrize("kink_deg", [-120.0, -90.0, 70.5, 120.0])
 @pytest.mark.parametrize("flaw_length", [0.1, 5.0])
-def test_a_wing_leaves_its_own_flaw(kink_deg: float, flaw_length: float) -> None:
+def test_a_wing_leaves_its_own_flaw_and_meets_no_short_segment_that_it_goes_straight_on_from(
+    kink_deg: float, flaw_length: float
+) -> None:
+    """A digitised trace has segments far shorter than an increment."""
     crack = growing([(-flaw_length, 0.0), (0.0, 0.0)])
     for step, (at_end, turn) in enumerate([(True, kink_deg), (False, kink_deg), (True, 0.0), (False, 0.0)], start=1):
         crack, met = advanced(crack, at_end, Way(np.deg2rad(turn), 1.0), step, PLATE)
         assert met is None
     assert np.hypot(*np.diff(crack.crack.points, axis=0).T) == pytest.approx([1.0, 1.0, flaw_length, 1.0, 1.0])
-
-
-@pytest.mark.parametrize("last", [0.5, 0.02, 1e-6])
-def test_a_short_last_segment_is_not_met_by_straight_growth(last: float) -> None:
-    """A digitised trace has segments far shorter than an increment."""
-    trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
-    longer, met = advanced(trace, True, Way(np.deg2rad(30.0), 2.0), 1, PLATE)
-    assert met is None
-    np.testing.assert_allclose(np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])), 2.0, rtol=1e-12)
-
-
-@pytest.mark.parametrize("at_end", [False, True])
-def test_a_closed_end_is_no_tip(at_end: bool) -> None:
-    crack = closed(growing(FLAW), at_end)
-    assert [crack.can_grow(at_end), crack.can_grow(not at_end)] == [False, True]
+    for last in (0.5, 0.02, 1e-6):
+        trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
+        longer, met = advanced(trace, True, Way(np.deg2rad(30.0), 2.0), 1, PLATE)
+        assert met is None
+        assert np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])) == pytest.approx(2.0, rel=1e-12)
 
 
 HOLED = PLATE.difference(shapely.Point(3.0, 3.0).buffer(1.5, quad_segs=3))
@@ -333,42 +277,18 @@ def test_whatever_lies_around_a_segment_meets_at_most_what_it_ends_on(seed: int)
     assert len(kinds) > 5
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_nothing_is_jumped_over_in_a_crowd(seed: int) -> None:
-    """A hundred times a segment among cracks of a few clearances: the way to what it meets crosses nothing."""
-    rng = np.random.default_rng(seed)
-    kinds = []
-    for _ in range(100):
-        centres = np.stack([rng.uniform(4.02, 5.1, 8), rng.uniform(-0.15, 0.15, 8)], axis=1)
-        half = rng.uniform(-0.25, 0.25, (8, 2))
-        others = [growing([tuple(c - h), tuple(c + h)]) for c, h in zip(centres, half, strict=True)]
-        others = [other for other in others if shapely.distance(line_of(other), shapely.Point(4.0, 0.0)) > 0.01]
-        end, met = advance_flaw(*([tuple(point) for point in other.crack.points] for other in others))
-        way = shapely.LineString([(4.0, 0.0), 1e-5 * np.array([4.0, 0.0]) + (1.0 - 1e-5) * end])
-        assert not any(shapely.intersects(way, line_of(other)) for other in others)
-        if met is not None:
-            kinds.append(met.end)
-            there = line_of(others[met.number])
-            assert shapely.distance(shapely.Point(end), there) < 1e-13
-    assert {None, False, True} == set(kinds)
-
-
 def line_of(growing: GrowingCrack) -> shapely.LineString:
     return shapely.LineString(growing.crack.points)
 
 
 @pytest.mark.parametrize(("link", "met"), [(CLEARANCE, False), (0.5, True)])
 def test_a_segment_links_up_with_a_crack_that_it_heads_for_within_the_link_distance(link: float, met: bool) -> None:
-    """It would end 0.3 of its length in front of the other crack: with half of it, it ends there, turned by no more."""
+    """It would end 0.3 of its length in front of the other crack; outlines are reached at the clearance."""
     wall = growing([(-3.0, 1.3), (3.0, 1.3)])
     after, meeting = advanced(growing([(0.0, -2.0), (0.0, 0.0)]), True, Way(0.0, 1.0, link), 1, PLATE, [wall])
     assert (meeting is not None) == met
     assert after.crack.points[-1, 1] == pytest.approx(1.3 if met else 1.0)
-
-
-def test_outlines_are_reached_at_the_clearance_whatever_the_link_distance() -> None:
-    near = growing([(0.0, 7.0), (0.0, 8.7)])  # the outline is at 10
-    after, meeting = advanced(near, True, Way(0.0, 1.0, 0.5), 1, PLATE)
+    after, meeting = advanced(growing([(0.0, 7.0), (0.0, 8.7)]), True, Way(0.0, 1.0, link), 1, PLATE)
     assert meeting is None
     assert after.crack.points[-1, 1] == pytest.approx(9.7)
 
@@ -391,29 +311,13 @@ def test_a_new_crack_leaves_the_one_that_it_starts_on() -> None:
     assert (longer.parent, longer.in_shear, longer.n_advances(True)) == (0, True, 1)
 
 
-def test_a_new_crack_ends_on_what_it_meets() -> None:
-    walls = [growing([(-1.0, 0.0), (1.0, 0.0)]), growing([(-1.0, 0.3), (1.0, 0.3)])]
-    new, met = started(start_on_the_flaw(), Way(0.0, 0.5), 1, PLATE, walls)
+def test_a_new_crack_ends_on_what_it_meets_and_goes_both_ways_in_the_rock() -> None:
+    flaw, above, below = (growing([(-1.0, y), (1.0, y)]) for y in (0.0, 0.3, -0.2))
+    new, met = started(start_on_the_flaw(), Way(0.0, 0.5), 1, PLATE, [flaw, above])
     assert [(at_end, found.kind, found.number) for at_end, found in met] == [(True, "crack", 1)]
     assert not new.can_grow(True)
     np.testing.assert_allclose(new.crack.points[-1], [0.0, 0.3], atol=1e-15)
-
-
-def test_in_the_rock_a_new_crack_goes_both_ways() -> None:
-    wall = growing([(-1.0, -0.2), (1.0, -0.2)])
-    new, met = started(start_on_the_flaw(both_ways=True), Way(0.0, 1.0), 1, PLATE, [wall])
+    new, met = started(start_on_the_flaw(both_ways=True), Way(0.0, 1.0), 1, PLATE, [below])
     np.testing.assert_allclose(new.crack.points, [[0.0, -0.2], [0.0, 0.0], [0.0, 0.5]], atol=1e-15)
     assert [(at_end, found.kind) for at_end, found in met] == [(False, "crack")]
     assert (new.can_grow(False), new.can_grow(True)) == (False, True)
-
-
-def test_the_most_critical_crack_starts_and_a_tip_that_is_equal_goes_first() -> None:
-    places = np.array([[0.0, 0.0], [1.0, 0.0], [-2.0, 0.0], [3.0, 0.0]])
-    counts = np.array([3, 5, STARTS, STARTS])
-    for way, expected in (("all", [1, 0, 3]), ("most_critical", [3]), ("in_turn", [3])):
-        assert leaving(np.array([1.1, 1.2, 1.3, 1.4]), counts, places, way).tolist() == expected
-    for way in ("most_critical", "in_turn"):
-        assert leaving(np.array([1.0, 0.5, 1.0 + 0.1 * TIE, 0.9]), counts, places, way).tolist() == [0]
-        assert leaving(np.array([0.9, 0.5, 1.0, 1.0]), counts, places, way).tolist() == [2]
-    assert leaving(np.array([0.9, 0.5, 0.8, 0.9]), counts, places, "all").tolist() == []
-    assert leaving(np.array([1.1, 0.9, 1.3, 1.3]), counts, places, "all").tolist() == [0, 2, 3]

@@ -17,7 +17,6 @@ from crackgrow.fracture.criteria import (
     TipLoading,
     Verdict,
     directional_strength,
-    hoop_and_shear,
     hoop_stress_kink,
     max_hoop_stress,
     shear_growth,
@@ -29,11 +28,10 @@ from crackgrow.fracture.tip_stress import TipField
 N_RAYS = 72
 ANGLES = np.pi * (2.0 * np.arange(N_RAYS) + 1.0 - N_RAYS) / N_RAYS
 RADIUS = 1e-3  # m
-
+ROOT = np.sqrt(2.0 * np.pi * RADIUS)
 ROCK = Strength(tension=2.0, cohesion=10.0, friction_angle=40.0)
 WEAK_IN_TENSION = Strength(tension=1e-3, cohesion=1e6, friction_angle=40.0)
 WEAK_IN_SHEAR = Strength(tension=1e6, cohesion=1e-3, friction_angle=10.0)
-
 RAYS = 1e-3
 """Relative error of a peak between rays that are 5 degrees apart, by a parabola."""
 
@@ -71,16 +69,16 @@ def near_field(
     c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
     first = np.stack([c * (1 - s * s3), c * (1 + s * s3), c * s * c3], axis=1)
     second = np.stack([-s * (2 + c * c3), s * c * c3, c * (1 - s * s3)], axis=1)
-    rays = 2.0 / np.sqrt(2.0 * np.pi * RADIUS) * (K_I * first + K_II * second) + np.array(
-        [along - pressure, -pressure, 0.0]
-    )
+    rays = 2.0 / ROOT * (K_I * first + K_II * second) + np.array([along - pressure, -pressure, 0.0])
     rays = turned(rays, direction)
     return loading(TipField(direction, ANGLES, rays, rays.mean(axis=0)), K_I, K_II)
 
 
-def closed_form_kink(K_I: float, K_II: float) -> float:
-    """Direction (degrees) of the largest hoop stress, Erdogan and Sih 1963."""
-    return float(np.rad2deg(2.0 * np.arctan2(K_I - np.sqrt(K_I**2 + 8.0 * K_II**2), 4.0 * K_II)))
+def largest_hoop(K_I: float, K_II: float) -> tuple[float, float]:
+    """Direction (rad) of the largest hoop stress of the near field, and sqrt(2 pi r) times it."""
+    t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 200_001)
+    hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
+    return float(t[np.argmax(hoop)]), float(hoop.max())
 
 
 def axis_apart(angle: float, axis: float) -> float:
@@ -95,17 +93,23 @@ def by_rays(site: TipLoading, limits: Strength) -> Verdict:
 
 
 AXES = np.deg2rad([-80.0, -33.0, 4.0, 41.0, 77.0])
+of_all_criteria = pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
 
 
 @pytest.mark.parametrize("direction", np.deg2rad([0.0, 37.0, 190.0, -120.0]))
 @pytest.mark.parametrize("axis", AXES)
-def test_tension_grows_perpendicular_to_the_tension_and_forward(axis: float, direction: float) -> None:
-    verdict = strength(uniform(uniaxial(3.0, axis), direction), ROCK)
-    assert verdict.branch == "tension"
-    assert verdict.criticality == pytest.approx(1.5)  # 3 over 2
-    assert (verdict.sigma_1, verdict.sigma_3) == pytest.approx((3.0, 0.0), abs=1e-12)
-    assert axis_apart(direction + verdict.kink, axis) == pytest.approx(0.5 * np.pi)
-    assert np.cos(verdict.kink) >= 0.0
+@pytest.mark.parametrize("phi_deg", [10.0, 40.0])
+def test_strength_grows_across_tension_and_at_45_less_half_phi_to_compression_and_forward(
+    phi_deg: float, axis: float, direction: float
+) -> None:
+    limits = Strength(tension=2.0, cohesion=1.0, friction_angle=phi_deg)
+    for sigma, branch, away in ((3.0, "tension", 0.5 * np.pi), (-50.0, "shear", np.deg2rad(45.0 - 0.5 * phi_deg))):
+        verdict = strength(uniform(uniaxial(sigma, axis), direction), limits)
+        assert verdict.branch == branch
+        assert (verdict.sigma_1, verdict.sigma_3) == pytest.approx((max(sigma, 0.0), min(sigma, 0.0)), abs=1e-12)
+        assert axis_apart(direction + verdict.kink, axis) == pytest.approx(away)
+        assert np.cos(verdict.kink) >= 0.0
+        assert branch == "shear" or verdict.criticality == pytest.approx(1.5)  # 3 over 2
 
 
 def test_tension_comes_first_even_where_shear_is_further_beyond_its_limit() -> None:
@@ -133,27 +137,6 @@ def test_shear_criticality_is_the_ratio_of_the_circle_to_the_mohr_coulomb_line(
     assert reach.max() == pytest.approx(limits.cohesion, rel=1e-8)
 
 
-def test_unconfined_compression_fails_at_its_textbook_strength() -> None:
-    phi = np.deg2rad(ROCK.friction_angle)
-    sigma_c = 2.0 * ROCK.cohesion * np.cos(phi) / (1.0 - np.sin(phi))
-    below, beyond = (strength(uniform((0.0, -f * sigma_c, 0.0)), ROCK) for f in (0.999, 1.001))
-    assert (below.branch, beyond.branch) == ("none", "shear")
-    assert strength(uniform((0.0, -sigma_c, 0.0)), ROCK).criticality == pytest.approx(1.0)
-
-
-@pytest.mark.parametrize("phi_deg", [10.0, 40.0])
-@pytest.mark.parametrize("axis", AXES)
-@pytest.mark.parametrize("direction", np.deg2rad([0.0, 110.0]))
-def test_shear_grows_on_a_plane_at_45_less_half_phi_to_the_compression(
-    axis: float, direction: float, phi_deg: float
-) -> None:
-    limits = Strength(tension=1e3, cohesion=1.0, friction_angle=phi_deg)
-    verdict = strength(uniform(uniaxial(-50.0, axis), direction), limits)
-    assert verdict.branch == "shear"
-    assert axis_apart(direction + verdict.kink, axis) == pytest.approx(np.deg2rad(45.0 - 0.5 * phi_deg))
-    assert np.cos(verdict.kink) >= 0.0
-
-
 @pytest.mark.parametrize("sense", [-1.0, 1.0])
 def test_of_two_shear_planes_the_one_with_the_larger_shear_is_taken(sense: float) -> None:
     """Compression along the crack; the stress is larger above (angles > 0) or below."""
@@ -164,7 +147,7 @@ def test_of_two_shear_planes_the_one_with_the_larger_shear_is_taken(sense: float
     assert verdict.kink == pytest.approx(sense * np.deg2rad(30.0))  # 45 - 30 / 2
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@of_all_criteria
 @pytest.mark.parametrize("stress", [(0.1, -0.2, 0.05), (-5.0, -5.0, 0.0), (0.0, 0.0, 0.0)])
 def test_below_both_strengths_nothing_is_met(stress: tuple[float, float, float], criterion: Criterion) -> None:
     verdict = criterion.judge([uniform(stress)], ROCK)[0]
@@ -172,27 +155,15 @@ def test_below_both_strengths_nothing_is_met(stress: tuple[float, float, float],
     assert verdict.criticality < 1.0
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
-def test_criticality_grows_in_proportion_to_the_load_in_tension(criterion: Criterion) -> None:
-    one, ten = criterion.judge([near_field(f, 0.3 * f) for f in (1.0, 10.0)], WEAK_IN_TENSION)
-    assert ten.criticality == pytest.approx(10.0 * one.criticality)
-    assert ten.kink == pytest.approx(one.kink)
-
-
 @pytest.mark.parametrize(
-    ("K_I", "K_II", "expected"),
-    [(1.0, 0.0, 0.0), (1.0, 1.0, -53.13), (1.0, -1.0, 53.13), (0.0, 1.0, -70.53), (0.0, -1.0, 70.53)],
+    ("K_I", "K_II"), [(1, 0), (1, 1), (1, -1), (0, 1), (0, -1), (0.25, 1), (0.5, 1), (2, 1), (4, 1)]
 )
-def test_directional_strength_turns_to_the_largest_hoop_stress(K_I: float, K_II: float, expected: float) -> None:
+def test_directional_strength_turns_to_the_largest_hoop_stress(K_I: float, K_II: float) -> None:
     verdict = by_rays(near_field(K_I, K_II), WEAK_IN_TENSION)
     assert verdict.branch == "tension"
-    assert np.rad2deg(verdict.kink) == pytest.approx(expected, abs=DIRECTION)
-
-
-@pytest.mark.parametrize("ratio", [0.25, 0.5, 2.0, 4.0])
-def test_directional_strength_between_the_modes(ratio: float) -> None:
-    verdict = by_rays(near_field(ratio, 1.0), WEAK_IN_TENSION)
-    assert np.rad2deg(verdict.kink) == pytest.approx(closed_form_kink(ratio, 1.0), abs=DIRECTION)
+    kink, hoop = largest_hoop(K_I, K_II)
+    assert np.rad2deg(verdict.kink) == pytest.approx(np.rad2deg(kink), abs=DIRECTION)
+    assert verdict.criticality == pytest.approx(2.0 * hoop / ROOT / WEAK_IN_TENSION.tension, rel=2.0 * RAYS)
 
 
 def test_strength_of_the_mean_turns_pure_shear_by_45_degrees() -> None:
@@ -200,26 +171,19 @@ def test_strength_of_the_mean_turns_pure_shear_by_45_degrees() -> None:
     assert np.rad2deg(strength(near_field(1.0, 0.0), WEAK_IN_TENSION).kink) == pytest.approx(0.0, abs=0.1)
 
 
-def test_shear_on_a_ray_runs_straight_on_in_mode_II_without_tension() -> None:
-    """A crack pressed together and sheared, without friction in the rock: the largest shear is straight ahead."""
-    no_friction = Strength(tension=1e9, cohesion=1.0, friction_angle=0.0)
-    verdict = by_rays(near_field(0.0, 1.0), no_friction)
-    assert verdict.branch == "shear"
-    assert np.rad2deg(verdict.kink) == pytest.approx(0.0, abs=DIRECTION)
-    assert verdict.criticality == pytest.approx(2.0 / np.sqrt(2.0 * np.pi * RADIUS), rel=RAYS)
-
-
 def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -> None:
     """In uniform compression the worst rays are the Mohr-Coulomb planes, and they fail together with these."""
     axis, phi = np.deg2rad(20.0), np.deg2rad(30.0)
     limits = Strength(tension=1e3, cohesion=10.0, friction_angle=30.0)
     sigma = 2.0 * limits.cohesion * np.cos(phi) / (1.0 - np.sin(phi))
+    for judge in (by_rays, shear_growth):
+        assert judge(uniform(uniaxial(-sigma, axis)), limits).criticality == pytest.approx(1.0, rel=RAYS)
     below, beyond = (by_rays(uniform(uniaxial(-f * sigma, axis)), limits) for f in (0.97, 1.03))
     assert (below.branch, beyond.branch) == ("none", "shear")
     assert axis_apart(beyond.kink, axis) == pytest.approx(0.25 * np.pi - 0.5 * phi, abs=np.deg2rad(DIRECTION))
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@of_all_criteria
 @pytest.mark.parametrize("radius", [RADIUS, 3e-3])
 def test_a_radius_stands_for_the_K_I_that_just_grows(criterion: Criterion, radius: float) -> None:
     limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0)
@@ -229,19 +193,16 @@ def test_a_radius_stands_for_the_K_I_that_just_grows(criterion: Criterion, radiu
     assert criterion.judge([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@of_all_criteria
 @pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.8, -0.5), (0.0, 1.0), (-0.1, 1.0)])
 @pytest.mark.parametrize(("along", "pressure"), [(0.0, 0.0), (0.0, 40.0), (-30.0, 20.0), (15.0, 0.0)])
 def test_a_tip_with_a_toughness_opens_by_K_whatever_the_rest_of_the_stress(
     K_I: float, K_II: float, along: float, pressure: float, criterion: Criterion
 ) -> None:
     """K_eq is the largest of all kinks; where the tip goes is for the criterion, as without a toughness."""
-    tension = MODE_I[criterion.name] * 0.3 / np.sqrt(2.0 * np.pi * RADIUS)
-    limits = Strength(tension, cohesion=1e9, friction_angle=0.0, toughness=0.3)
-    t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 20_001)
-    K_eq = (np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))).max()
-    loads = [near_field(share * K_I, share * K_II, along, pressure=pressure) for share in (1.0, 3.0)]
-    found = criterion.judge(loads, limits)
+    limits = Strength(MODE_I[criterion.name] * 0.3 / ROOT, cohesion=1e9, friction_angle=0.0, toughness=0.3)
+    K_eq = largest_hoop(K_I, K_II)[1]
+    found = criterion.judge([near_field(f * K_I, f * K_II, along, pressure=pressure) for f in (1.0, 3.0)], limits)
     assert [verdict.criticality for verdict in found] == pytest.approx([K_eq / 0.3, K_eq / 0.1], rel=1e-6)
     assert {verdict.mode for verdict in found} == {"tension"}
     pulled = [near_field(share * K_I, share * K_II, along, pressure=-1e3) for share in (1.0, 3.0)]
@@ -270,117 +231,61 @@ def test_mean_factor_is_that_of_a_disc_with_weight_one_over_r() -> None:
     assert MODE_I["directional_strength"] == 2.0  # straight ahead the angular part is 1
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
-@pytest.mark.parametrize("limits", [ROCK, WEAK_IN_SHEAR], ids=["tension", "shear"])
-@pytest.mark.parametrize("direction", np.deg2rad([31.0, 145.0, -100.0]))
-def test_turning_the_scene_turns_nothing_but_the_direction(
-    direction: float, limits: Strength, criterion: Criterion
-) -> None:
-    scale = np.sqrt(2.0 * np.pi * RADIUS)
-    here, there = criterion.judge([near_field(-0.2 * scale, scale, -1.0, d, 5.0) for d in (0.0, direction)], limits)
-    assert there.branch == here.branch
-    assert there.kink == pytest.approx(here.kink, abs=1e-9)
-    assert there.criticality == pytest.approx(here.criticality, rel=1e-9)
-    assert (there.sigma_1, there.sigma_3) == pytest.approx((here.sigma_1, here.sigma_3), rel=1e-9)
+def of_shear(sites: list[TipLoading], limits: Strength) -> list[Verdict]:
+    return [shear_growth(site, limits) for site in sites]
 
 
+@pytest.mark.parametrize("judge", [*(criterion.judge for criterion in CRITERIA.values()), of_shear])
 @pytest.mark.parametrize(
-    ("criterion", "limits"),
+    ("limits", "K_I", "K_II", "pressure"),
     [
-        (CRITERIA["strength"], WEAK_IN_TENSION),
-        (CRITERIA["strength"], WEAK_IN_SHEAR),
-        (CRITERIA["directional_strength"], WEAK_IN_TENSION),
-        (CRITERIA["directional_strength"], WEAK_IN_SHEAR),
-        (CRITERIA["max_hoop_stress"], WEAK_IN_TENSION),
+        (ROCK, -0.2, 1.0, 5.0),
+        (WEAK_IN_SHEAR, -0.2, 1.0, 5.0),
+        (WEAK_IN_SHEAR, 4.0, 10.0, 30.0),
+        (WEAK_IN_TENSION, 4.0, 10.0, 0.0),
     ],
 )
-def test_mirroring_the_load_turns_the_kink_round(criterion: Criterion, limits: Strength) -> None:
-    pressure = {WEAK_IN_TENSION: 0.0, WEAK_IN_SHEAR: 30.0}[limits]  # else tension uses up the shear resistance
-    right, left = criterion.judge([near_field(0.3, K_II, -1.0, pressure=pressure) for K_II in (0.8, -0.8)], limits)
-    assert left.branch == right.branch != "none"
-    assert left.kink == pytest.approx(-right.kink, abs=1e-9)
-    assert abs(right.kink) > 0.01
-    assert left.criticality == pytest.approx(right.criticality, rel=1e-9)
+def test_verdicts_turn_with_the_scene_and_its_mirror_image(
+    limits: Strength, K_I: float, K_II: float, pressure: float, judge: Callable[..., list[Verdict]]
+) -> None:
+    ways = [(K_II, direction) for direction in np.deg2rad([0.0, 31.0, 145.0, -100.0])] + [(-K_II, 0.0)]
+    here, *there, mirrored = judge([near_field(K_I * ROOT, K * ROOT, -1.0, d, pressure) for K, d in ways], limits)
+    for other, sign in (*((verdict, 1.0) for verdict in there), (mirrored, -1.0)):
+        assert other.branch == here.branch
+        assert other.kink == pytest.approx(sign * here.kink, abs=1e-9)
+        numbers = [[verdict.criticality, verdict.sigma_1, verdict.sigma_3] for verdict in (here, other)]
+        assert numbers[1] == pytest.approx(numbers[0], rel=1e-9)
 
 
-def test_rays_outside_of_the_body_are_left_out() -> None:
+def test_rays_outside_of_the_body_and_along_the_crack_itself_are_left_out() -> None:
     field = near_field(0.0, -1.0).field  # the largest hoop stress is at 70.5 degrees
     rays = field.rays.copy()
     rays[np.abs(np.rad2deg(ANGLES) - 70.0) < 20.0] = np.nan
-    verdict = by_rays(loading(TipField(0.0, ANGLES, rays, field.mean)), WEAK_IN_TENSION)
-    assert np.isfinite(verdict.kink)
+    verdict = by_rays(loading(replace(field, rays=rays)), WEAK_IN_TENSION)
     assert np.rad2deg(verdict.kink) == pytest.approx(92.5, abs=1e-9)  # larger than at 47.5: 1.035 to 1.012
-
-
-def test_rays_along_the_crack_itself_are_no_way_forward() -> None:
-    rays = np.tile([0.0, 0.0, 0.0], (N_RAYS, 1))
+    rays = np.zeros((N_RAYS, 3))
     rays[np.abs(np.rad2deg(ANGLES)) > 160.0] = (0.0, 100.0, 0.0)  # hoop tension behind the tip
     rays[36] = (0.0, 5.0, 0.0)  # at 2.5 degrees
-    verdict = by_rays(loading(TipField(0.0, ANGLES, rays, rays.mean(axis=0))), ROCK)
+    verdict = by_rays(loading(replace(field, rays=rays)), ROCK)
     assert abs(np.rad2deg(verdict.kink)) < 5.0
     assert verdict.criticality == pytest.approx(2.5, rel=0.01)
 
 
-def test_hoop_and_shear_are_the_stress_across_the_ray() -> None:
-    rng = np.random.default_rng(11)
-    field = TipField(0.7, ANGLES, rng.normal(size=(N_RAYS, 3)), np.zeros(3))
-    hoop, shear = hoop_and_shear(field, field.rays)
-    for k in range(0, N_RAYS, 7):
-        a = 0.7 + ANGLES[k]
-        tensor = field.rays[k][[0, 2, 2, 1]].reshape(2, 2)
-        along, across = np.array([np.cos(a), np.sin(a)]), np.array([-np.sin(a), np.cos(a)])
-        assert hoop[k] == pytest.approx(across @ tensor @ across, abs=1e-12)
-        assert shear[k] == pytest.approx(along @ tensor @ across, abs=1e-12)
-
-
 @pytest.mark.parametrize("K_I", [-2.0, -0.1, 0.0, 0.3, 1.0, 5.0])
 @pytest.mark.parametrize("K_II", [1.0, -0.5])
-def test_hoop_stress_kink_is_the_direction_of_the_largest_hoop_stress(K_I: float, K_II: float) -> None:
-    t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 200_001)
-    hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
-    assert hoop_stress_kink(K_I, K_II) == pytest.approx(t[np.argmax(hoop)], abs=2e-5)
+def test_max_hoop_stress_goes_to_the_largest_hoop_stress(K_I: float, K_II: float) -> None:
+    kink, hoop = largest_hoop(K_I, K_II)
+    assert hoop_stress_kink(K_I, K_II) == pytest.approx(kink, abs=2e-5)
     verdict = max_hoop_stress(near_field(K_I, K_II), WEAK_IN_TENSION)
-    scale = WEAK_IN_TENSION.tension * np.sqrt(2.0 * np.pi * RADIUS)
-    assert (verdict.kink, verdict.criticality) == pytest.approx((t[np.argmax(hoop)], hoop.max() / scale), abs=2e-5)
+    assert (verdict.kink, verdict.criticality) == pytest.approx((kink, hoop / WEAK_IN_TENSION.tension / ROOT), abs=2e-5)
 
 
-@pytest.mark.parametrize("K_II", [1e-3, 1e-9, 1e-15, -1e-15])
-def test_a_small_K_II_turns_the_crack_in_proportion(K_II: float) -> None:
-    assert hoop_stress_kink(1.0, K_II) == pytest.approx(-2.0 * K_II, rel=1e-5)
-
-
-def test_pure_modes_in_the_maximum_hoop_stress() -> None:
-    assert hoop_stress_kink(1.0, 0.0) == 0.0
-    assert np.rad2deg(hoop_stress_kink(0.0, 1.0)) == pytest.approx(-70.5288, abs=1e-4)
-    assert np.rad2deg(hoop_stress_kink(0.0, -1.0)) == pytest.approx(70.5288, abs=1e-4)
-
-
-def test_a_tip_that_is_pressed_together_does_not_grow() -> None:
+def test_a_small_K_II_turns_the_crack_in_proportion_and_a_pressed_tip_does_not_grow() -> None:
+    for K_II in (1e-3, 1e-9, 1e-15, -1e-15, 0.0):
+        assert hoop_stress_kink(1.0, K_II) == pytest.approx(-2.0 * K_II, rel=1e-5, abs=0.0)
     verdict = max_hoop_stress(near_field(-1.0, 0.0), WEAK_IN_TENSION)
     assert (verdict.branch, verdict.kink) == ("none", 0.0)
     assert verdict.criticality < 0.0
-
-
-@pytest.mark.parametrize("pressure", [1e-9, 2.0])
-def test_the_load_of_shear_growth_over_that_of_the_wing_in_mode_II(pressure: float) -> None:
-    """Without friction: K_II = c sqrt(2 pi R) / 2 over sqrt(3) / 2 T0 sqrt(2 pi R), whatever the pressure."""
-    limits, scale = Strength(tension=0.35, cohesion=0.58, friction_angle=0.0), np.sqrt(2.0 * np.pi * RADIUS)
-    field = near_field(0.0, scale, pressure=5.0 + pressure)
-    shear, wing = shear_growth(field, limits), max_hoop_stress(field, limits)
-    assert wing.criticality / shear.criticality == pytest.approx(0.58 / (np.sqrt(3.0) * 0.35), rel=RAYS)
-    assert np.rad2deg(shear.kink) == pytest.approx(0.0, abs=DIRECTION)
-
-
-@pytest.mark.parametrize("K_II", [1.0, -1.0])
-def test_friction_makes_shear_growth_wait_for_the_pressure_but_not_turn_beyond_it(K_II: float) -> None:
-    """c + p tan(phi) straight ahead, less beside it, by at most what pressure the tip's own field takes away."""
-    limits, p, scale = Strength(tension=0.35, cohesion=0.58, friction_angle=32.0), 3.0, np.sqrt(2.0 * np.pi * RADIUS)
-    ahead = limits.cohesion + p * np.tan(np.deg2rad(32.0))
-    found = [shear_growth(near_field(0.0, 0.5 * f * K_II * scale, pressure=p), limits) for f in (0.3 * ahead, ahead)]
-    assert found[0].criticality < 1.0 - RAYS
-    assert found[1].criticality > 1.0
-    beyond = shear_growth(near_field(0.0, 2.0 * ahead * K_II * scale, pressure=5.0 * p), WEAK_IN_SHEAR)
-    assert np.rad2deg(beyond.kink) == pytest.approx(0.0, abs=DIRECTION)
 
 
 def tough_in_shear(field: TipField, part: float = 1.0) -> TipLoading:
@@ -396,7 +301,7 @@ def test_shear_grows_straight_on_at_its_toughness_and_what_pressure_adds(
     sense: float, friction: float, phi: float, pressure: float, judge: Callable[[TipLoading, Strength], Verdict]
 ) -> None:
     """Faces that slide under a pressure p leave the shear stress mu p ahead of the tip, the rock bears p tan(phi)."""
-    K_IIc = 0.5 * 0.58 * np.sqrt(2.0 * np.pi * RADIUS)
+    K_IIc = 0.5 * 0.58 * ROOT
     limits = Strength(tension=1e3, cohesion=0.58, friction_angle=phi, shear_toughness=K_IIc)
     assert shear_radius_of(limits.cohesion, K_IIc) == pytest.approx(RADIUS)
     K_II = sense * K_IIc * (1.0 + pressure * (np.tan(np.deg2rad(phi)) - friction) / limits.cohesion)
@@ -408,11 +313,13 @@ def test_shear_grows_straight_on_at_its_toughness_and_what_pressure_adds(
     assert np.rad2deg(verdict.kink) == pytest.approx(0.0, abs=DIRECTION)
 
 
-def test_a_tip_that_opens_does_not_grow_in_shear() -> None:
+def test_rays_in_tension_do_not_grow_in_shear() -> None:
     """K_I turns the ray with the largest shear stress to where it is pulled beyond the tensile strength."""
     limits = Strength(tension=0.35, cohesion=1e-3, friction_angle=30.0)
     assert shear_growth(tough_in_shear(near_field(1.0, 1.0).field), limits).criticality == 0.0
     assert shear_growth(tough_in_shear(near_field(-1.0, 1.0).field), limits).criticality > 1.0
+    assert shear_growth(uniform((1.0, 1.0, 0.4)), WEAK_IN_SHEAR).criticality == 0.0
+    assert shear_growth(uniform((-1.0, -1.0, 0.4)), WEAK_IN_SHEAR).criticality > 1.0
 
 
 @pytest.mark.parametrize("part", [0.25, 1.0, 9.0])
@@ -426,26 +333,7 @@ def test_a_toughness_in_shear_leaves_tension_alone(part: float) -> None:
         assert one.criticality == pytest.approx(scale * both.criticality, rel=1e-12)
 
 
-@pytest.mark.parametrize("direction", np.deg2rad([31.0, 145.0, -100.0]))
-@pytest.mark.parametrize("cohesion", [0.5, 50.0])  # met, and not
-def test_shear_growth_turns_with_the_scene_and_its_mirror_image(cohesion: float, direction: float) -> None:
-    limits, scale = Strength(tension=1.0, cohesion=cohesion, friction_angle=32.0), np.sqrt(2.0 * np.pi * RADIUS)
-    here, there, mirrored = (
-        shear_growth(near_field(-0.2 * scale, K_II * scale, -0.5, d, 1.5), limits)
-        for K_II, d in ((1.0, 0.0), (1.0, direction), (-1.0, 0.0))
-    )
-    assert here.branch == ("shear" if cohesion < 1.0 else "none")
-    assert (there.kink, there.criticality) == pytest.approx((here.kink, here.criticality), abs=1e-9)
-    assert (mirrored.kink, mirrored.criticality) == pytest.approx((-here.kink, here.criticality), abs=1e-9)
-
-
-def test_no_crack_grows_in_shear_on_rays_in_tension() -> None:
-    stretched, pressed = ((1.0, 1.0, 0.4), (-1.0, -1.0, 0.4))
-    assert shear_growth(uniform(stretched), WEAK_IN_SHEAR).criticality == 0.0
-    assert shear_growth(uniform(pressed), WEAK_IN_SHEAR).criticality > 1.0
-
-
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@of_all_criteria
 def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> None:
     """What judges a start sees K_Ic in mode I at its strength, over the radius that is taken there."""
     limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0, toughness=4e4)
@@ -457,7 +345,7 @@ def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> No
     assert criterion.judge_starts([site], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@of_all_criteria
 def test_a_branch_that_is_met_stays_met_as_the_load_rises(criterion: Criterion) -> None:
     """The criticality does: from shear's to tension's where that comes first, though shear was met at a lower load."""
     rng, fell, weak = np.random.default_rng(5), False, replace(ROCK, cohesion=1.0)
@@ -473,7 +361,7 @@ def test_a_branch_that_is_met_stays_met_as_the_load_rises(criterion: Criterion) 
     assert fell == (criterion.name != "max_hoop_stress")
 
 
-@pytest.mark.parametrize("criterion", CRITERIA.values(), ids=CRITERIA.keys())
+@of_all_criteria
 def test_a_site_is_judged_alike_alone_and_among_others(criterion: Criterion) -> None:
     """Sites of all directions, with rays that cracks hide, with other rays, with none ahead, tough in shear."""
     rng = np.random.default_rng(3)

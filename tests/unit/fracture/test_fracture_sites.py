@@ -13,6 +13,10 @@ from tests.near_tips import site_fields
 
 APART = 0.5
 BENT = [(2.0, 6.1), (6.05, 6.1), (8.05, 6.1 + 2.0 * np.sqrt(3.0))]  # turns by 60 degrees
+GENTLE = [(2.0, 6.1), (6.05, 6.1), (10.05, 7.1)]
+WALL, GUEST = [(6.05, 2.0), (6.05, 10.0)], [(2.0, 6.1), (6.05, 6.1)]
+KINK = (6.05, 6.1)
+SLIGHT = np.rad2deg(np.arctan(0.25)) / 2  # half of the turn of GENTLE
 
 
 def looked(on_cracks: bool = False, on_rims: bool = False, in_rock: bool = False) -> Looked:
@@ -31,35 +35,25 @@ def plate(build, *cracks):
     return build.sample((0.0, 0.0), (12.0, 12.0), given, support=2.0, spacing=1.0)
 
 
-def degrees(found: list[Site]) -> list[tuple[float, float]]:
-    ways = [(np.rad2deg(site.direction) % 360.0, np.rad2deg(site.half_width)) for site in found]
-    return sorted((round(direction, 6), round(width, 6)) for direction, width in ways)
+CORNERS = [
+    ([BENT], [], [(0, 120.0, 30.0), (0, 300.0, 90.0)]),  # a corner of rock on either side of a kink
+    ([GENTLE], [], []),
+    ([GENTLE], [KINK], [(0, 90.0 + SLIGHT, 60.0 - SLIGHT), (0, 270.0 + SLIGHT, 60.0 + SLIGHT)]),  # where growth began
+    ([GUEST], [KINK], []),  # an end of a crack
+    ([WALL, GUEST], [], [(1, 0.0, 60.0), (1, 135.0, 15.0), (1, 225.0, 15.0)]),  # behind WALL the guest may go on
+]
 
 
-def test_a_kink_has_a_corner_of_rock_on_either_side(build) -> None:
-    found = sites(plate(build, BENT), looked(on_cracks=True))
-    np.testing.assert_allclose([site.point for site in found], [BENT[1]] * 2, atol=1e-8)
-    assert degrees(found) == [(120.0, 30.0), (300.0, 90.0)]
-    assert {(site.kind, site.crack) for site in found} == {("crack", 0)}
-
-
-def test_a_gentle_bend_has_none_unless_growth_began_there(build) -> None:
-    gentle = [(2.0, 6.1), (6.05, 6.1), (10.05, 7.1)]
-    sample = plate(build, gentle)
-    assert sites(sample, looked(on_cracks=True)) == []
-    assert len(sites(sample, looked(on_cracks=True), [np.array(gentle[1])])) == 2
-
-
-def test_an_end_of_a_crack_is_no_start(build) -> None:
-    sample = plate(build, [(2.0, 6.1), (6.05, 6.1)])
-    assert sites(sample, looked(on_cracks=True), [np.array([6.05, 6.1])]) == []
-
-
-def test_behind_a_crack_another_one_that_ends_on_it_may_go_on(build) -> None:
-    wall, guest = [(6.05, 2.0), (6.05, 10.0)], [(2.0, 6.1), (6.05, 6.1)]
-    found = sites(plate(build, wall, guest), looked(on_cracks=True))
-    assert degrees(found) == [(0.0, 60.0), (135.0, 15.0), (225.0, 15.0)]
-    assert {site.crack for site in found} == {1}
+@pytest.mark.parametrize(("cracks", "began", "ways"), CORNERS)
+def test_starts_on_cracks_are_the_corners_of_rock(build, cracks: list, began: list, ways: list) -> None:
+    """Crack, direction and half width in degrees of the corners at the kink or junction."""
+    found = sites(plate(build, *cracks), looked(on_cracks=True), [np.array(place) for place in began])
+    assert len(found) == len(ways)
+    for site in found:
+        assert site.kind == "crack"
+        np.testing.assert_allclose(site.point, KINK, atol=1e-8)
+    degrees = [(site.crack, np.rad2deg(site.direction) % 360.0, np.rad2deg(site.half_width)) for site in found]
+    np.testing.assert_allclose(np.reshape(sorted(degrees), (-1, 3)), np.reshape(ways, (-1, 3)), atol=1e-6)
 
 
 def test_starts_on_rims_look_into_the_rock_and_keep_clear_of_cracks(build) -> None:
@@ -73,17 +67,14 @@ def test_starts_on_rims_look_into_the_rock_and_keep_clear_of_cracks(build) -> No
 
 
 def test_points_of_the_rock_keep_clear_of_rims_and_cracks(build) -> None:
+    """Rock without strength has no starts at all."""
     found = sites(plate(build, [(2.0, 5.0), (10.0, 5.0)]), looked(in_rock=True))
     points = np.array([site.point for site in found])
     assert points.min() >= APART
     assert points.max() <= 12.0 - APART
     across = np.maximum(np.maximum(2.0 - points[:, 0], points[:, 0] - 10.0), 0.0)
     assert np.hypot(across, points[:, 1] - 5.0).min() > APART
-
-
-def test_rock_without_strength_has_no_starts(build) -> None:
-    everywhere = Looked(True, True, True, 2.0, (None,))
-    assert sites(plate(build, BENT), everywhere) == []
+    assert sites(plate(build, BENT), Looked(True, True, True, 2.0, (None,))) == []
 
 
 @pytest.mark.parametrize("where", [looked(on_rims=True), looked(in_rock=True)], ids=["rims", "rock"])

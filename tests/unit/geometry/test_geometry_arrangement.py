@@ -12,42 +12,24 @@ from crackgrow.geometry.tolerance import GRID
 FRAME = [[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]]
 
 
-def lines(*parts: list[list[float]]) -> list[shapely.LineString]:
-    return [shapely.LineString(part) for part in parts]
-
-
-def faces(parts: list[shapely.LineString]) -> np.ndarray:
-    return faces_of([shapely.MultiLineString(parts)])[0]
-
-
 def arrangement(*parts: list[list[float]]):
-    polygons = faces(lines(*parts))
+    polygons = faces_of([shapely.MultiLineString(list(parts))])[0]
     points, end, face = ring_vertices(polygons)
     ids = vertex_ids(points)
     return polygons, points, ids, edges_between(Rings(ids, ids[end], face), len(points))
 
 
-def test_random_lines_leave_no_gap_and_no_overlap() -> None:
-    """Euler: faces = edges - vertices + 1; the areas sum to the frame's."""
+def test_random_lines_leave_no_gap_and_no_overlap_and_share_their_vertices_exactly() -> None:
+    """Euler: faces = edges - vertices + 1; the areas sum to the frame's; vertices lie on the grid."""
     rng = np.random.default_rng(1)
-    cuts = [rng.uniform(-1, 5, (2, 2)).tolist() for _ in range(12)]
-    clipped = [shapely.intersection(line, shapely.Polygon(FRAME)) for line in lines(*cuts)]
-    through = [line for line in clipped if line.length > 0.0]
-    polygons = faces([*lines(FRAME), *through])
-    points, end, face = ring_vertices(polygons)
-    ids = vertex_ids(points)
-    edges = edges_between(Rings(ids, ids[end], face), len(points))
+    frame = shapely.Polygon(FRAME)
+    clipped = [shapely.intersection(shapely.LineString(rng.uniform(-1, 5, (2, 2))), frame) for _ in range(12)]
+    parts = [shapely.get_coordinates(line).tolist() for line in clipped if line.length > 0.0]
+    polygons, points, ids, edges = arrangement(FRAME, *parts)
     assert shapely.area(polygons).sum() == pytest.approx(12.0, rel=1e-8)  # snapping moves the rim by 1e-9
     assert len(polygons) == len(edges.a) - len(np.unique(ids)) + 1
-
-
-def test_vertices_lie_on_the_grid_and_are_shared_exactly() -> None:
-    polygons, points, ids, _ = arrangement(FRAME, [[0, 0.1], [4, 2.7]], [[0.3, 3], [3.7, 0]], [[0, 1 / 3], [4, 1 / 3]])
     np.testing.assert_array_equal(points / GRID, np.rint(points / GRID))
-    for vertex in np.unique(ids):
-        assert len(np.unique(points[ids == vertex], axis=0)) == 1
-    assert len(np.unique(points, axis=0)) == len(np.unique(ids))
-    assert len(polygons) == 7
+    assert len(np.unique(points, axis=0)) == len(np.unique(ids)) == len(np.unique(np.c_[points, ids], axis=0))
 
 
 def test_edges_pair_the_face_on_the_left_with_the_face_on_the_right() -> None:

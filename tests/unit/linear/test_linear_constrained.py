@@ -1,12 +1,13 @@
-"""The constrained solve: exact constraints, repeated and contradicting ones, singular systems."""
+"""The constrained solve: exact constraints, repeated and contradicting ones, singular systems; symmetric matrices."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array, diags_array
 
-from crackgrow.case.model import PointSupport
 from crackgrow.errors import SolveError
 from crackgrow.linear import ConstrainedSystem, symmetric
 from crackgrow.linear.factorization import Factorization
@@ -41,13 +42,26 @@ def test_factorization_solves_badly_scaled_matrices() -> None:
     np.testing.assert_allclose(u, x, rtol=1e-8)
 
 
-def test_constrained_solution_satisfies_both_equations() -> None:
-    stiffness, constraints = definite(42), rows({0: 1.0}, {4: 0.5, 5: 0.5}, {N - 1: 1.0, 0: 2.0})
-    rng = np.random.default_rng(43)
-    loads, given = rng.normal(size=N), rng.normal(size=3)
-    u, m = ConstrainedSystem(stiffness, constraints).solve(loads, given)
-    np.testing.assert_allclose(constraints @ u, given, atol=1e-12)
-    np.testing.assert_allclose(stiffness @ u + constraints.T @ m, loads, atol=1e-11)
+APART = rows({0: 1.0}, {4: 0.5, 5: 0.5}, {N - 1: 1.0, 0: 2.0})
+REPEATED = rows({0: 1.0}, {0: 1.0}, {0: 2.0, 3: 1.0}, {3: 1.0})
+
+
+@pytest.mark.parametrize(
+    ("matrix", "constraints"), [(definite(42), APART), (chain(), REPEATED)], ids=["apart", "repeated"]
+)
+def test_solutions_satisfy_both_equations_for_one_load_and_for_many(matrix: csc_array, constraints: csr_array) -> None:
+    """With prescribed values that are the same for all loads, or their own; one by one the solutions are the same."""
+    rng, system = np.random.default_rng(43), ConstrainedSystem(matrix, constraints)
+    loads, own = rng.normal(size=(N, 4)), constraints @ rng.normal(size=(N, 4))
+    for given in (own, own[:, 0], None):
+        together, multipliers = system.solve(loads, given)
+        for k in range(4):
+            mine = given if given is None or given.ndim == 1 else given[:, k]
+            u, m = system.solve(loads[:, k], mine)
+            np.testing.assert_allclose(constraints @ u, 0.0 if mine is None else mine, atol=1e-12)
+            np.testing.assert_allclose(matrix @ u + constraints.T @ m, loads[:, k], atol=1e-11)
+            np.testing.assert_allclose(together[:, k], u, atol=1e-13)
+            np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
 
 
 def test_answer_does_not_depend_on_the_scale_of_a_constraint() -> None:
@@ -86,16 +100,6 @@ def test_bits_of_a_solution_do_not_depend_on_what_was_solved_for_before(n_constr
         np.testing.assert_array_equal(after, before)
 
 
-def test_repeated_constraints_that_agree_are_fine() -> None:
-    constraints = rows({0: 1.0}, {0: 1.0}, {0: 2.0, 3: 1.0}, {3: 1.0})
-    loads = np.zeros(N)
-    loads[-1] = 1.0
-    given = np.array([0.5, 0.5, 1.0 + 3.0, 3.0])
-    u, m = ConstrainedSystem(chain(), constraints).solve(loads, given)
-    np.testing.assert_allclose(constraints @ u, given, atol=1e-10)
-    np.testing.assert_allclose(chain() @ u + constraints.T @ m, loads, atol=1e-10)
-
-
 def dependent(seed: int) -> csr_array:
     """Three constraints, and a fourth that is the sum of two."""
     own = np.random.default_rng(seed).normal(size=(3, N))
@@ -105,19 +109,17 @@ def dependent(seed: int) -> csr_array:
 @pytest.mark.parametrize("scale", [1e-30, 1.0, 1e9])
 @pytest.mark.parametrize("load", [0.0, 1.0, 1e12])
 def test_constraints_that_contradict_are_refused_whatever_acts_besides(load: float, scale: float) -> None:
-    """The size of loads, and what they displace, does not hide it."""
-    system = ConstrainedSystem(definite(45), dependent(7))
+    """Neither loads, and what they displace, nor what other constraints prescribe hides it; nor other load cases."""
+    system, loads = ConstrainedSystem(definite(45), dependent(7)), np.full(N, load * scale)
+    agreed = scale * np.array([1.0, 2.0, 0.0, 3.0])
+    contradicting = agreed + scale * np.array([0.0, 0.0, 0.0, 1e-5])
+    for given in (contradicting, np.stack([agreed, contradicting], axis=1)):
+        with pytest.raises(SolveError, match="contradict each other by"):
+            system.solve(loads if given.ndim == 1 else np.stack([loads, loads], axis=1), given)
+    assert np.isfinite(system.solve(loads, agreed)[0]).all()
+    beside_a_far_larger_value = ConstrainedSystem(definite(45), csr_array(np.eye(N)[[0, 0, 3]]))
     with pytest.raises(SolveError, match="contradict each other"):
-        system.solve(np.full(N, load * scale), scale * np.array([1.0, 2.0, 0.0, 3.0 + 1e-5]))
-    u, _ = system.solve(np.full(N, load * scale), scale * np.array([1.0, 2.0, 0.0, 3.0]))
-    assert np.isfinite(u).all()
-
-
-def test_a_contradiction_is_not_hidden_by_what_other_constraints_prescribe() -> None:
-    """One unknown is given two values, and another one a far larger value."""
-    constraints = csr_array(np.eye(N)[[0, 0, 3]])
-    with pytest.raises(SolveError, match="contradict each other"):
-        ConstrainedSystem(definite(45), constraints).solve(np.zeros(N), np.array([1.0, 2.0, 1e7]))
+        beside_a_far_larger_value.solve(loads, scale * np.array([1.0, 2.0, 1e7]))
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -138,60 +140,6 @@ def test_loads_may_be_as_small_as_numbers_are(size: float) -> None:
     assert np.isfinite(m).all()
 
 
-def test_several_loads_at_once_are_solved_column_by_column() -> None:
-    system = ConstrainedSystem(definite(45), rows({0: 1.0}, {9: 1.0}))
-    loads = np.random.default_rng(46).normal(size=(N, 4))
-    together, multipliers = system.solve(loads)
-    for k in range(4):
-        u, m = system.solve(loads[:, k])
-        np.testing.assert_allclose(together[:, k], u, atol=1e-13)
-        np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
-
-
-@pytest.mark.parametrize("own", [False, True])
-def test_several_loads_at_once_take_prescribed_values(own: bool) -> None:
-    """The same for all of them, or their own."""
-    system = ConstrainedSystem(definite(45), rows({0: 1.0}, {9: 1.0}))
-    loads, given = np.random.default_rng(46).normal(size=(N, 4)), np.random.default_rng(47).normal(size=(2, 4))
-    together, multipliers = system.solve(loads, given if own else given[:, 0])
-    for k in range(4):
-        u, m = system.solve(loads[:, k], given[:, k if own else 0])
-        np.testing.assert_allclose(together[:, k], u, atol=1e-13)
-        np.testing.assert_allclose(multipliers[:, k], m, atol=1e-12)
-    contradicting = ConstrainedSystem(definite(45), rows({0: 1.0}, {0: 1.0}))
-    with pytest.raises(SolveError, match="contradict each other by"):
-        contradicting.solve(loads, np.array([[0.0, 0.0, 0.0, 1.0], [0.0, 0.0, 0.0, 2.0]]))
-
-
-def test_refinement_that_is_not_needed_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The residual of a well-conditioned matrix is round-off at once; that of a rough factorization is not."""
-    exact, error, n_solves = Factorization.solve, 0.0, 0
-
-    def counted(self: Factorization, *right: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        nonlocal n_solves
-        n_solves += 1
-        u, multipliers = exact(self, *right)
-        return (1.0 + error) * u, multipliers
-
-    monkeypatch.setattr(Factorization, "solve", counted)
-    loads = np.random.default_rng(49).normal(size=N)
-    system = ConstrainedSystem(definite(47), csr_array((0, N)))
-    u, _ = system.solve(loads)
-    assert n_solves == 1
-    error = 1e-5
-    rough, _ = system.solve(loads)
-    assert n_solves > 3
-    np.testing.assert_allclose(rough, u, atol=1e-12 * np.abs(u).max())
-
-
-def test_solving_does_not_change_the_system() -> None:
-    system = ConstrainedSystem(definite(47), rows({0: 1.0}))
-    a, b = np.random.default_rng(48).normal(size=(2, N))
-    first = system.solve(a, np.ones(1))[0]
-    system.solve(b)
-    np.testing.assert_array_equal(system.solve(a, np.ones(1))[0], first)
-
-
 def test_a_free_body_stays_where_it_is_if_nothing_pushes_it() -> None:
     """Springs between pairs of unknowns: what stretches them is found, where they lie is not arbitrary."""
     disconnected = csc_array(np.kron(np.eye(N // 2), [[1.0, -1.0], [-1.0, 1.0]]))
@@ -201,35 +149,37 @@ def test_a_free_body_stays_where_it_is_if_nothing_pushes_it() -> None:
     assert np.abs(u).max() < 2.0
 
 
-def test_unknown_without_stiffness_is_refused() -> None:
-    matrix = np.eye(N)
-    matrix[3, 3] = 0.0
-    with pytest.raises(SolveError, match="1 of 30 unknowns have no stiffness"):
-        Factorization(symmetric(csc_array(matrix)), csr_array((0, N)))
-
-
-def test_entries_that_are_not_finite_are_refused() -> None:
-    matrix = np.eye(N)
-    matrix[3, 3] = np.nan
-    with pytest.raises(SolveError, match="not finite"):
-        Factorization(symmetric(csc_array(matrix)), csr_array((0, N)))
-
-
-HALVES = [(0.5, 2.3), (6.5, 3.6)]
-
-
 @pytest.mark.parametrize(
-    ("cracks", "held"),
-    [
-        ([], []),
-        ([], [((0.5, 0.5), (0.0, 0.0))]),
-        ([], [((0.5, 0.5), (None, 0.0)), ((6.5, 0.5), (None, 0.0))]),
-        ([(HALVES, (False, False))], [((0.5, 0.5), (0.0, 0.0)), ((6.5, 0.5), (None, 0.0))]),
-    ],
-    ids=["free", "free to turn", "free to slide", "upper half free"],
+    ("value", "words"), [(0.0, "1 of 30 unknowns have no stiffness"), (np.nan, "not finite")], ids=["zero", "nan"]
 )
-def test_body_that_is_free_to_move_is_refused(build, cracks: list, held: list) -> None:
-    sample = build.block((6, 5), [build.crack(points, tips) for points, tips in cracks])
-    supports = [PointSupport("rock", np.array(point), displacement) for point, displacement in held]
-    with pytest.raises(SolveError, match="free to move"):
-        sample.solve(supports, {"top": (0.1, 1.0), "right": (0.3, 0.0)})
+def test_unknowns_without_stiffness_and_entries_that_are_no_numbers_are_refused(value: float, words: str) -> None:
+    matrix = np.eye(N)
+    matrix[3, 3] = value
+    with pytest.raises(SolveError, match=words):
+        Factorization(symmetric(csc_array(matrix)), csr_array((0, N)))
+
+
+@pytest.mark.parametrize("n", [1, 2, 9])
+def test_a_symmetric_matrix_by_its_lower_blocks_can_what_the_dense_one_can(n: int) -> None:
+    """Of a random matrix of n functions, some of which have no block with themselves."""
+    rng = np.random.default_rng(61)
+    dense = rng.normal(size=(2 * n, 2 * n)) * (rng.uniform(size=(2 * n, 2 * n)) < 0.2)
+    dense += dense.T
+    found = symmetric(csc_array(dense))
+    vectors = rng.normal(size=(2 * n, 3))
+    for some in (vectors, vectors[:, 0]):
+        np.testing.assert_allclose(found @ some, dense @ some, atol=1e-14)
+        np.testing.assert_allclose(found.sizes(some), np.abs(dense) @ np.abs(some), atol=1e-14)
+    assert found.tocsc().nnz == np.count_nonzero(dense)
+    np.testing.assert_array_equal(found.diagonal(), dense.diagonal())
+    assert found.largest() == np.abs(dense).max()
+    assert np.isnan(replace(found, block=np.full_like(found.block, np.nan)).largest())
+    for row in range(n):
+        columns = found.column[found.start[row] : found.start[row + 1]]
+        assert (np.diff(columns) > 0).all()
+        assert columns[-1] == row
+    places, values = np.array([0, 2 * n - 1, 2 * n - 1]), np.array([1.0, 2.0, 4.0])
+    more = found.with_diagonal(places, values)
+    np.testing.assert_array_equal(found.tocsc().toarray(), dense)
+    np.add.at(dense, (places, places), values)
+    np.testing.assert_array_equal(more.tocsc().toarray(), dense)

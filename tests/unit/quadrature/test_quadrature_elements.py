@@ -1,4 +1,4 @@
-"""The points of all elements: area, place, and singular functions round the tips."""
+"""The points of all elements: in them, on their rims, and singular functions round the tips."""
 
 from __future__ import annotations
 
@@ -8,41 +8,65 @@ import shapely
 from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import element_points, triangulate
+from crackgrow.quadrature.rims import points_on_edges, rim_points
+from crackgrow.ragged import Ragged
 from tests.unit.cover_tables import areas, tile_boxes
 
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 
 
-@pytest.mark.parametrize("n", [2, 4])
+@pytest.mark.parametrize("n", [2, 3, 4])
 @pytest.mark.parametrize("support", SUPPORTS)
-def test_weights_sum_to_the_area(build, support: float, n: int) -> None:
+def test_points_lie_in_their_elements_and_weights_sum_to_the_areas(build, support: float, n: int) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], support)
+    elements = sample.cover.elements
     points = element_points(sample.cover, n)
-    assert points.weights.min() > 0.0
-    assert points.weights.sum() == pytest.approx(30.0, rel=1e-9)  # the arrangement's grid
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_weights_sum_to_the_area_element_by_element(build, support: float) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], support)
-    elements = sample.cover.elements
-    points = element_points(sample.cover, 3)
-    sums = np.bincount(points.element, points.weights, elements.n)
     assert elements.n - elements.n_whole > 20
-    np.testing.assert_allclose(sums, areas(sample.lattice, elements), rtol=1e-9)
-
-
-@pytest.mark.parametrize("support", SUPPORTS)
-def test_points_lie_in_their_elements_sorted(build, support: float) -> None:
-    sample = build.block((6, 5), [build.crack(KINKED)], support)
-    elements = sample.cover.elements
-    points = element_points(sample.cover, 3)
+    assert points.weights.min() > 0.0
+    sums = np.bincount(points.element, points.weights, elements.n)
+    np.testing.assert_allclose(sums, areas(sample.lattice, elements), rtol=1e-9)  # the arrangement's grid
+    assert sums.sum() == pytest.approx(30.0, rel=1e-9)
     assert np.all(np.diff(points.element) >= 0)
     cut = points.element >= elements.n_whole
     polygons = elements.polygons[points.element[cut] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points.points[cut])).max() < 1e-12
-    np.testing.assert_array_equal(np.unique(points.element), np.arange(elements.n))
+
+
+@pytest.mark.parametrize(("support", "levels"), [*((support, 0) for support in SUPPORTS), (2.0, 2), (1.5, 5)])
+def test_rims_close_give_the_areas_and_are_shared_by_neighbours(build, support: float, levels: int) -> None:
+    """By the divergence theorem; points that only one element has lie on the outline, among cells of any size."""
+    sample = build.block((9, 8), [build.crack(KINKED)], support, levels, [KINKED[0], (6.2, 5.7)])
+    cover, rim = sample.cover, rim_points(sample.cover)
+    assert np.all(np.diff(rim.element) >= 0)
+    for axis in range(2):
+        closed = np.bincount(rim.element, rim.normals[:, axis], cover.elements.n)
+        area = np.bincount(rim.element, rim.points[:, axis] * rim.normals[:, axis], cover.elements.n)
+        np.testing.assert_allclose(closed, 0.0, atol=1e-13)
+        np.testing.assert_allclose(area, areas(cover.lattice, cover.elements), atol=1e-13)
+    places, which, n = np.unique(rim.points, axis=0, return_inverse=True, return_counts=True)
+    total = np.stack([np.bincount(which, normal) for normal in rim.normals.T], axis=1)
+    assert (n == 2).sum() > 200
+    np.testing.assert_array_equal(total[n == 2], 0.0)
+    assert shapely.distance(sample.region.boundary, shapely.points(places[n == 1])).max() < 1e-9
+    assert n.max() == 2
+
+
+@pytest.mark.parametrize("distance", [0.0, 1e-6, 1e-3, 0.2])
+def test_square_root_of_the_distance_from_a_tip_is_integrated_along_edges(build, distance: float) -> None:
+    cover = build.block((6, 5), [build.crack(KINKED)], 2.0).cover
+    tip = cover.tips[0].point
+    ends = tip + np.array([[(-0.3, distance), (0.6, distance)], [(0.0, distance), (0.0, 0.7 + distance)]])
+    if distance == 0.0:
+        ends[0, 0] = tip
+    first_tip = Ragged(np.array([0, 1, 2]), np.array([0, 0]))  # on both edges
+    edge, points, lengths = points_on_edges(cover, ends, first_tip)
+    root = np.sqrt(np.hypot(*(points - tip).T))
+    fine = (np.arange(400_000) + 0.5) / 400_000
+    for number, (start, end) in enumerate(ends):
+        at = start + fine[:, None] * (end - start)
+        exact = np.sqrt(np.hypot(*(at - tip).T)).mean() * np.hypot(*(end - start))
+        assert lengths[edge == number] @ root[edge == number] == pytest.approx(exact, rel=1e-6)
 
 
 def disc_free_integral(box: shapely.Polygon, tip: np.ndarray, power: float) -> float:
@@ -73,33 +97,24 @@ TIPS = {
 
 
 @pytest.mark.parametrize("levels", [0, 4, 8])
-@pytest.mark.parametrize(
-    ("place", "power", "tolerance"),
-    [*((place, *rule) for place in TIPS for rule in ((-0.5, 1e-4), (-1.0, 1e-3))), ("in small triangles", -1.0, 2e-6)],
-)
-def test_cells_round_a_tip_integrate_its_singularity(
-    build, place: str, power: float, tolerance: float, levels: int
-) -> None:
-    """r^(-1/2) and r^(-1) over the whole body by the rules for n = 3, whatever the place of the tip in its cell."""
+@pytest.mark.parametrize("place", TIPS)
+def test_cells_round_a_tip_integrate_its_singularity(build, place: str, levels: int) -> None:
+    """r^(-1/2) and r^(-1) over tiles round it by the rules for n = 3, whatever the place of the tip in its cell."""
     side, node = 0.5**levels, np.array(TIPS["on a node"])
     end = node + side * (np.array(TIPS[place]) - node)
     sample = build.block((6, 5), [build.crack([(0.5, 1.3), end], (False, True))], 1.5, levels, [end])
     tip = sample.cover.tips[0].point
     points = element_points(sample.cover, 3)
-    tiles = np.unique(sample.cover.elements.tile[points.element[_close(points.points, tip, side)]])
-    region = shapely.unary_union(
-        [shapely.box(*low, *high) for low, high in zip(*tile_boxes(sample.lattice, tiles), strict=True)]
-    ).buffer(0)
-    box = shapely.box(*region.bounds)
+    close = np.abs(points.points - tip).max(axis=1) < 0.3 * side
+    tiles = np.unique(sample.cover.elements.tile[points.element[close]])
+    low, high = tile_boxes(sample.lattice, tiles)
+    box = shapely.box(*low.min(axis=0), *high.max(axis=0))
     inside = shapely.contains_xy(box, points.points)
-    area = points.weights[inside].sum()
-    assert area == pytest.approx(box.area, rel=1e-4)
-    value = points.weights[inside] @ np.hypot(*(points.points[inside] - tip).T) ** power
-    assert value == pytest.approx(disc_free_integral(box, tip, power), rel=tolerance)
-
-
-def _close(points: np.ndarray, tip: np.ndarray, side: float) -> np.ndarray:
-    return np.abs(points - tip).max(axis=1) < 0.3 * side
+    weights, r = points.weights[inside], np.hypot(*(points.points[inside] - tip).T)
+    assert weights.sum() == pytest.approx(box.area, rel=1e-4)
+    assert weights @ r**-0.5 == pytest.approx(disc_free_integral(box, tip, -0.5), rel=1e-4)
+    tolerance = 2e-6 if place == "in small triangles" else 1e-3
+    assert weights @ r**-1.0 == pytest.approx(disc_free_integral(box, tip, -1.0), rel=tolerance)
 
 
 def test_triangles_fill_polygons_with_holes_and_use_their_corners_only() -> None:

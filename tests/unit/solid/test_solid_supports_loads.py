@@ -1,23 +1,26 @@
-"""Supports and loads: multipliers along edges, resultants of tractions."""
+"""Supports and loads: resultants of tractions, multipliers along edges, and motions that nothing holds."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import values_at
 from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.errors import GeometryError
+from crackgrow.errors import FreePieceError, GeometryError
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.recovery import displacement_at, stress_at
+from crackgrow.solid.rigid_modes import free_motions
 from crackgrow.solid.supports import EdgePoints, constraints, points_along
+from tests.conftest import Build, Sample
 
 SIDES = {"bottom": 6.0, "right": 5.0, "top": 6.0, "left": 5.0}
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
+MOUTH = [(0.5, 2.2), (3.1, 2.7)]
 
 
 def edge_points(cover: Cover, regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
@@ -32,90 +35,39 @@ def resultant(sample, f: np.ndarray) -> np.ndarray:
     return np.append(forces.sum(axis=0), moment)
 
 
+def water(at: np.ndarray) -> np.ndarray:
+    """A water table within a cell."""
+    return np.maximum(3.3 - at[:, 1], 0.0)
+
+
+def peak(at: np.ndarray) -> np.ndarray:
+    """A fiftieth of a cell wide, between the points of the edge."""
+    return np.exp(-(((at[:, 0] - 3.03) / 0.02) ** 2))
+
+
+PEAK = 0.02 * np.sqrt(np.pi)
+PARTS = {
+    **{edge: (EdgeTraction(Build.edge(edge), (2.0, -3.0)), middle, SIDES[edge] * np.array([2.0, -3.0]))
+       for edge, middle in (("bottom", (3.5, 0.5)), ("right", (6.5, 3.0)), ("top", (3.5, 5.5)), ("left", (0.5, 3.0)))},
+    **{f"pressure on {edge}": (EdgePressure(Build.edge(edge, 0.24, 0.72), 3.0), middle, 3.0 * 0.48 * np.array(inward))
+       for edge, middle, inward in (("bottom", (3.38, 0.5), (0.0, 6.0)), ("right", (6.5, 2.9), (-5.0, 0.0)),
+                                    ("top", (3.62, 5.5), (0.0, -6.0)), ("left", (0.5, 3.1), (5.0, 0.0)))},
+    "a part": (EdgeTraction(Build.edge("right", 0.24, 0.72), (1.0, 0.0)), (6.5, 2.9), (2.4, 0.0)),
+    "a peak": (EdgeTraction(Build.edge("top"), (0.0, peak)), (3.03, 5.5), (0.0, PEAK)),
+    "water": (EdgePressure(Build.edge("left"), water), (0.5, 0.5 + 2.8 / 3.0), (0.5 * 2.8**2, 0.0)),
+}  # fmt: skip
+"""Loads on edges, where their resultant acts, and the resultant."""
+
+
 @pytest.mark.parametrize("support", [1.5, 2.0])
-@pytest.mark.parametrize("edge", SIDES)
-def test_traction_has_its_resultant_force_and_moment(build, edge: str, support: float) -> None:
-    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))], support)
-    traction = (2.0, -3.0)
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge(edge), traction),), 4)
-    middle = {"bottom": (3.5, 0.5), "right": (6.5, 3.0), "top": (3.5, 5.5), "left": (0.5, 3.0)}[edge]
-    force = SIDES[edge] * np.array(traction)
-    moment = middle[0] * force[1] - middle[1] * force[0]
-    np.testing.assert_allclose(resultant(sample, f), [*force, moment], rtol=1e-7)  # ends are rounded by 1e-9
-
-
-def test_traction_on_a_part_of_an_edge_has_the_parts_resultant(build) -> None:
-    sample = build.block((6, 5), support=2.0)
-    region = build.edge("right", 0.24, 0.72)
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(region, (1.0, 0.0)),), 4)
-    np.testing.assert_allclose(resultant(sample, f), [2.4, 0.0, -2.4 * 2.9], atol=1e-8)
-
-
-def test_a_formula_that_varies_within_a_cell_has_its_resultant(build) -> None:
-    """A peak of a fiftieth of a cell between the points of the edge; a water table within a cell."""
-    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))], support=2.0)
-    place, width = 3.03, 0.02
-
-    def peak(at: np.ndarray) -> np.ndarray:
-        return np.exp(-(((at[:, 0] - place) / width) ** 2))
-
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge("top"), (0.0, peak)),), 4)
-    force = np.sqrt(np.pi) * width
-    np.testing.assert_allclose(resultant(sample, f), [0.0, force, place * force], atol=1e-5 * force)
-
-    def water(at: np.ndarray) -> np.ndarray:
-        return np.maximum(3.3 - at[:, 1], 0.0)
-
-    f = load_vector(sample.cover, (sample.body,), (EdgePressure(build.edge("left"), water),), 4)
-    force, depth = 0.5 * 2.8**2, 2.8  # from the ground at 0.5 up; a third of the depth above it
-    np.testing.assert_allclose(resultant(sample, f), [force, 0.0, -force * (0.5 + depth / 3.0)], atol=1e-5 * force)
-
-
-@pytest.mark.parametrize("edge", SIDES)
-def test_pressure_is_traction_into_the_rock(build, edge: str) -> None:
-    sample = build.block((6, 5), support=2.0)
-    inward = {"bottom": (0.0, 3.0), "right": (-3.0, 0.0), "top": (0.0, -3.0), "left": (3.0, 0.0)}[edge]
-    region = build.edge(edge, 0.24, 0.72)
-    f, same = (
-        load_vector(sample.cover, (sample.body,), (load,), 4)
-        for load in (EdgePressure(region, 3.0), EdgeTraction(region, inward))
-    )
-    np.testing.assert_allclose(f, same, atol=1e-14)
-
-
-def test_loads_add_up(build) -> None:
-    sample = build.block((6, 5))
-    one, two = (
-        EdgeTraction(build.edge("top"), (1.0, 2.0)),
-        EdgeTraction(build.edge("left"), (0.0, -1.0)),
-    )
-    together = load_vector(sample.cover, (sample.body,), (one, two), 4)
-    single = [load_vector(sample.cover, (sample.body,), (load,), 4) for load in (one, two)]
-    np.testing.assert_allclose(together, sum(single), atol=1e-15)
-
-
-@pytest.mark.parametrize("edge", SIDES)
-def test_edge_points_lie_on_the_edge_and_their_lengths_add_up(build, edge: str) -> None:
-    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
-    (found,) = edge_points(sample.cover, [build.edge(edge)])
-    length, s = found.lengths, found.s
-    metres = sample.lattice.to_metres(found.points)
-    axis, value = {"bottom": (1, 0.5), "right": (0, 6.5), "top": (1, 5.5), "left": (0, 0.5)}[edge]
-    np.testing.assert_allclose(metres[:, axis], value, rtol=1e-14)
-    assert length.sum() == pytest.approx(SIDES[edge], rel=1e-8)
-    assert 0.0 < s.min() < s.max() < SIDES[edge]
-    assert length @ s == pytest.approx(SIDES[edge] ** 2 / 2, rel=1e-8)
-    assert found.elements.min() >= 0
-
-
-def test_edge_points_of_several_regions_are_those_of_each(build) -> None:
-    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])  # one edge has its mouth
-    regions = [build.edge(edge) for edge in ("top", "left", "bottom")]
-    together = edge_points(sample.cover, regions)
-    for region, found in zip(regions, together, strict=True):
-        (alone,) = edge_points(sample.cover, [region])
-        for name in ("points", "lengths", "elements", "s"):
-            np.testing.assert_array_equal(getattr(found, name), getattr(alone, name))
+@pytest.mark.parametrize("name", PARTS)
+def test_loads_on_edges_have_their_resultant_force_and_moment(build, name: str, support: float) -> None:
+    sample = build.block((6, 5), [build.crack(MOUTH, (False, True))], support)
+    load, (x, y), (force_x, force_y) = PARTS[name]
+    found = resultant(sample, load_vector(sample.cover, (sample.body,), (load,), 4))
+    size = np.hypot(force_x, force_y)
+    tolerance = {"a peak": 1e-5, "water": 1e-5, "a part": 4e-9}.get(name, 5e-8)
+    np.testing.assert_allclose(found, [force_x, force_y, x * force_y - y * force_x], atol=tolerance * size)
 
 
 def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
@@ -181,7 +133,7 @@ def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
     np.testing.assert_array_equal(held.given, [0.3] * 6)
 
 
-def test_point_support_holds_the_point_exactly(build) -> None:
+def test_point_support_holds_the_point_exactly_and_lies_in_the_body(build) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)])
     place = np.array([5.2, 1.3])
     held = [PointSupport("rock", place, (0.02, -0.01)), PointSupport("rock", np.array([0.5, 0.5]), (None, 0.0))]
@@ -189,18 +141,63 @@ def test_point_support_holds_the_point_exactly(build) -> None:
     at = sample.lattice.to_lattice(place[None])
     element = locate(sample.lattice, sample.cover.elements, at)
     np.testing.assert_allclose(displacement_at(sample.cover, u, at, element), [[0.02, -0.01]], atol=1e-12)
-    matrix = values_at(sample.cover, at, element).rows
-    np.testing.assert_allclose(matrix @ u.reshape(-1, 2), [[0.02, -0.01]], atol=1e-12)
-
-
-def test_point_support_outside_is_refused_with_its_place(build) -> None:
-    sample = build.block((6, 5))
     with pytest.raises(GeometryError, match=r"\(7 m, 2 m\) lies outside"):
         constraints(sample.cover, (PointSupport("rock", np.array([7.0, 2.0]), (0.0, None)),))
+    assert constraints(sample.cover, ()).matrix.shape == (0, sample.cover.n_dofs)
 
 
-def test_no_supports_give_an_empty_matrix(build) -> None:
-    sample = build.block((6, 5))
-    held = constraints(sample.cover, ())
-    assert held.matrix.shape == (0, sample.cover.n_dofs)
-    assert held.given.shape == (0,)
+LOWER, UPPER = (2.0, 1.0), (8.0, 6.0)
+FREE, HELD = None, 0.0
+
+
+def body(build: type[Build], size: float = 1.0) -> Sample:
+    return build.sample(np.multiply(LOWER, size), np.multiply(UPPER, size), spacing=size)
+
+
+def at(x: float, y: float, displacement: tuple[float | None, float | None]) -> PointSupport:
+    return PointSupport("rock", np.array([x, y]), displacement)
+
+
+MOTIONS = [
+    ([], "translation in x and translation in y and rotation"),
+    ([at(3.0, 2.0, (HELD, FREE)), at(3.0, 5.0, (HELD, FREE))], "translation in y"),
+    ([at(3.0, 2.0, (FREE, HELD)), at(7.0, 2.0, (FREE, HELD))], "translation in x"),
+    ([at(3.0, 2.0, (HELD, HELD))], "rotation about (3 m, 2 m)"),
+    ([at(3.0, 2.0, (HELD, FREE)), at(7.0, 5.5, (FREE, HELD))], "rotation about (7 m, 2 m)"),
+    ([at(3.0, 2.0, (HELD, FREE))], "translation in y and rotation"),
+]
+IN_UNITS = [(1e-6, "(3 um, 2 um)"), (1.0, "(3 m, 2 m)"), (1e4, "(3e+04 m, 2e+04 m)")]
+
+
+def test_free_motions_are_named_in_any_unit_of_length(build: type[Build]) -> None:
+    for supports, motion in MOTIONS:
+        words = re.escape(f"is free to move: {motion}; it needs supports of its own")
+        with pytest.raises(FreePieceError, match=words):
+            body(build).system(supports)
+    for size, place in IN_UNITS:
+        with pytest.raises(FreePieceError, match=re.escape(f"rotation about {place}")):
+            body(build, size).system([at(3.0 * size, 2.0 * size, (HELD, HELD))])
+
+
+def test_piece_that_cracks_cut_off_is_named_with_its_place(build: type[Build]) -> None:
+    """A crack right through leaves the upper part without supports."""
+    cut = build.crack([(LOWER[0], 4.2), (UPPER[0], 4.2)], tips=(False, False))
+    sample = build.sample(LOWER, UPPER, [cut])
+    piece = r"the piece of body 'rock' round \(5 m, 5.* m\)"
+    with pytest.raises(FreePieceError, match=f"{piece} is free to move: translation in x and translation in y and rot"):
+        sample.system([EdgeSupport(build.edge("bottom"), (0.0, 0.0))])
+
+
+def test_loads_that_balance_by_themselves_pull_at_no_motion(build: type[Build]) -> None:
+    """Tractions of a uniform stress sum to nothing but for round-off, whose sign would press a piece on its contact."""
+    sample = body(build)
+    free = free_motions(sample.cover, constraints(sample.cover, ()).matrix)
+    tractions = {"bottom": (-0.3, 1.0), "top": (0.3, -1.0), "left": (2.0, -0.3), "right": (-2.0, 0.3)}
+
+    def pull(some: dict[str, tuple[float, float]]) -> np.ndarray:
+        loads = tuple(EdgeTraction(build.edge(edge), traction) for edge, traction in some.items())
+        return free.along(load_vector(sample.cover, (sample.body,), loads, 3))
+
+    assert not pull(tractions).any()
+    tractions["top"] = (0.3, -1.0 - 1e-9)
+    assert pull(tractions).any()

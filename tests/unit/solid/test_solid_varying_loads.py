@@ -88,29 +88,14 @@ def test_pressure_that_varies_along_a_crack_has_the_K_of_the_closed_form(tmp_pat
     assert by_tip["start"] == pytest.approx(0.514 * K, rel=0.003)
 
 
-def test_varying_pressure_is_the_sum_of_its_parts(tmp_path: Path) -> None:
-    whole = solved(tmp_path, CRACKED)
-    uniform = solved(tmp_path, CRACKED, ('"1e6*(1 + x/0.02)"', "1e6"))
-    rest = solved(tmp_path, CRACKED, ('"1e6*(1 + x/0.02)"', '"1e6*x/0.02"'))
-    for tip, one, other in zip(whole.tips, uniform.tips, rest.tips, strict=True):
-        assert pytest.approx(one.K_I + other.K_I, rel=1e-9) == tip.K_I
-
-
-def test_force_at_a_point_is_carried_by_the_supports(tmp_path: Path) -> None:
-    result = solved(tmp_path, PUSHED)
+def test_force_at_a_point_is_from_afar_a_traction_on_a_short_edge(tmp_path: Path) -> None:
+    edge = "{on: {body: rock, edge: top, from: 0.05, to: 0.15}, traction: [20 kPa, -50 kPa]}"
+    point = PUSHED.split("loads: [")[1].split("]\nnum")[0]
+    result, other = solved(tmp_path, PUSHED), solved(tmp_path, PUSHED, (point, edge))
     assert result.reactions[0].force == pytest.approx((-2000.0, 5000.0), rel=1e-9)
     assert any("acts on a point" in text for text in result.warnings)
-
-
-def test_force_at_a_point_is_a_traction_on_a_short_edge_from_afar(tmp_path: Path) -> None:
-    edge = "{on: {body: rock, edge: top, from: 0.05, to: 0.15}, traction: [20 kPa, -50 kPa]}"
-    results = [
-        solved(tmp_path, PUSHED),
-        solved(tmp_path, PUSHED, (PUSHED.split("loads: [")[1].split("]\nnum")[0], edge)),
-    ]
     for column in ("side.u_x", "side.u_y", "side.stress_yy"):
-        one, other = (seen(result, column) for result in results)
-        assert one == pytest.approx(other, rel=0.02)
+        assert seen(result, column) == pytest.approx(seen(other, column), rel=0.02)
 
 
 @pytest.mark.parametrize("text", [BEAM, CRACKED, PUSHED])
@@ -124,11 +109,9 @@ def test_case_with_varying_loads_reads_back(text: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "edits", "key", "words"),
     [
-        (BEAM, [('["0.1*y", 0]', '["0.1*z", 0]')], "loads.0.traction.0", "unknown name 'z'"),
         (BEAM, [('["0.1*y", 0]', '["1/y", 0]')], "loads.0.traction.0", "no finite value at"),
         (BEAM, [('["0.1*y", 0]', '["0.1 mm", 0]')], "loads.0.traction.0", "has a unit of length"),
         (CRACKED, [('"1e6*(1 + x/0.02)"', '"log(x)"')], "loads.0.pressure", "no finite value at"),
-        (CRACKED, [('"1e6*(1 + x/0.02)"', '"open(x)"')], "loads.0.pressure", "unknown function 'open'"),
         (PUSHED, [("at: [0.1, 1]", "at: [0.1, 1.2]")], "loads.0.at", "outside of body 'rock', 0.2 m from it"),
         (PUSHED, [("at: [0.1, 1]", "at: [0.1, 1], body: rok")], "loads.0.body", "did you mean 'rock'?"),
         (PUSHED, [("2 kN/m", "2 kPa")], "loads.0.force.0", "has a unit of stress"),
