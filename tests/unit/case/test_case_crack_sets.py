@@ -167,15 +167,6 @@ def test_an_end_on_or_near_another_trace_is_no_tip(off: float, tmp_path: Path):
     assert tips_of(beyond) == (TIPS if abs(off) < 3.0 else [("start", "end")] * 2)
 
 
-def test_what_is_brought_together_reads_back_to_the_same(tmp_path: Path):
-    lines: Lines = [[[200, 500], [800, 500]], [[502, 503], [500, 200]], [[300, 300], [300, 497], [300, 501]]]
-    case = load(tmp_path, lines, tolerance="5 mm")
-    again = Case.from_dict(case.to_dict())
-    assert [crack.points.tolist() for crack in again.cracks] == [crack.points.tolist() for crack in case.cracks]
-    assert tips_of(again) == tips_of(case) == [("start", "end"), ("end",), ("start",)]
-    assert dump_case(again) == dump_case(case)
-
-
 def test_ends_of_three_traces_near_each_other_become_one_place(tmp_path: Path):
     ways = np.deg2rad([90, 210, 330])
     lines = [

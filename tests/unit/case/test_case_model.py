@@ -23,7 +23,6 @@ from tests.unit.case.scenes import (
     EVERYTHING,
     NAMES,
     compression,
-    edited,
     faults_of,
     held,
     load,
@@ -356,10 +355,3 @@ def test_faults_of_mappings_name_keys_and_no_lines():
         Case.from_dict("title: x")
     with pytest.raises(TypeError, match=r"loads\.0: set given"):
         Case.from_dict({**PLATE, "loads": [{1, 2}]})
-
-
-def test_edge_support_with_part(tmp_path: Path):
-    path = edited(tmp_path, ("at: [0, -27.5] ", "on: {body: rock, edge: bottom, from: -5, to: 5} "))
-    support = load_case(path).supports[2]
-    assert isinstance(support, EdgeSupport)
-    np.testing.assert_allclose(support.region.limits, [[10.5 / 31, 20.5 / 31]], rtol=1e-14)  # a few roundings

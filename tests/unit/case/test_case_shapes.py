@@ -307,6 +307,13 @@ def test_rollers_hold_each_side_across_but_for_what_bodies_share():
     assert held_edges(Case.from_dict(case.to_dict())) == held_edges(case)
 
 
+def test_rollers_hold_each_side_of_an_edge_of_several_its_own_way():
+    body = {"shape": {"polygon": SQUARE}, "edges": {"wall": [0, 1, 2]}, "material": {"young": 1, "poisson": 0}}
+    case = outlined({}, [{"outline": "rollers"}], bodies={"rock": body})
+    walls = [(s.region.sides.tolist(), s.displacement) for s in case.supports if s.region.edge == "wall"]
+    assert walls == [([0], Y), ([1], X), ([2], Y)]
+
+
 def test_the_outline_of_one_body_and_of_bodies_round_others():
     """Other supports stay by their numbers, and bodies inside of others have no outline of their own."""
     other = {"on": {"body": "big", "edge": "left"}, "displacement": {"y": 0}}
