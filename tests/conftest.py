@@ -42,11 +42,11 @@ EDGES = ("bottom", "right", "top", "left")
 TESTS = Path(__file__).parent
 PHYSICS = (
     "properties/", "regression/", "stability/", "verification/",
-    "unit/case/test_case_features.py::test_displacement",
-    "unit/case/test_case_features.py::test_stress",
+    "unit/case/test_case_lengths.py::test_displacement",
+    "unit/case/test_case_lengths.py::test_stress",
     "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
-    "unit/case/test_case_joint_maps.py",
-    "unit/case/test_case_snapping.py::test_block_on_an_incline", "unit/contact/test_contact_limit.py",
+    "unit/case/test_case_maps.py::test_a_map", "unit/case/test_case_maps.py::test_the_shipped_map",
+    "unit/case/test_case_cracks.py::test_block_on_an_incline", "unit/contact/test_contact_limit.py",
     "unit/contact/test_condensation.py",
     "unit/contact/test_contact_tractions.py",
     "unit/cover/test_cover_elements.py::test_awkward_places",

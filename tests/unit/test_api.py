@@ -130,30 +130,21 @@ def test_there_is_nothing_outside_and_no_stress_at_a_tip() -> None:
     assert np.isfinite(solution.displacement_at(tip)).all()
     assert np.isfinite(solution.stress_at(tip + np.array([1e-5, 0.0]))).all()
     assert solution.stress_at(np.empty((0, 2))).shape == (0, 3)
+    for points in (1.0, [1.0, 2.0, 3.0], [[1.0], [2.0]]):
+        with pytest.raises(ValueError, match="x and y in m"):
+            solution.stress_at(points)
 
 
-@pytest.mark.parametrize("points", [1.0, [1.0, 2.0, 3.0], [[1.0], [2.0]]])
-def test_points_of_another_shape_are_refused(points: object) -> None:
-    solution = crackgrow.solve(case("compression30"))
-    with pytest.raises(ValueError, match="x and y in m"):
-        solution.stress_at(points)
-
-
-def test_warnings_are_told() -> None:
-    solution = crackgrow.solve(case("compression30", "numerics.spacing=3"))
+def test_what_notebooks_and_prompts_show(run: crackgrow.Run) -> None:
+    """Texts of a notebook are escaped, and what a prompt shows is one line."""
+    solution = crackgrow.solve(case("compression30", 'title="a < b"'))
+    shown = solution._repr_html_()
+    assert "a &lt; b" in shown
+    assert "<td>flaw</td>" in shown
     (warning,) = [text for text in solution.warnings if "no error is measured" in text]
     assert warning.startswith("step 0: ")
-    assert html.escape(warning) in solution._repr_html_()
-
-
-def test_summaries_for_notebooks_escape_the_title(run: crackgrow.Run) -> None:
-    solution = crackgrow.solve(case("compression30", 'title="a < b"'))
-    assert "a &lt; b" in solution._repr_html_()
-    assert "<td>flaw</td>" in solution._repr_html_()
+    assert html.escape(warning) in shown
     assert "completed: all 2 growth steps are done" in run._repr_html_()
-
-
-def test_what_a_prompt_shows_is_one_line(run: crackgrow.Run) -> None:
     assert repr(run) == "<Run of compression30: completed: all 2 growth steps are done>"
     assert repr(run.last) == "<Solution of compression30: step 2, load factor 1, 880 unknowns>"
     assert repr(run.case) == "<Case compression30: Closed crack at 30 degrees under uniaxial compression>"
@@ -212,15 +203,12 @@ def test_report_that_fails_is_a_note_to_what_ended_the_run(tmp_path: Path, monke
     ]
 
 
-@pytest.mark.parametrize("name", ["CaseError", "CrackgrowError", "GeometryError", "OccupiedError", "OutputError"])
-def test_errors_can_be_caught_by_the_names_in_the_docstrings(name: str) -> None:
-    assert issubclass(getattr(crackgrow, name), crackgrow.CrackgrowError)
-    assert name in dir(crackgrow)
-
-
-def test_public_names_are_few_and_there() -> None:
+def test_public_names_are_few_and_there_and_errors_are_of_one_kind() -> None:
     assert len(crackgrow.__all__) <= 23
     assert all(getattr(crackgrow, name) for name in crackgrow.__all__)
+    for name in ("CaseError", "CrackgrowError", "GeometryError", "OccupiedError", "OutputError"):
+        assert issubclass(getattr(crackgrow, name), crackgrow.CrackgrowError)
+        assert name in dir(crackgrow)
     with pytest.raises(AttributeError, match="has no attribute 'rendered'"):
         crackgrow.rendered  # noqa: B018
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
@@ -22,6 +22,7 @@ RESULTS_MAY_READ = (
     "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.caution",
     "crackgrow.run.result", "crackgrow.results",
 )  # fmt: skip
+COMPRESSION = str(ROOT.parent / "cases" / "compression30.yaml")
 ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m
 
 
@@ -38,13 +39,16 @@ def imported(source: str, package: str) -> Iterator[str]:
             yield from (f"{base}.{alias.name}" for alias in node.names)
 
 
-def faults(layer: str, source: str, package: str) -> list[str]:
-    """Imports of a module in `layer` that break the order."""
+def offences(layer: str, source: str, package: str) -> list[str]:
+    """Imports of a module in `layer` that break the order, or go past the door of the direct solver."""
     own = [name for name in imported(source, package) if name.split(".")[0] == "crackgrow"]
     if layer == "results":
-        return [name for name in own if not any(allowed_in_results(name, home) for home in RESULTS_MAY_READ)]
-    below = LAYERS[: LAYERS.index(layer) + 1]
-    return [name for name in own if name.count(".") and name.split(".")[1] not in (*below, "__version__")]
+        broken = [name for name in own if not any(allowed_in_results(name, home) for home in RESULTS_MAY_READ)]
+    else:
+        below = LAYERS[: LAYERS.index(layer) + 1]
+        broken = [name for name in own if name.count(".") and name.split(".")[1] not in (*below, "__version__")]
+    solver = [name for name in own if name.startswith("crackgrow.linear") and layer != "linear"]
+    return broken + [n for n in solver if n.removeprefix("crackgrow.linear.") not in crackgrow.linear.__all__]
 
 
 def allowed_in_results(name: str, home: str) -> bool:
@@ -53,75 +57,47 @@ def allowed_in_results(name: str, home: str) -> bool:
     return name == home or name.startswith(f"{home}.")
 
 
-def behind_the_door(source: str, package: str) -> list[str]:
-    """What a module of another package imports of the direct solver besides its door."""
-    own = [name for name in imported(source, package) if name.startswith("crackgrow.linear")]
-    return [name for name in own if name.removeprefix("crackgrow.linear.") not in crackgrow.linear.__all__]
-
-
 def test_modules_import_from_their_layer_and_below_and_the_direct_solver_has_one_door() -> None:
     offenders = {}
     for path in sorted(path for path in ROOT.rglob("*.py") if str(path.relative_to(ROOT)) not in ENTRIES):
         parts, source = path.relative_to(ROOT).with_suffix("").parts, path.read_text(encoding="utf-8")
         package = ".".join(["crackgrow", *parts[:-1]])
-        found = faults(parts[0], source, package) if parts[0] in LAYERS else ["no known layer"]
-        found += behind_the_door(source, package) if parts[0] != "linear" else []
+        found = offences(parts[0], source, package) if parts[0] in LAYERS else ["no known layer"]
         offenders |= {str(path.relative_to(ROOT)): found} if found else {}
     assert offenders == {}
+    assert offences("solid", "def f():\n    from ..fracture import tips", "crackgrow.solid")
+    assert offences("results", "from crackgrow.run import grow", "crackgrow.results")
+    assert offences("solid", "from crackgrow.linear.fronts import fronts_of", "crackgrow.solid")
 
 
-@pytest.mark.parametrize(
-    ("layer", "source"),
-    [
-        ("solid", "from crackgrow.contact import law"),
-        ("solid", "def f():\n    from ..fracture import tips"),
-        ("errors", "from crackgrow import case"),
-        ("results", "from crackgrow.run import grow"),
-    ],
-)
-def test_import_up_the_layers_is_found(layer: str, source: str) -> None:
-    assert faults(layer, source, f"crackgrow.{layer}")
-    assert behind_the_door("from crackgrow.linear.fronts import fronts_of", "crackgrow.solid")
+def loads_none(heavy: Sequence[str], code: str) -> None:
+    """Run lines in a program of their own, which tells no error and has loaded none of these modules."""
+    code = f"import contextlib, io, sys\n{code}\nsys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
 
 
 def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
     """With frames, figures and report, as it writes them by default."""
-    heavy = (
-        "pyvista",
-        "vtkmodules",
-        "pandas",
-        "scipy.optimize",
-        "scipy.spatial",
-        "scipy.stats",
-        "matplotlib.pyplot",
-        "dask",
-    )
-    arguments = ["run", str(ROOT.parent / "cases" / "compression30.yaml"), "--out", str(tmp_path), "--quiet"]
+    heavy = ["pyvista", "vtkmodules", "pandas", "matplotlib.pyplot", "dask"]
+    heavy += ["scipy.optimize", "scipy.spatial", "scipy.stats"]
+    arguments = ["run", COMPRESSION, "--out", str(tmp_path), "--quiet"]
     arguments += ["--set", "growth.steps=0", "--set", "numerics.spacing=3"]
-    code = f"import sys, crackgrow.cli; crackgrow.cli.main({arguments})"
-    code += f"; sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+    loads_none(heavy, f"import crackgrow.cli; crackgrow.cli.main({arguments})")
     assert {"frames", "figures", "report.html"} <= {path.name for path in tmp_path.iterdir()}
 
 
 @pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "--help"], ["completion", "bash"]])
 def test_what_needs_no_numbers_loads_no_numpy(words: list[str]) -> None:
     """The version not even the commands: it takes no longer than Python itself, nearly."""
-    heavy = ("numpy", "scipy", "shapely", "yaml", *(["argparse"] if words == ["--version"] else []))
+    heavy = ["numpy", "scipy", "shapely", "yaml", *(["argparse"] if words == ["--version"] else [])]
     code = f"""
-import contextlib, io, sys
 from crackgrow.cli import main
 with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
     main({words})
 assert told.getvalue()
-sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
-
-
-COMPRESSION = str(ROOT.parent / "cases" / "compression30.yaml")
+    loads_none(heavy, code)
 
 
 @pytest.mark.parametrize(
@@ -135,12 +111,9 @@ def test_only_what_solves_loads_scipy_and_the_compiler(words: list[str], tmp_pat
         make_run(tmp_path, ["growth.steps=0"])
         words = ["report", str(tmp_path)]
     code = f"""
-import contextlib, io, sys
 import crackgrow
 from crackgrow.cli import main
 with contextlib.redirect_stdout(io.StringIO()):
     assert not {words} or main({words}) == 0
-sys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)
 """
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT.parent, check=False)
-    assert (done.returncode, done.stderr) == (0, "")
+    loads_none(heavy, code)

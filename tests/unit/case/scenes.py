@@ -3,16 +3,24 @@
 from __future__ import annotations
 
 import copy
+import dataclasses
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case, dump_case, load_case
 from crackgrow.errors import CaseError, Fault
 
+FILE = Path(__file__).parent / "compression30.yaml"
+COMPRESSION = FILE.read_text(encoding="utf-8")
+CASES = Path(__file__).parents[3] / "cases"
+NAMES = sorted(path.stem for path in CASES.glob("*.yaml"))
+LAW = {"friction": 0.5, "cohesion": 0}
 MATERIAL = {"young": 10000, "poisson": 0.25}
 
 # A block on a foundation, with a glued plug in its round hole: every form of the format that is no growth setting.
@@ -96,9 +104,25 @@ def rectangle(x: float, y: float, width: float, height: float) -> dict[str, Any]
     return {"rectangle": {"center": [x + width / 2, y + height / 2], "width": width, "height": height}}
 
 
+def joint(*names: str, contact: Any = LAW) -> list[dict[str, Any]]:
+    """Interfaces between the pairs "a b"."""
+    return [{"between": pair.split(), "contact": contact} for pair in names]
+
+
 def held(*bodies: str) -> list[dict[str, Any]]:
     """Supports on a `bottom` that hold rectangles."""
     return [{"on": {"body": body, "edge": "bottom"}, "displacement": {"x": 0, "y": 0}} for body in bodies]
+
+
+def two_blocks() -> dict[str, Any]:
+    """A block `top` of 4 x 2 m on another, `low`, which is held."""
+    scene = blocks(low=rectangle(0, 0, 4, 2), top=rectangle(0, 2, 4, 2))
+    return changed(scene, interfaces=joint("low top"), supports=held("low"))
+
+
+def plate(*loads: dict[str, Any], **parts: Any) -> dict[str, Any]:
+    """A plate of 4 x 6 m round the origin with minimal supports."""
+    return {**with_body(rectangle(-2, -3, 4, 6)), "supports": "minimal", "loads": list(loads), **parts}
 
 
 def changed(scene: dict[str, Any], **parts: Any) -> dict[str, Any]:
@@ -118,14 +142,53 @@ def load(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> Case:
     return load_case(path, overrides)
 
 
-def faults(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> tuple[Fault, ...]:
-    """Write a scene and return its faults."""
+def compression(*overrides: str) -> Case:
+    """The case compression30 with overrides."""
+    return load_case(FILE, overrides)
+
+
+def edited(folder: Path, *edits: tuple[str, str]) -> Path:
+    """A file with compression30 whose texts, which must be there once, are replaced."""
+    text = COMPRESSION
+    for old, new in edits:
+        assert text.count(old) == 1
+        text = text.replace(old, new)
+    path = folder / "scene.yaml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def faults_of(path: Path, overrides: Sequence[str] = ()) -> tuple[Fault, ...]:
+    """The faults of a file."""
     with pytest.raises(CaseError) as caught:
-        load(tmp_path, scene, *overrides)
+        load_case(path, overrides)
     return caught.value.faults
 
 
 def fault(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> tuple[str, str]:
     """Write a scene with one fault and return its key and message."""
-    (only,) = faults(tmp_path, scene, *overrides)
+    path = tmp_path / "scene.yaml"
+    path.write_text(text_of(scene), encoding="utf-8")
+    (only,) = faults_of(path, overrides)
     return only.key, only.message
+
+
+def reread(case: Case, folder: Path) -> Case:
+    """The case as it ran, written and loaded."""
+    path = folder / f"{case.name}.yaml"
+    path.write_text(dump_case(case), encoding="utf-8")
+    return load_case(path)
+
+
+def same(a: object, b: object) -> bool:
+    """Whether two values of a model agree to the last bit."""
+    if dataclasses.is_dataclass(a):
+        names = [field.name for field in dataclasses.fields(a)]
+        return type(a) is type(b) and all(same(getattr(a, name), getattr(b, name)) for name in names)
+    if isinstance(a, np.ndarray):
+        return isinstance(b, np.ndarray) and a.shape == b.shape and a.tobytes() == b.tobytes()
+    if isinstance(a, dict):
+        return isinstance(b, dict) and list(a) == list(b) and all(same(a[key], b[key]) for key in a)
+    if isinstance(a, list | tuple):
+        return type(a) is type(b) and len(a) == len(b) and all(map(same, a, b))
+    return type(a) is type(b) and repr(a) == repr(b)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,67 +11,72 @@ import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.load import read_case
-from crackgrow.errors import CaseError, Fault
-from tests.unit.case.scenes import rectangle, text_of, with_body
+from crackgrow.errors import CaseError
+from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, faults_of, rectangle, text_of, with_body
 
 ROOT = Path(__file__).parents[3]
-COMPRESSION = (Path(__file__).parent / "compression30.yaml").read_text(encoding="utf-8")
+TABLE = yaml.safe_load(Path(__file__).with_name("faults.yaml").read_text(encoding="utf-8"))
+SCENES = {name: text_of(scene) for name, scene in {"everything": EVERYTHING, **TABLE["cases"]}.items()}
+SCENES |= {"compression30": COMPRESSION, "none": "# no case"}
 
 
-def faults_after(tmp_path: Path, *edits: tuple[str, str]) -> tuple[tuple[Fault, ...], list[str]]:
-    """Return the faults of compression30 with texts replaced, and its lines."""
-    text = COMPRESSION
-    for old, new in edits:
+def written(group: dict[str, Any], change: Any, folder: Path) -> tuple[list[str], set[int]]:
+    """The settings of a row of faults.yaml, whose files are written, and the numbers of the lines that it changes."""
+    case = group["case"]
+    text = SCENES.get(case) or (ROOT / case).read_text(encoding="utf-8")
+    edits, settings, files = dict(group.get("edit", ())), list(group.get("set", ())), dict(group.get("files", {}))
+    if "write" in group:
+        files[group["write"]] = change
+    elif "replace" in group and not isinstance(change, Mapping):
+        edits[group["replace"]] = change
+    elif isinstance(change, Mapping):
+        edits |= change
+    else:
+        one = f"{group['of']}={change}" if "of" in group and isinstance(change, str) else change
+        settings += [one] if isinstance(one, str) else one
+    lines: set[int] = set()
+    for old, new in edits.items():
         assert text.count(old) == 1
+        first = text[: text.index(old)].count("\n") + 1
+        lines |= set(range(first, first + new.count("\n") + 1))
         text = text.replace(old, new)
-    path = tmp_path / "scene.yaml"
-    path.write_text(text, encoding="utf-8")
-    with pytest.raises(CaseError) as caught:
-        load_case(path)
-    assert {fault.source for fault in caught.value.faults} == {str(path)}
-    return caught.value.faults, text.splitlines()
-
-
-GROUPS = yaml.safe_load(Path(__file__).with_name("faults.yaml").read_text(encoding="utf-8"))
+    for name, content in {"scene.yaml": text, **files}.items():
+        (folder / name).write_text(content, encoding="utf-8")
+    return settings, lines
 
 
 @pytest.mark.parametrize(
     ("group", "row"),
     [
-        pytest.param(group, row, id=f"{group['about']}: {row['key']}: {row['words']}")
-        for group in GROUPS
-        for row in group["faults"]
+        pytest.param(group, row, id=f"{group['about']}: {row[0]}".encode("ascii", "replace").decode()[:150])
+        for group in TABLE["groups"]
+        for row in group["rows"]
     ],
 )
-def test_fault(group: dict[str, Any], row: dict[str, Any], tmp_path: Path):
+def test_fault(group: dict[str, Any], row: list[Any], tmp_path: Path):
     """A case of faults.yaml is refused for its key, with these words, where they are looked for."""
-    text = row.get("text", group.get("text"))
-    if text is None:
-        text = text_of(group["scene"]) if "scene" in group else (ROOT / group["file"]).read_text(encoding="utf-8")
-    for old, new in (*group.get("edit", ()), *row.get("edit", ())):
-        assert text.count(old) == 1
-        text = text.replace(old, new)
-    for name, content in {"scene.yaml": text, **group.get("files", {}), **row.get("files", {})}.items():
-        (tmp_path / name).write_text(content, encoding="utf-8")
+    change, *keys, words, at = row if len(row) == 4 else [*row, None]
+    common = group.get("key", group.get("of", ""))
+    key = keys[0] if keys and keys[0] is not None else common
+    key = f"{common}{key}" if key.startswith(".") else key
+    settings, lines = written(group, change, tmp_path)
     with pytest.raises(CaseError) as caught:
-        load_case(tmp_path / "scene.yaml", [*group.get("set", ()), *row.get("set", ())])
+        load_case(tmp_path / "scene.yaml", settings)
     told = caught.value.faults
-    assert len(told) == row.get("faults", 1)
-    (fault,) = (fault for fault in told if row["words"] in str(fault) and fault.key == row["key"])
+    assert len(told) == group.get("faults", 1), told
+    assert [fault.key for fault in told if words in str(fault)] == [key], told
+    (fault,) = (fault for fault in told if fault.key == key and words in str(fault))
     assert (fault.line is None) == fault.source.startswith("--set")
     assert str(fault).isprintable()
-    if "edit" in row:
-        assert fault.line is not None
-        assert row.get("at", "") in text.splitlines()[fault.line - 1]
-
-
-def test_a_misspelt_required_key_is_one_fault(tmp_path: Path):
-    (fault,), _ = faults_after(tmp_path, ("    material:", "    materials:"))
-    assert fault.message.endswith("did you mean 'material'?")
+    if at is not None:
+        assert at in (tmp_path / "scene.yaml").read_text(encoding="utf-8").splitlines()[(fault.line or 0) - 1]
+    elif lines and not settings:
+        assert fault.line in lines
 
 
 def test_all_faults_at_once_in_file_order(tmp_path: Path):
-    faults, lines = faults_after(
+    """One of each that is misspelt, also of a key that is required."""
+    path = edited(
         tmp_path,
         ("plane: strain ", "plain: strain "),
         ("width: 31 ", "width: 31 MPa "),
@@ -82,6 +87,7 @@ def test_all_faults_at_once_in_file_order(tmp_path: Path):
         ("edge: top}", "edge: topp}"),
         ("numerics:", "nonsense: 1\nnumerics:"),
     )
+    faults, lines = faults_of(path), path.read_text(encoding="utf-8").splitlines()
     assert [fault.key for fault in faults] == [
         "plain",
         "bodies.rock.shape.rectangle.width",
@@ -91,19 +97,16 @@ def test_all_faults_at_once_in_file_order(tmp_path: Path):
         "growth.increment",
         "nonsense",
     ]  # the edge is not known without the shape
+    assert faults[0].message.endswith("did you mean 'plane'?")
     for fault in faults:
-        assert fault.line is not None
-        assert fault.key.rpartition(".")[2] + ":" in lines[fault.line - 1]
+        assert fault.key.rpartition(".")[2] + ":" in lines[(fault.line or 0) - 1]
 
 
 def test_message_is_one_line_per_fault(tmp_path: Path):
-    text = COMPRESSION.replace("young: 10000 ", 'young: "1\\n\\x1b[31m 2" ').replace("tips: both", '"ti\\nps": both')
-    path = tmp_path / "scene.yaml"
-    path.write_text(text, encoding="utf-8")
+    edits = ("young: 10000 ", 'young: "1\\n\\x1b[31m 2" '), ("tips: both", '"ti\\nps": both')
     with pytest.raises(CaseError) as caught:
-        load_case(path)
+        load_case(edited(tmp_path, *edits))
     assert len(str(caught.value).splitlines()) == len(caught.value.faults) == 2
-    assert str(caught.value).isprintable() is False  # only for the line break between the two
     assert all(str(fault).isprintable() for fault in caught.value.faults)
 
 

@@ -1,24 +1,23 @@
-"""Files that are no case: always a CaseError with a place, never another exception, and never any action."""
+"""Files that are no case, each with a place and no action, and cases that are another one changed (`base`, `set`)."""
 
 from __future__ import annotations
 
+import json
 import os
 from pathlib import Path
 
+import jsonschema
 import pytest
 import yaml
 
-from crackgrow.case import load_case
+from crackgrow.case import dump_case, load_case
+from crackgrow.case.json_schema import case_schema
 from crackgrow.errors import CaseError, Fault
+from crackgrow.study.sweep_file import read_sweep_file
+from tests.scenes import fault_of
+from tests.unit.case.scenes import CASES, FILE, faults_of, held, rectangle, text_of, with_body
 
-COMPRESSION = (Path(__file__).parents[3] / "cases" / "compression30.yaml").read_bytes()
-
-
-def only_fault(path: Path) -> Fault:
-    with pytest.raises(CaseError) as caught:
-        load_case(path)
-    (fault,) = caught.value.faults
-    return fault
+COMPRESSION = FILE.read_bytes()
 
 
 def written(tmp_path: Path, data: bytes) -> Path:
@@ -27,33 +26,21 @@ def written(tmp_path: Path, data: bytes) -> Path:
     return path
 
 
-def test_missing_file(tmp_path: Path):
-    fault = only_fault(tmp_path / "nowhere.yaml")
-    assert str(fault) == f"{tmp_path / 'nowhere.yaml'}: no such file"
-
-
-def test_directory(tmp_path: Path):
-    assert "is a directory" in only_fault(tmp_path).message
-
-
-def test_pipe_does_not_block(tmp_path: Path):
+def test_what_is_no_file(tmp_path: Path):
+    """A pipe does not block."""
+    assert str(fault_of(tmp_path / "nowhere.yaml")) == f"{tmp_path / 'nowhere.yaml'}: no such file"
+    assert "is a directory" in fault_of(tmp_path).message
     os.mkfifo(tmp_path / "pipe")
-    assert "not a regular file" in only_fault(tmp_path / "pipe").message
-
-
-def test_name_that_no_file_can_have():
-    assert only_fault(Path("a\0b")).message
-    assert only_fault(Path("a" * 5000)).message
-
-
-def test_name_that_is_no_text(tmp_path: Path):
+    assert "not a regular file" in fault_of(tmp_path / "pipe").message
+    assert fault_of(Path("a\0b")).message
+    assert fault_of(Path("a" * 5000)).message
     path = tmp_path / os.fsdecode(b"rock\xff.yaml")
     path.write_bytes(COMPRESSION)
-    assert only_fault(path).message == "the file's name is no text in UTF-8, and the case is named after it; rename it"
+    assert fault_of(path).message == "the file's name is no text in UTF-8, and the case is named after it; rename it"
 
 
-def test_huge_file(tmp_path: Path):
-    assert "larger than" in only_fault(written(tmp_path, b"# " + b"x" * 3_000_000)).message
+PAIRS = b"".join(b"a%d: &a%d [*a%d, *a%d]\n" % (n, n, n - 1, n - 1) for n in range(1, 60))
+DEEP = b"".join(b"a%d: &a%d [*a%d]\n" % (n, n, n - 1) for n in range(1, 60))
 
 
 @pytest.mark.parametrize(
@@ -77,35 +64,36 @@ def test_huge_file(tmp_path: Path):
         (b"\n" + b"[" * 100_000, 2, "nested deeper than"),
         (b"\n" + b"{a: " * 100_000, 2, "nested deeper than"),
         (b"- " * 50_000 + b"a", 1, "nested deeper than"),
+        (b"a0: &a0 [x, x]\n" + PAIRS, None, "more than 100,000 values"),
+        (b"a0: &a0 [x]\n" + DEEP, None, "more than 40 levels"),
+        (b"# " + b"x" * 3_000_000, None, "larger than"),
+        (COMPRESSION + b"---\ntitle: another\n", 59, "second YAML document"),
+        (COMPRESSION.replace(b"\n", b"\r\n").replace(b"plane: strain", b"plane: strian"), 6, "did you mean 'strain'?"),
+        (COMPRESSION.replace(b"title: Closed", b'title: "\\ud800" #'), 3, "title"),
+        (COMPRESSION + b"".join(b"key%d: 1\n" % k for k in range(60)), None, "60 unknown keys; allowed: title, "),
+        (
+            COMPRESSION.replace(b"  flaw:", b"".join(b"  c%d: 1\n" % k for k in range(1000)) + b"  flaw:"),
+            None,
+            "1001 names given; wanted: 1000 at most",
+        ),
     ],
 )
-def test_no_case(data: bytes, line: int, words: str, tmp_path: Path):
-    fault = only_fault(written(tmp_path, data))
-    assert words in fault.message
-    assert fault.line == line
+def test_no_case(data: bytes, line: int | None, words: str, tmp_path: Path):
+    fault = fault_of(written(tmp_path, data))
+    assert words in str(fault)
+    assert line is None or fault.line == line
+    str(fault).encode()  # no half of a surrogate pair
 
 
-def test_second_document(tmp_path: Path):
-    data = COMPRESSION + b"---\ntitle: another\n"
-    fault = only_fault(written(tmp_path, data))
-    assert "second YAML document" in fault.message
-    assert fault.line == data[: data.index(b"---")].count(b"\n") + 1
+def test_longer_lists_than_checks_can_take_are_refused():
+    vertices = ", ".join(f"[{x}, 0]" for x in range(5001))
+    words = "a list of 5001 given; wanted: 5000 at most"
+    assert words in fault_of(FILE, f"cracks.flaw.path={{points: [{vertices}]}}").message
 
 
-def test_byte_order_mark_is_accepted(tmp_path: Path):
-    assert load_case(written(tmp_path, b"\xef\xbb\xbf" + COMPRESSION)).plane == "strain"
-
-
-def test_windows_line_ends_are_accepted(tmp_path: Path):
-    data = COMPRESSION.replace(b"\n", b"\r\n")
-    assert load_case(written(tmp_path, data)).growth is not None
-    fault = only_fault(written(tmp_path, data.replace(b"plane: strain", b"plane: strian")))
-    assert fault.line == 6
-
-
-def test_harmless_tags_and_anchors_are_accepted(tmp_path: Path):
-    data = COMPRESSION.replace(b"young: 10000", b"young: &E !!float 10000").replace(b"strain ", b"!!str strain ")
-    assert load_case(written(tmp_path, data)).bodies[0].material.young == 1e10
+def test_an_alias_in_what_it_stands_for_is_refused(tmp_path: Path):
+    with pytest.raises(CaseError, match="no value before it has the anchor &me"):
+        load_case(written(tmp_path, COMPRESSION + b"me: &me [*me]\n"))
 
 
 @pytest.mark.parametrize("units", ["!x {length: mm}", "{length: !x mm}", "*me"])
@@ -115,27 +103,18 @@ def test_units_that_the_parser_refuses(units: str, tmp_path: Path):
         load_case(written(tmp_path, data))
 
 
-def test_more_than_checks_can_take_is_refused(tmp_path: Path):
-    vertices = ", ".join(f"[{x}, 0]" for x in range(5001))
-    with pytest.raises(CaseError, match="a list of 5001 given; wanted: 5000 at most"):
-        load_case(written(tmp_path, COMPRESSION), [f"cracks.flaw.path={{points: [{vertices}]}}"])
-    with pytest.raises(CaseError, match="1001 names given; wanted: 1000 at most"):
-        load_case(
-            written(
-                tmp_path, COMPRESSION.replace(b"  flaw:", b"".join(b"  c%d: 1\n" % k for k in range(1000)) + b"  flaw:")
-            )
-        )
-    with pytest.raises(CaseError, match="60 unknown keys; allowed: title, "):
-        load_case(written(tmp_path, COMPRESSION + b"".join(b"key%d: 1\n" % k for k in range(60))))
-
-
-def test_recursive_and_exploding_aliases(tmp_path: Path):
-    lines = ["a0: &a0 [x, x]", *(f"a{n}: &a{n} [*a{n - 1}, *a{n - 1}]" for n in range(1, 60))]
-    assert "more than 100,000 values" in only_fault(written(tmp_path, "\n".join(lines).encode())).message
-    lines = ["a0: &a0 [x]", *(f"a{n}: &a{n} [*a{n - 1}]" for n in range(1, 60))]
-    assert "more than 40 levels" in only_fault(written(tmp_path, "\n".join(lines).encode())).message
-    with pytest.raises(CaseError, match="no value before it has the anchor &me"):
-        load_case(written(tmp_path, COMPRESSION + b"me: &me [*me]\n"))
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"\xef\xbb\xbf" + COMPRESSION,  # a byte order mark
+        COMPRESSION.replace(b"\n", b"\r\n"),
+        COMPRESSION.replace(b"young: 10000", b"young: &E !!float 10000").replace(b"strain ", b"!!str strain "),
+    ],
+    ids=["mark", "windows", "tags"],
+)
+def test_what_editors_and_writers_make_of_a_file_is_accepted(data: bytes, tmp_path: Path):
+    case = load_case(written(tmp_path, data))
+    assert dump_case(case) == dump_case(load_case(FILE))
 
 
 def test_aliases_stand_for_values_of_their_own(tmp_path: Path):
@@ -145,13 +124,78 @@ def test_aliases_stand_for_values_of_their_own(tmp_path: Path):
     case["cracks"]["other"] = {"path": {"points": [[10, 10], [15, 10]]}, "contact": contact}
     shared = written(tmp_path, yaml.safe_dump(case).encode())
     assert "*id001" in shared.read_text(encoding="utf-8")
-    cracks = {crack.name: crack for crack in load_case(shared, ["cracks.other.contact.friction=0.3"]).cracks}
-    frictions = [crack.contact.friction for crack in cracks.values() if crack.contact]
-    assert frictions == [0.0, 0.3]
+    cracks = load_case(shared, ["cracks.other.contact.friction=0.3"]).cracks
+    assert [crack.contact.friction for crack in cracks] == [0.0, 0.3]
 
 
-def test_surrogate_halves_are_refused(tmp_path: Path):
-    data = COMPRESSION.replace(b"title: Closed", b'title: "\\ud800" #')
-    fault = only_fault(written(tmp_path, data))
-    assert (fault.key, fault.line) == ("title", 3)
-    str(fault).encode()
+def test_a_file_of_the_other_kind_is_told_in_a_line():
+    assert fault_of(CASES / "sweeps" / "angle_friction.yaml").message.startswith("this is a sweep file, not a case:")
+    with pytest.raises(CaseError, match="this is a case, not a sweep file"):
+        read_sweep_file(FILE)
+
+
+# --- `base` and `set` ------------------------------------------------------------------------------------------------
+
+SCENE = {**with_body(rectangle(0, 0, 4, 6)), "supports": held("rock"), "loads": [{"stress": [-1, -2, 0]}]}
+
+
+def write(folder: Path, **files: str) -> Path:
+    """The plate in base.yaml, and files beside it; the last one's path."""
+    for name, text in {"base": text_of(SCENE), **files}.items():
+        (folder / f"{name}.yaml").write_text(text, encoding="utf-8")
+    return folder / f"{name}.yaml"
+
+
+def only(path: Path, *overrides: str) -> Fault:
+    (fault,) = faults_of(path, overrides)
+    return fault
+
+
+def test_a_base_with_settings_is_the_case_with_these_overrides(tmp_path: Path):
+    text = "base: base.yaml\ntitle: other\nset: {numerics.spacing: 50 cm, 'loads.0.stress': [0, 1, 2]}"
+    case = load_case(write(tmp_path, changed=text))
+    wanted = load_case(tmp_path / "base.yaml", ["title=other", "numerics.spacing=50 cm", "loads.0.stress=[0, 1, 2]"])
+    assert dump_case(case) == dump_case(wanted)
+    assert case.name == "changed"
+    assert "base" not in dump_case(case)
+
+
+def test_a_base_may_have_a_base_and_overrides_come_last(tmp_path: Path):
+    middle = "base: base.yaml\nset: {numerics.spacing: 0.4, numerics.support: 1.5}\ntitle: middle"
+    path = write(tmp_path, middle=middle, changed="base: middle.yaml\nset: {numerics.spacing: 0.3}")
+    case = load_case(path)
+    assert (case.title, case.numerics.spacing, case.numerics.support) == ("middle", 0.3, 1.5)
+    assert load_case(path, ["numerics.spacing=0.2"]).numerics.spacing == 0.2
+
+
+def test_files_are_relative_to_the_file_that_names_them(tmp_path: Path):
+    for folder in ("plates", "mine"):
+        (tmp_path / folder).mkdir()
+    square = {"type": "Polygon", "coordinates": [[[0, 0], [2, 0], [2, 2], [0, 2], [0, 0]]]}
+    (tmp_path / "plates" / "square.geojson").write_text(json.dumps(square))
+    scene = with_body({"file": "square.geojson"})
+    scene["supports"] = [{"on": {"edge": "0"}, "displacement": [0, 0]}]
+    write(tmp_path / "plates", base=text_of(scene))
+    case = load_case(write(tmp_path / "mine", own="base: ../plates/base.yaml\nset: {plane: stress}"))
+    assert (case.plane, len(case.bodies[0].outline)) == ("stress", 4)
+
+
+def test_faults_of_bases(tmp_path: Path):
+    """What is wrong in a base is told with its name; a circle of bases and an override of one are refused."""
+    path = write(tmp_path, middle="base: base.yaml\nset: {plane: strian}", changed="base: middle.yaml")
+    fault = only(path)
+    assert (Path(fault.source).name, fault.line, fault.key) == ("middle.yaml", 2, "plane")
+    path = write(tmp_path, one="base: two.yaml", two="base: changed.yaml", changed="base: one.yaml")
+    assert "changed.yaml -> one.yaml -> two.yaml -> changed.yaml" in only(path).message
+    path = write(tmp_path, changed="base: base.yaml")
+    fault = only(path, "base=other.yaml")
+    assert fault.key == "base"
+    assert "takes no override" in fault.message
+    assert "File name too long; wanted: a case file" in only(write(tmp_path, changed=f"base: {'9' * 300}")).message
+
+
+def test_the_schema_takes_a_case_with_a_base_and_no_half_case():
+    schema = jsonschema.Draft7Validator(json.loads(case_schema()))
+    assert schema.is_valid({"base": "a.yaml", "title": "b", "set": {"growth.steps": 3, "loads.0.traction": [0, 1]}})
+    assert not schema.is_valid({"base": "a.yaml", "plane": "strain"})
+    assert not schema.is_valid({"title": "b", "plane": "strain"})

@@ -16,6 +16,7 @@ import yaml
 from crackgrow.case import Case, load_case
 from crackgrow.case.mesh_file import ContentError, read_mesh
 from crackgrow.errors import CaseError
+from tests.unit.case.scenes import joint
 from tests.whole_run import whole_run
 
 SIZE = 12  # cells of the block along x and y, one unit each; basalt above y = 7
@@ -29,7 +30,7 @@ CURVES = {
 }
 
 
-def plate(cells: str = "linear") -> meshio.Mesh:
+def block() -> meshio.Mesh:
     """A block of granite, meshed by triangles, under basalt, by quadrangles, with a hole and lines along cracks."""
     node = {(x, y): k for k, (x, y) in enumerate((x, y) for x in range(SIZE + 1) for y in range(SIZE + 1))}
     triangles, quads = [], []
@@ -54,10 +55,21 @@ def plate(cells: str = "linear") -> meshio.Mesh:
     )
 
 
+def with_lines(tags: Any, **groups: Any) -> meshio.Mesh:
+    """The block whose lines have other tags, and with more groups."""
+    mesh = block()
+    data = [*mesh.cell_data["gmsh:physical"][:2], np.asarray(tags)]
+    return meshio.Mesh(
+        mesh.points,
+        [(cells.type, cells.data) for cells in mesh.cells],
+        cell_data={"gmsh:physical": data, "gmsh:geometrical": data},
+        field_data=mesh.field_data | groups,
+    )
+
+
 def scene(shapes: dict[str, Any], paths: dict[str, Any], edges: dict[str, Any]) -> dict[str, Any]:
     """The block pressed from above, with three cracks."""
     materials = {"granite": {"young": "60 GPa", "poisson": 0.25}, "basalt": {"young": "90 GPa", "poisson": 0.2}}
-    contact = {"friction": 0.2, "cohesion": 0}
     return {
         "title": "A block of two rocks",
         "units": {"length": "mm"},
@@ -66,8 +78,8 @@ def scene(shapes: dict[str, Any], paths: dict[str, Any], edges: dict[str, Any]) 
             name: {"shape": shapes[name], "material": material} | ({"edges": edges[name]} if name in edges else {})
             for name, material in materials.items()
         },
-        "cracks": {name: {"path": path, "contact": contact} for name, path in paths.items()},
-        "interfaces": [{"between": ["granite", "basalt"], "contact": "bonded"}],
+        "cracks": {name: {"path": path, "contact": {"friction": 0.2, "cohesion": 0}} for name, path in paths.items()},
+        "interfaces": joint("granite basalt", contact="bonded"),
         "supports": [{"on": {"body": "granite", "edge": "bottom"}, "displacement": {"x": 0, "y": 0}}],
         "loads": [{"on": {"body": "basalt", "edge": "top"}, "traction": ["2 MPa", "-10 MPa"]}],
         "numerics": {"spacing": 0.7},
@@ -77,8 +89,8 @@ def scene(shapes: dict[str, Any], paths: dict[str, Any], edges: dict[str, Any]) 
 
 def of_mesh() -> dict[str, Any]:
     cracks = ("flat", "kinked", "steep")
-    shapes = {name: {"file": "plate.msh", "region": name} for name in ("granite", "basalt")}
-    return scene(shapes, {name: {"file": "plate.msh", "curve": name} for name in cracks}, {})
+    shapes = {name: {"file": "block.msh", "region": name} for name in ("granite", "basalt")}
+    return scene(shapes, {name: {"file": "block.msh", "curve": name} for name in cracks}, {})
 
 
 def written_out() -> dict[str, Any]:
@@ -87,29 +99,27 @@ def written_out() -> dict[str, Any]:
         "granite": {"polygon": [[0, 0], [12, 0], [12, 7], [0, 7]], "holes": [hole]},
         "basalt": {"polygon": [[0, 7], [12, 7], [12, 12], [0, 12]]},
     }
-    paths = {
-        "flat": {"points": [[2, 5], [5, 5]]},
-        "kinked": {"points": [[2, 1], [4, 3], [5, 3]]},
-        "steep": {"points": [[7, 9], [7, 11]]},
-    }
+    points = {"flat": [[2, 5], [5, 5]], "kinked": [[2, 1], [4, 3], [5, 3]], "steep": [[7, 9], [7, 11]]}
+    paths = {name: {"points": line} for name, line in points.items()}
     return scene(shapes, paths, {"granite": {"bottom": 0}, "basalt": {"top": 2}})
 
 
-def load(folder: Path, content: dict[str, Any], name: str = "scene.yaml") -> Case:
-    (folder / name).write_text(json.dumps(content), encoding="utf-8")
-    return load_case(folder / name)
+def load(folder: Path, content: dict[str, Any]) -> Case:
+    (folder / "scene.yaml").write_text(json.dumps(content), encoding="utf-8")
+    return load_case(folder / "scene.yaml")
 
 
-def write(mesh: meshio.Mesh, path: Path) -> None:
+def write(mesh: meshio.Mesh, path: Path) -> Path:
     """Write a mesh, in Gmsh's format 2.2."""
     if path.suffix == ".msh":
         meshio.gmsh.write(path, mesh, fmt_version="2.2")
     else:
         meshio.write(path, mesh)
+    return path
 
 
-def test_a_specimen_of_gmsh_gives_the_same_K_as_the_scene_written_out(tmp_path: Path) -> None:
-    write(plate(), tmp_path / "plate.msh")
+def test_a_specimen_of_gmsh_gives_the_same_K_as_the_scene_written_out(tmp_path: Path):
+    write(block(), tmp_path / "block.msh")
     found, wanted = (whole_run(load(tmp_path, content))[0][-1].tips for content in (of_mesh(), written_out()))
     assert len(found) == 6
     K, exact = (np.array([(tip.K_I, tip.K_II) for tip in tips]) for tips in (found, wanted))
@@ -117,69 +127,69 @@ def test_a_specimen_of_gmsh_gives_the_same_K_as_the_scene_written_out(tmp_path: 
     assert np.abs(K - exact).max() <= 1e-10 * np.abs(exact).max()
 
 
-def test_the_resolved_case_needs_no_mesh(tmp_path: Path) -> None:
-    write(plate(), tmp_path / "plate.msh")
-    found = load(tmp_path, of_mesh()).resolved
-    assert found["bodies"]["granite"]["edges"] == {"bottom": [0]}  # type: ignore[index]
-    assert found["bodies"]["basalt"]["edges"] == {"top": [2]}  # type: ignore[index]
+def test_the_resolved_case_needs_no_mesh(tmp_path: Path):
+    write(block(), tmp_path / "block.msh")
+    found, wanted = (load(tmp_path, content).to_dict() for content in (of_mesh(), written_out()))
+    assert found["bodies"]["granite"]["edges"] == {"bottom": [0]}
+    assert found["bodies"]["basalt"]["edges"] == {"top": [2]}
+    assert [body["shape"]["polygon"] for body in found["bodies"].values()] == [
+        body["shape"]["polygon"] for body in wanted["bodies"].values()
+    ]
+    assert found["cracks"] == wanted["cracks"]
     assert "file" not in yaml.safe_dump(found)
 
 
-def moved(mesh: meshio.Mesh, **changes: Any) -> meshio.Mesh:
-    parts = {"points": mesh.points, "cells": [(b.type, b.data) for b in mesh.cells], "cell_data": mesh.cell_data,
-             "field_data": mesh.field_data} | changes  # fmt: skip
-    return meshio.Mesh(**parts)
-
-
-def test_regions_of_other_formats_are_values_of_cell_data(tmp_path: Path) -> None:
-    mesh = plate()
-    write(moved(mesh, cell_data={"rock": mesh.cell_data["gmsh:physical"]}, field_data={}), tmp_path / "plate.vtu")
-    rings, edges = read_mesh(tmp_path / "plate.vtu").outline("rock=2")
+def test_regions_of_other_formats_are_values_of_cell_data(tmp_path: Path):
+    mesh = block()
+    cells = [(cells.type, cells.data) for cells in mesh.cells]
+    mesh = meshio.Mesh(mesh.points, cells, cell_data={"rock": mesh.cell_data["gmsh:physical"]})
+    read = read_mesh(write(mesh, tmp_path / "block.vtu"))
+    rings, edges = read.outline("rock=2")
     assert [ring.tolist() for ring in rings] == [[[0, 7], [12, 7], [12, 12], [0, 12]]]
     assert edges == {}
-    whole, _ = read_mesh(tmp_path / "plate.vtu").outline(None)
+    whole, _ = read.outline(None)
     assert whole[0].tolist() == [[0, 0], [12, 0], [12, 12], [0, 12]]
     assert len(whole) == 2
 
 
-def test_faces_with_double_points_are_inside_of_the_rock(tmp_path: Path) -> None:
-    """As in frames of this program, and where Gmsh has cut a crack."""
-    mesh = plate()
-    for block in mesh.cells[:1]:
-        points = mesh.points[block.data.ravel()]  # every triangle has its own points
-        apart = meshio.Mesh(points, [("triangle", np.arange(len(points)).reshape(-1, 3))])
-    meshio.write(tmp_path / "apart.vtu", apart)
-    rings, _ = read_mesh(tmp_path / "apart.vtu").outline(None)
+def test_faces_with_double_points_are_inside_of_the_rock(tmp_path: Path):
+    """As in frames of this program, and where Gmsh has cut a crack: here every triangle has its own points."""
+    mesh = block()
+    points = mesh.points[mesh.cells[0].data.ravel()]
+    apart = meshio.Mesh(points, [("triangle", np.arange(len(points)).reshape(-1, 3))])
+    rings, _ = read_mesh(write(apart, tmp_path / "apart.vtu")).outline(None)
     assert [len(ring) for ring in rings] == [4, 4]
 
 
-def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path) -> None:
-    mesh = plate()
-    groups = {**mesh.field_data, "both ends": np.array([9, 1])}
-    lines = np.where(np.isin(mesh.cell_data["gmsh:physical"][2], (1, 2)), 9, mesh.cell_data["gmsh:physical"][2])
-    tags = [*mesh.cell_data["gmsh:physical"][:2], lines]
-    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
-    write(moved(mesh, cell_data=data, field_data=groups), tmp_path / "a.msh")
-    _, edges = read_mesh(tmp_path / "a.msh").outline(None)
+def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path):
+    tags = block().cell_data["gmsh:physical"][2]
+    mesh = with_lines(np.where(np.isin(tags, (1, 2)), 9, tags), **{"both ends": np.array([9, 1])})
+    _, edges = read_mesh(write(mesh, tmp_path / "a.msh")).outline(None)
     assert edges == {"both_ends-1": [0], "both_ends-2": [2]}
 
 
+def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path):
+    mesh = with_lines(np.full(len(block().cells[2].data), 1))
+    with pytest.raises(ContentError, match="has a curve 'bottom' that branches, closes or is in several parts"):
+        read_mesh(write(mesh, tmp_path / "a.msh")).path("bottom")
+
+
 @pytest.mark.parametrize(("change", "key", "words"), [
-    ({"shape": {"file": "plate.msh", "region": "granit"}}, "bodies.granite.shape.region",
+    ({"shape": {"file": "block.msh", "region": "granit"}}, "bodies.granite.shape.region",
      "the mesh has no region 'granit'; it has granite, gmsh:physical=1"),
     ({"shape": {"file": "none.msh"}}, "bodies.granite.shape.file", "'none.msh' does not exist in"),
     ({"shape": {"file": "broken.msh"}}, "bodies.granite.shape.file", "'broken.msh' cannot be read as msh"),
     ({"shape": {"file": "broken.vtu"}}, "bodies.granite.shape.file", "'broken.vtu' cannot be read as vtu"),
     ({"shape": {"file": "rock.wkt", "region": "a"}}, "bodies.granite.shape.region", "has one polygon and no regions"),
-    ({"path": {"file": "plate.msh", "curve": "flet"}}, "cracks.flat.path.curve", "did you mean 'flat'?"),
-    ({"path": {"file": "plate.msh"}}, "cracks.flat.path.curve", "missing"),
+    ({"path": {"file": "block.msh", "curve": "flet"}}, "cracks.flat.path.curve", "did you mean 'flat'?"),
+    ({"path": {"file": "block.msh"}}, "cracks.flat.path.curve", "missing"),
     ({"path": {"file": "joint.wkt", "curve": "a"}}, "cracks.flat.path.curve", "has lines and no curves"),
     ({"path": {"file": "joint.wkt"}}, "cracks.flat.path.file", "none of its lines lies in the rock"),
     ({"path": {"file": "rock.wkt", "curve": "a"}}, "cracks.flat.path.file",
      "'rock.wkt' holds Polygon in shape 1; wanted: lines"),
 ])  # fmt: skip
-def test_what_the_files_do_not_hold_is_told(tmp_path: Path, change: dict[str, Any], key: str, words: str) -> None:
-    write(plate(), tmp_path / "plate.msh")
+def test_what_the_files_do_not_hold_is_told(tmp_path: Path, change: dict[str, Any], key: str, words: str):
+    write(block(), tmp_path / "block.msh")
     (tmp_path / "broken.msh").write_text("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n3\n1 0")
     (tmp_path / "broken.vtu").write_text("<VTKFile")
     (tmp_path / "rock.wkt").write_text("POLYGON ((0 0, 12 0, 12 7, 0 7, 0 0))")
@@ -192,26 +202,23 @@ def test_what_the_files_do_not_hold_is_told(tmp_path: Path, change: dict[str, An
     assert words in refused.value.faults[0].message
 
 
-def test_meshes_that_are_no_plane_specimens_are_refused(tmp_path: Path) -> None:
-    square = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0.0]]
-    for number, (points, cells, words) in enumerate([
-        ([(x, y, x) for x, y, _ in square], [("triangle", [[0, 1, 2]])], "is not plane: z goes from 0 to 2"),
-        (square, [("line", [[0, 1]])], "has no cells of surfaces"),
-        (square, [("tetra", [[0, 1, 2, 3]])], r"has cells of volumes \(tetra\)"),
-        (square, [("triangle", [[0, 1, 2], [3, 4, 5]])], "is in several pieces"),
-        ([*square, [3, 0, 0]], [("triangle", [[0, 1, 2], [2, 4, 5]])], r"touches itself at \(1, 1\)"),
-    ]):  # fmt: skip
-        meshio.write(tmp_path / f"{number}.vtu", meshio.Mesh(np.array(points, dtype=float), cells))
-        with pytest.raises(ContentError, match=words):
-            read_mesh(tmp_path / f"{number}.vtu").outline(None)
+SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 1, 0], [2, 2, 0.0]]
 
 
-def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path) -> None:
-    mesh = plate()
-    tags = [*mesh.cell_data["gmsh:physical"][:2], np.full(len(mesh.cells[2].data), 1)]
-    write(moved(mesh, cell_data={"gmsh:physical": tags, "gmsh:geometrical": tags}), tmp_path / "a.msh")
-    with pytest.raises(ContentError, match="has a curve 'bottom' that branches, closes or is in several parts"):
-        read_mesh(tmp_path / "a.msh").path("bottom")
+@pytest.mark.parametrize(
+    ("points", "cells", "words"),
+    [
+        ([(x, y, x) for x, y, _ in SQUARE], [("triangle", [[0, 1, 2]])], "is not plane: z goes from 0 to 2"),
+        (SQUARE, [("line", [[0, 1]])], "has no cells of surfaces"),
+        (SQUARE, [("tetra", [[0, 1, 2, 3]])], r"has cells of volumes \(tetra\)"),
+        (SQUARE, [("triangle", [[0, 1, 2], [3, 4, 5]])], "is in several pieces"),
+        ([*SQUARE, [3, 0, 0]], [("triangle", [[0, 1, 2], [2, 4, 5]])], r"touches itself at \(1, 1\)"),
+    ],
+)
+def test_meshes_that_are_no_plane_specimens_are_refused(points: Any, cells: Any, words: str, tmp_path: Path):
+    path = write(meshio.Mesh(np.array(points, dtype=float), cells), tmp_path / "a.vtu")
+    with pytest.raises(ContentError, match=words):
+        read_mesh(path).outline(None)
 
 
 GMSH = Path(__file__).parent / "gmsh"
@@ -219,7 +226,7 @@ GMSH = Path(__file__).parent / "gmsh"
 
 
 @pytest.mark.parametrize("name", ["ov22", "ov41"])
-def test_groups_that_overlap_are_read_and_the_smaller_one_names_a_side(name: str) -> None:
+def test_groups_that_overlap_are_read_and_the_smaller_one_names_a_side(name: str):
     (outline,), edges = read_mesh(GMSH / f"{name}.msh").outline("rock")
     assert outline.tolist() == [[0, 0], [1, 0], [0, 1]]
     assert edges == {"bottom": [0], "outer": [1]}
@@ -227,7 +234,7 @@ def test_groups_that_overlap_are_read_and_the_smaller_one_names_a_side(name: str
 
 
 @pytest.mark.parametrize("both", [["rock", "all"], ["all", "rock"]])
-def test_a_cell_that_two_groups_have_is_one(both: list[str], tmp_path: Path) -> None:
+def test_a_cell_that_two_groups_have_is_one(both: list[str], tmp_path: Path):
     """Format 2.2 has it twice."""
     mesh = meshio.read(GMSH / "ov22.msh")
     triangle = mesh.cells_dict["triangle"]
@@ -237,9 +244,8 @@ def test_a_cell_that_two_groups_have_is_one(both: list[str], tmp_path: Path) -> 
         cell_data={"gmsh:physical": [np.array([1]), np.array([2])], "gmsh:geometrical": [np.array([1]), np.array([1])]},
         field_data={name: np.array([tag, 2]) for tag, name in enumerate(both, 1)},
     )
-    write(twice, tmp_path / "a.msh")
-    for region in (*both, None):
-        assert len(read_mesh(tmp_path / "a.msh").outline(region)[0][0]) == 3
+    read = read_mesh(write(twice, tmp_path / "a.msh"))
+    assert [len(read.outline(region)[0][0]) for region in (*both, None)] == [3, 3, 3]
 
 
 @pytest.mark.parametrize(("name", "told"), [
@@ -247,6 +253,6 @@ def test_a_cell_that_two_groups_have_is_one(both: list[str], tmp_path: Path) -> 
     ("all41", "has elements with and without a physical group: save it without Mesh.SaveAll (-save_all)"),
     ("all22", "has no cells in its physical groups (bottom, outer, rock): save it without Mesh.SaveAll (-save_all)"),
 ])  # fmt: skip
-def test_how_to_save_is_told_of_what_cannot_be_read(name: str, told: str) -> None:
+def test_how_to_save_is_told_of_what_cannot_be_read(name: str, told: str):
     with pytest.raises(ContentError, match=re.escape(told)):
         read_mesh(GMSH / f"{name}.msh")

@@ -1,4 +1,4 @@
-"""Outlines and holes: corners, names of edges, orientation, files, and what is refused."""
+"""Outlines, holes and edges: corners, names, orientation, files, parts of edges, and the outline as a whole."""
 
 from __future__ import annotations
 
@@ -10,21 +10,22 @@ import numpy as np
 import pytest
 import yaml
 
-from crackgrow.case import dump_case, load_case
-from crackgrow.case.model import Body
-from tests.unit.case.scenes import changed, fault, faults, load, rectangle, with_body
+from crackgrow.case import Case, dump_case
+from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, FarField
+from crackgrow.errors import CaseError
+from tests.unit.case.scenes import changed, fault, faults_of, joint, load, rectangle, reread, text_of, with_body
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
+CLOCKWISE = [[0, 0], [0, 3], [4, 3], [4, 0]]
+DISK = {"disk": {"center": [1, 2], "radius": 3}}
+WEDGE = [[0, 0], [6, 0], [3, 4]]  # a side of length 5 from (6, 0) on, another one back
 
 
 def body_of(tmp_path: Path, scene: dict[str, Any], *at: float) -> Body:
     """Load a scene with one body, held near a point in it."""
     x, y = at or (2, 1)
-    scene = changed(
-        scene,
-        supports=[{"at": [x, y], "displacement": {"x": 0, "y": 0}}, {"at": [x + 0.1, y], "displacement": {"y": 0}}],
-    )
-    return load(tmp_path, scene).bodies[0]
+    supports = [{"at": [x, y], "displacement": {"x": 0, "y": 0}}, {"at": [x + 0.1, y], "displacement": {"y": 0}}]
+    return load(tmp_path, changed(scene, supports=supports)).bodies[0]
 
 
 def area(points: np.ndarray) -> float:
@@ -32,46 +33,30 @@ def area(points: np.ndarray) -> float:
     return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
 
 
-def test_polygon_counter_clockwise(tmp_path: Path):
-    body = body_of(tmp_path, with_body({"polygon": SQUARE}))
-    assert body.outline.tolist() == SQUARE
-    assert body.rings[0].edge_names == ("0", "1", "2", "3")
-
-
-def test_polygon_clockwise_keeps_the_names_of_its_sides(tmp_path: Path):
-    points = [[0, 0], [0, 3], [4, 3], [5, 1], [4, 0]]
-    body = body_of(tmp_path, with_body({"polygon": points}))
-    assert body.outline.tolist() == [[0, 0], [4, 0], [5, 1], [4, 3], [0, 3]]
-    assert body.rings[0].edge_names == ("4", "3", "2", "1", "0")
-    for start, end, name in zip(body.outline, np.roll(body.outline, -1, axis=0), body.rings[0].edge_names, strict=True):
-        drawn = [points[int(name)], points[(int(name) + 1) % 5]]
-        assert drawn == [end.tolist(), start.tolist()]
-
-
 @pytest.mark.parametrize(
-    ("points", "corners", "names"),
+    ("points", "edges", "corners", "names"),
     [
-        ([[0, 0], [4, 0], [4, 3], [0, 3], [0, 0]], SQUARE, ("0", "1", "2", "3")),
-        ([[0, 0], [0, 0], [4, 0], [4, 3], [4, 3], [4, 3], [0, 3]], SQUARE, ("1", "2", "5", "6")),
-        ([[0, 0], [4, 0], [4, 3], [0, 3], [0, 3], [0, 0], [1e-12, 0]], SQUARE, ("0", "1", "2", "4")),
+        (SQUARE, {}, SQUARE, ("0", "1", "2", "3")),
+        # what is drawn clockwise keeps its first corner and the names of its sides
+        ([[0, 0], [0, 3], [4, 3], [5, 1], [4, 0]], {}, [[0, 0], [4, 0], [5, 1], [4, 3], [0, 3]], tuple("43210")),
+        # corners that are repeated are dropped, and edges keep their numbers
+        ([*SQUARE, [0, 0]], {}, SQUARE, ("0", "1", "2", "3")),
+        ([[0, 0], [0, 0], [4, 0], [4, 3], [4, 3], [4, 3], [0, 3]], {}, SQUARE, ("1", "2", "5", "6")),
+        ([*SQUARE, [0, 3], [0, 0], [1e-12, 0]], {}, SQUARE, ("0", "1", "2", "4")),
+        (SQUARE, {"inlet": 3, "wall": [0, 1]}, SQUARE, ("wall", "wall", "2", "inlet")),
+        (SQUARE[::-1], {"inlet": [3, 0]}, [[0, 3], [0, 0], [4, 0], [4, 3]], ("inlet", "2", "1", "inlet")),
     ],
 )
-def test_repeated_corners_are_dropped_and_edges_keep_their_numbers(points, corners, names, tmp_path: Path):
-    body = body_of(tmp_path, with_body({"polygon": points}))
+def test_polygons_run_counter_clockwise_and_name_their_sides(
+    points: list[list[float]], edges: dict[str, Any], corners: list[list[float]], names: tuple[str, ...], tmp_path: Path
+):
+    body = body_of(tmp_path, with_body({"polygon": points}, **({"edges": edges} if edges else {})))
     assert body.outline.tolist() == corners
     assert body.rings[0].edge_names == names
 
 
-def test_named_edges(tmp_path: Path):
-    scene = with_body({"polygon": SQUARE}, edges={"inlet": 3, "wall": [0, 1]})
-    assert body_of(tmp_path, scene).rings[0].edge_names == ("wall", "wall", "2", "inlet")
-    scene = with_body({"polygon": SQUARE[::-1]}, edges={"inlet": [3, 0]})
-    assert body_of(tmp_path, scene).rings[0].edge_names == ("inlet", "2", "1", "inlet")
-
-
 def test_disk(tmp_path: Path):
-    body = body_of(tmp_path, with_body({"disk": {"center": [1, 2], "radius": 3}}), 1, 2)
-    assert body.outline.shape == (360, 2)
+    body = body_of(tmp_path, with_body(DISK), 1, 2)
     assert body.outline[[0, 90, 180, 270]].tolist() == [[4, 2], [1, 5], [-2, 2], [1, -1]]
     rays = np.deg2rad(np.arange(360))
     expected = np.column_stack([1 + 3 * np.cos(rays), 2 + 3 * np.sin(rays)])
@@ -82,27 +67,26 @@ def test_disk(tmp_path: Path):
 def test_holes_run_clockwise(tmp_path: Path):
     holes = [rectangle(1, 1, 1, 0.5), {"polygon": [[3, 1], [3.5, 1.5], [3.5, 1]]}]
     holes.append({"disk": {"center": [1, 2.5], "radius": 0.25}})
-    body = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1)
-    outline, first, second, third = body.rings
+    outline, first, second, third = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1).rings
     assert area(outline.points) == 12
     assert first.points.tolist() == [[1, 1], [1, 1.5], [2, 1.5], [2, 1]]
     assert second.points.tolist() == [[3, 1], [3.5, 1.5], [3.5, 1]]
     assert (first.edge_names, second.edge_names) == (("hole0",) * 4, ("hole1",) * 3)
     assert third.edge_names == ("hole2",) * 360
-    assert third.points[:2].tolist() == [[1.25, 2.5], [1 + 0.25 * np.cos(np.deg2rad(359)), third.points[1, 1]]]
+    assert third.points[0].tolist() == [1.25, 2.5]
     assert third.points[1, 1] < 2.5
     assert area(third.points) == pytest.approx(-180 * 0.25**2 * np.sin(np.deg2rad(1)), rel=1e-12)
 
 
 def test_faults_of_several_shapes_at_once(tmp_path: Path):
-    shape = {"polygon": SQUARE, "holes": [rectangle(3, 1, 2, 1), {"polygon": [[1, 1], [1, 1]]}]}
+    shape = {"polygon": [[0, 0], [1, 1]], "holes": [rectangle(3, 1, 2, 1), {"polygon": [[1, 1], [1, 1]]}]}
+    path = tmp_path / "scene.yaml"
+    path.write_text(text_of(with_body(shape)), encoding="utf-8")
+    assert [found.key for found in faults_of(path)] == ["bodies.rock.shape", "bodies.rock.shape.holes.1"]
     shape["holes"].append({"disk": {"center": [1, 1], "radius": -1}})
-    keys = [found.key for found in faults(tmp_path, with_body(shape))]
+    path.write_text(text_of(with_body(shape)), encoding="utf-8")
+    keys = [found.key for found in faults_of(path)]
     assert keys == ["bodies.rock.shape.holes.2.disk.radius"]  # the rest is judged once all holes can be read
-    shape["holes"].pop()
-    shape["polygon"] = [[0, 0], [1, 1]]
-    keys = [found.key for found in faults(tmp_path, with_body(shape))]
-    assert keys == ["bodies.rock.shape", "bodies.rock.shape.holes.1"]
 
 
 # --- files -----------------------------------------------------------------------------------------------------------
@@ -116,8 +100,7 @@ FILES = {
     "rock.wkt": WKT,
     "rock.geojson": json.dumps(POLYGON),
     "feature.geojson": json.dumps(FEATURE),
-    "collection.GeoJSON": json.dumps({"type": "FeatureCollection", "features": [FEATURE]}),
-    "unplaced.geojson": json.dumps({"type": "FeatureCollection", "features": [UNPLACED, FEATURE]}),
+    "collection.GeoJSON": json.dumps({"type": "FeatureCollection", "features": [UNPLACED, FEATURE]}),
     "multi.json": json.dumps({"type": "MultiPolygon", "coordinates": [RINGS]}),
 }
 
@@ -127,10 +110,9 @@ def test_outline_from_a_file(name: str, tmp_path: Path):
     (tmp_path / "shapes").mkdir()
     (tmp_path / "shapes" / name).write_text(FILES[name], encoding="utf-8")
     scene = with_body({"file": f"shapes/{name}", "holes": [rectangle(3, 1, 0.5, 0.5)]}, edges={"roof": 1})
-    scene["numerics"] = {"spacing": 0.1}
     scene["units"] = {"length": "mm"}
     body = body_of(tmp_path, scene, 2.5, 2)
-    np.testing.assert_array_equal(body.outline, np.array([[0, 0], [4, 0], [4, 3], [0, 3]]) / 1000)
+    np.testing.assert_array_equal(body.outline, np.array(SQUARE) / 1000)
     assert body.rings[0].edge_names == ("3", "2", "roof", "0")
     np.testing.assert_array_equal(body.rings[1].points, np.array([[1, 1], [1, 1.5], [2, 1.5], [2, 1]]) / 1000)
     assert [ring.edge_names[0] for ring in body.rings[1:]] == ["hole0", "hole1"]
@@ -142,19 +124,15 @@ def test_resolved_case_needs_no_outline_file(tmp_path: Path):
     scene = with_body({"file": "rock.wkt", "holes": [{"file": "notch.wkt"}]})
     scene["supports"] = [{"on": {"body": "rock", "edge": "3"}, "displacement": {"x": 0, "y": 0}}]
     case = load(tmp_path, scene)
-    shape = case.resolved["bodies"]["rock"]["shape"]  # type: ignore[index]
-    assert shape == {
-        "polygon": [[0.0, 0.0], [0.0, 3.0], [4.0, 3.0], [4.0, 0.0]],
-        "holes": [
-            {"polygon": [[1.0, 1.0], [2.0, 1.0], [2.0, 1.5], [1.0, 1.5]]},
-            {"polygon": [[3.0, 1.0], [3.5, 1.0], [3.5, 1.5]]},
-        ],
+    holes = [[[1, 1], [2, 1], [2, 1.5], [1, 1.5]], [[3, 1], [3.5, 1], [3.5, 1.5]]]
+    assert case.resolved["bodies"]["rock"]["shape"] == {
+        "polygon": [[0, 0], [0, 3], [4, 3], [4, 0]],
+        "holes": [{"polygon": hole} for hole in holes],
     }
     (tmp_path / "elsewhere").mkdir()
-    again = tmp_path / "elsewhere" / "scene.yaml"
-    again.write_text(dump_case(case), encoding="utf-8")
-    assert load_case(again).bodies[0].rings[2].points.tolist() == case.bodies[0].rings[2].points.tolist()
-    assert yaml.safe_load(dump_case(load_case(again))) == case.resolved
+    again = reread(case, tmp_path / "elsewhere")
+    assert again.bodies[0].rings[2].points.tolist() == case.bodies[0].rings[2].points.tolist()
+    assert yaml.safe_load(dump_case(again)) == case.resolved
 
 
 def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
@@ -167,11 +145,204 @@ def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
     assert first.tobytes() == second.tobytes()
 
 
-def test_file_that_is_no_text(tmp_path: Path):
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("rock.wkt", "not a text in UTF-8"),
+        ("folder.wkt", "is no file"),
+        ("a\0.wkt", "wanted: the name of a"),
+        ("a" * 5000 + ".wkt", "wanted: the name of a"),
+    ],
+)
+def test_names_of_what_is_no_file_of_an_outline(name: str, words: str, tmp_path: Path):
     (tmp_path / "rock.wkt").write_bytes(b"POLYGON \xff")
-    assert "not a text in UTF-8" in fault(tmp_path, with_body({"file": "rock.wkt"}))[1]
     (tmp_path / "folder.wkt").mkdir()
-    assert "is no file" in fault(tmp_path, with_body({"file": "folder.wkt"}))[1]
-    assert "wanted: the name of a" in fault(tmp_path, with_body({"file": ""}))[1]
-    assert "wanted: the name of a" in fault(tmp_path, with_body({"file": "a\0.wkt"}))[1]
-    assert "wanted: the name of a" in fault(tmp_path, with_body({"file": "a" * 5000 + ".wkt"}))[1]
+    assert words in fault(tmp_path, with_body({"file": name}))[1]
+
+
+# --- parts of edges --------------------------------------------------------------------------------------------------
+
+
+def region(tmp_path: Path, shape: dict[str, Any], on: dict[str, Any], **body: Any) -> EdgeRegion:
+    """The region of a traction; the body is held at two points off its edges."""
+    x, y = (1, 2) if "disk" in shape else (3, 1)
+    scene = with_body(shape, **body)
+    scene["supports"] = [
+        {"at": [x, y], "displacement": {"x": 0, "y": 0}},
+        {"at": [x + 0.5, y], "displacement": {"y": 0}},
+    ]
+    scene["loads"] = [{"on": {"body": "rock", **on}, "traction": [0, 1]}]
+    found = load(tmp_path, scene).loads[0].region
+    assert (found.body, found.edge) == ("rock", on["edge"])
+    return found
+
+
+BOXED = {**rectangle(0, 0, 4, 3), "holes": [rectangle(1, 1, 1, 0.5)]}
+"""The hole is drawn counter-clockwise and stored clockwise, its first corner kept: sides 4 to 7."""
+PIERCED = {**rectangle(0, 0, 8, 8), "holes": [{"disk": {"center": [4, 4], "radius": 1}}]}
+"""The hole is stored clockwise from angle 0: the side from angle k + 1 to k is number 4 + 359 - k."""
+
+
+# shape, edges, on, sides, limits; worked out by hand
+@pytest.mark.parametrize(
+    ("shape", "edges", "on", "sides", "limits"),
+    [
+        ({"polygon": SQUARE}, {}, {"edge": "0"}, [0], [[0, 1]]),
+        ({"polygon": SQUARE}, {}, {"edge": "0", "from": 1}, [0], [[0.25, 1]]),
+        ({"polygon": SQUARE}, {}, {"edge": "1", "to": 1.5}, [1], [[0, 0.5]]),
+        ({"polygon": SQUARE}, {}, {"edge": "2", "from": 1}, [2], [[0, 0.75]]),  # runs leftwards: x from 1 to 4
+        ({"polygon": SQUARE}, {}, {"edge": "3", "from": 1, "to": 2}, [3], [[1 / 3, 2 / 3]]),
+        # drawn clockwise: edge 0 is the left one; it is stored as the last side, first corner kept
+        ({"polygon": CLOCKWISE}, {}, {"edge": "0"}, [3], [[0, 1]]),
+        ({"polygon": CLOCKWISE}, {}, {"edge": "0", "from": 1.5}, [3], [[0, 0.5]]),  # y from 1.5 to 3, stored downwards
+        ({"polygon": CLOCKWISE}, {}, {"edge": "3", "to": 1}, [0], [[0, 0.25]]),
+        # distance from the first corner drawn
+        ({"polygon": WEDGE}, {}, {"edge": "1", "from": 1, "to": 2}, [1], [[0.2, 0.4]]),
+        ({"polygon": WEDGE[::-1]}, {}, {"edge": "0", "from": 1, "to": 2}, [2], [[0.6, 0.8]]),
+        # several sides under one name
+        ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a"}, [1, 2], [[0, 1], [0, 1]]),
+        ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a", "from": 1.5, "to": 5}, [1, 2], [[0.5, 1], [0, 0.5]]),
+        ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a", "from": 3}, [2], [[0, 1]]),
+        ({"polygon": SQUARE}, {"a": [3, 0]}, {"edge": "a", "from": 1.5, "to": 4}, [3, 0], [[0.5, 1], [0, 0.25]]),
+        ({"polygon": CLOCKWISE}, {"a": [0, 1]}, {"edge": "a", "from": 2, "to": 5}, [2, 3], [[0.5, 1], [0, 1 / 3]]),
+        (rectangle(0, 0, 4, 3), {}, {"edge": "left", "from": 1}, [3], [[0, 2 / 3]]),
+        (rectangle(0, 0, 4, 3), {}, {"edge": "top", "to": "100 cm"}, [2], [[0.75, 1]]),
+        (BOXED, {}, {"edge": "hole0"}, [4, 5, 6, 7], [[0, 1]] * 4),
+        # drawn: bottom (stored last, leftwards) from 1/4 on, then right (stored last but one, downwards) up to 1/2
+        (BOXED, {}, {"edge": "hole0", "from": 0.25, "to": 1.25}, [6, 7], [[0.5, 1], [0, 0.75]]),
+        (PIERCED, {}, {"edge": "hole0"}, list(range(4, 364)), [[0, 1]] * 360),
+        (PIERCED, {}, {"edge": "hole0", "from": -1, "to": 1.5}, [362, 363, 4], [[0.5, 1], [0, 1], [0, 1]]),
+        (DISK, {}, {"edge": "arc"}, list(range(360)), [[0, 1]] * 360),
+        (DISK, {}, {"edge": "arc", "from": 30, "to": 33}, [30, 31, 32], [[0, 1]] * 3),
+        (DISK, {}, {"edge": "arc", "to": "2 deg"}, [0, 1], [[0, 1]] * 2),
+        (DISK, {}, {"edge": "arc", "from": -2, "to": 0.5}, [358, 359, 0], [[0, 1], [0, 1], [0, 0.5]]),
+        (DISK, {}, {"edge": "arc", "from": 359, "to": 362}, [359, 0, 1], [[0, 1]] * 3),
+    ],
+)
+def test_parts_of_edges(
+    shape: dict[str, Any],
+    edges: dict[str, Any],
+    on: dict[str, Any],
+    sides: list[int],
+    limits: list[list[float]],
+    tmp_path: Path,
+):
+    found = region(tmp_path, shape, on, **({"edges": edges} if edges else {}))
+    assert found.sides.tolist() == sides
+    round_off = 1e-12 if "deg" in str(on) or "disk" in str(shape) else 1e-15  # tan of a small difference
+    np.testing.assert_allclose(found.limits, limits, atol=round_off)
+
+
+def test_a_place_on_an_arc_is_cut_by_the_ray_at_its_angle(tmp_path: Path):
+    assert region(tmp_path, DISK, {"edge": "arc", "from": 10.5, "to": 370.5}).sides.tolist() == [
+        *range(10, 360),
+        *range(11),
+    ]
+    part = region(tmp_path, DISK, {"edge": "arc", "from": 40.2, "to": 40.7})
+    (side,), (limits,) = part.sides, part.limits
+    corners = np.deg2rad([side, side + 1])
+    first, second = 3 * np.column_stack([np.cos(corners), np.sin(corners)])
+    for fraction, angle in zip(limits, (40.2, 40.7), strict=True):
+        x, y = first + fraction * (second - first)
+        assert np.rad2deg(np.arctan2(y, x)) == pytest.approx(angle, abs=1e-11)  # roundings of angles near 40
+
+
+@pytest.mark.parametrize(
+    ("shape", "on", "resolved"),
+    [
+        (DISK, {"edge": "arc", "from": 10, "to": "20 deg"}, {"edge": "arc", "from": 10.0, "to": 20.0}),
+        (rectangle(0, 0, 4, 3), {"edge": "top", "from": 1, "to": "20 mm"}, {"edge": "top", "from": 0.01, "to": 0.02}),
+    ],
+)
+def test_resolved_places_are_metres_or_degrees(
+    shape: dict[str, Any], on: dict[str, Any], resolved: dict[str, Any], tmp_path: Path
+):
+    scene = {**with_body(shape), "units": {"length": "cm"}}
+    scene["supports"] = [{"on": on, "displacement": {"x": 0, "y": 0}}]
+    assert load(tmp_path, scene).resolved["supports"][0]["on"] == {"body": "rock", **resolved}
+
+
+def test_many_edges_are_cut_in_messages(tmp_path: Path):
+    rays = np.deg2rad(np.arange(0, 360, 6))
+    scene = with_body({"polygon": np.column_stack([np.cos(rays), np.sin(rays)]).tolist()})
+    scene["supports"] = [{"on": {"body": "rock", "edge": "60"}, "displacement": {"x": 0, "y": 0}}]
+    assert "it has: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, ..., 59" in fault(tmp_path, scene)[1]
+
+
+# --- the outline as a whole: `outline` of supports and `far_field` of loads ------------------------------------------
+
+X, Y = (0.0, None), (None, 0.0)
+BLOCK = {"rock": rectangle(-5, -5, 10, 10)}
+SIDE_BY_SIDE = {"big": rectangle(-5, -5, 10, 10), "small": rectangle(5, -1, 2, 4)}
+CORE = {"disk": {"center": [0, 0], "radius": 1}}
+AROUND = {"rock": {**rectangle(-5, -5, 10, 10), "holes": [CORE]}, "core": CORE}
+
+
+def outlined(shapes: dict[str, Any], supports: Any, loads: Any = (), **more: Any) -> Case:
+    material = {"young": "30 GPa", "poisson": 0.2}
+    bodies = {name: {"shape": shape, "material": material} for name, shape in shapes.items()}
+    scene = {"title": "outline", "units": {"stress": "MPa"}, "plane": "strain", "bodies": bodies}
+    return Case.from_dict({**scene, "supports": supports, "loads": list(loads), **more})
+
+
+def held_edges(case: Case) -> list[tuple[Any, ...]]:
+    """Body, edge, displacement and limits of supports of edges."""
+    assert all(isinstance(support, EdgeSupport) for support in case.supports)
+    return [(s.region.body, s.region.edge, s.displacement, s.region.limits.tolist()) for s in case.supports]
+
+
+def test_rollers_hold_each_side_across_but_for_what_bodies_share():
+    case = outlined(SIDE_BY_SIDE, [{"outline": "rollers"}], interfaces=joint("big small"))
+    assert sorted(held_edges(case), key=str) == sorted(
+        [
+            ("big", "left", X, [[0.0, 1.0]]),
+            ("big", "right", X, [[0.0, 0.4]]),
+            ("big", "right", X, [[0.8, 1.0]]),
+            *(("big", edge, Y, [[0.0, 1.0]]) for edge in ("bottom", "top")),
+            *(("small", edge, Y, [[0.0, 1.0]]) for edge in ("bottom", "top")),
+            ("small", "right", X, [[0.0, 1.0]]),
+        ],
+        key=str,
+    )
+    assert held_edges(Case.from_dict(case.to_dict())) == held_edges(case)
+
+
+def test_rollers_hold_each_side_of_an_edge_of_several_its_own_way():
+    body = {"shape": {"polygon": SQUARE}, "edges": {"wall": [0, 1, 2]}, "material": {"young": 1, "poisson": 0}}
+    case = outlined({}, [{"outline": "rollers"}], bodies={"rock": body})
+    walls = [(s.region.sides.tolist(), s.displacement) for s in case.supports if s.region.edge == "wall"]
+    assert walls == [([0], Y), ([1], X), ([2], Y)]
+
+
+def test_the_outline_of_one_body_and_of_bodies_round_others():
+    """Other supports stay by their numbers, and bodies inside of others have no outline of their own."""
+    other = {"on": {"body": "big", "edge": "left"}, "displacement": {"y": 0}}
+    fixed = {"outline": "fixed", "body": "small"}
+    found = held_edges(outlined(SIDE_BY_SIDE, [fixed, other], interfaces=joint("big small")))
+    assert found.pop(1) == ("big", "left", Y, [[0.0, 1.0]])
+    assert {of_it[:3] for of_it in found} == {("small", edge, (0.0, 0.0)) for edge in ("bottom", "right", "top")}
+    glued = joint("rock core", contact="bonded")
+    found = held_edges(outlined(AROUND, [{"outline": "fixed"}], interfaces=glued))
+    assert {of_it[:2] for of_it in found} == {("rock", edge) for edge in ("left", "right", "bottom", "top")}
+
+
+def test_far_field_is_stress_times_normal_on_all_that_bodies_do_not_share():
+    glued = joint("big small", contact="bonded")
+    case = outlined(SIDE_BY_SIDE, "minimal", [{"far_field": [-2, -10, 1]}], interfaces=glued)
+    loads = {load.body: load for load in case.loads if isinstance(load, FarField)}
+    assert set(loads) == {"big", "small"}
+    normals = np.array([[1.0, 0.0], [0.6, 0.8]])
+    traction = loads["big"].traction_at(np.zeros((2, 2)), normals)
+    np.testing.assert_allclose(traction, normals @ (1e6 * np.array([[-2.0, 1.0], [1.0, -10.0]])))
+    assert loads["big"].region.limits.tolist() == [[0.0, 1.0], [0.0, 0.4], [0.8, 1.0], [0.0, 1.0], [0.0, 1.0]]
+    assert [load["far_field"] for load in case.to_dict()["loads"]] == [[-2e6, -1e7, 1e6]] * 2
+    assert Case.from_dict(case.to_dict()).to_dict() == case.to_dict()
+
+
+def test_a_far_field_may_vary_if_what_it_leaves_over_is_held():
+    lithostatic = {"far_field": ["0.01*(y - 5)", "0.026*(y - 5)", 0]}
+    case = outlined(BLOCK, [{"outline": "rollers"}], [lithostatic])
+    places, up = np.array([[3.0, 5.0], [3.0, -5.0]]), np.array([[0.0, 1.0], [0.0, -1.0]])
+    np.testing.assert_allclose(case.loads[0].traction_at(places, up), [[0.0, 0.0], [0.0, 260000.0]], atol=1e-9)
+    with pytest.raises(CaseError, match="'minimal' takes no force"):
+        outlined(BLOCK, "minimal", [lithostatic])

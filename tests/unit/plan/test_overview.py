@@ -7,44 +7,82 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.plan.overview import estimated_nodes, overview
+from tests.scenes import shipped_case
 from tests.unit.case.scenes import EVERYTHING, load, rectangle, with_body
 
-CASE = Path(__file__).parents[3] / "cases" / "compression30.yaml"
+LAW = "{friction: 0.5, cohesion: 1, residual_friction: 0.3, cohesion_after_slip: kept, dilation_angle: 5}"
+PLAIN_LAW = "{friction: 0.5, cohesion: 1, residual_friction: 0.5}"
+OTHER = "cracks.other={path: {points: [[-3, 9], [0, -3], [3, 9]]}, contact: none}"
+PRESSURE = "loads.0={{on: {{edge: top}}, pressure: '{}'}}"
 
 
-def test_overview_names_bodies_cracks_tips_and_spacing() -> None:
-    text = overview(load_case(CASE, ["numerics.spacing=1.5"]))
-    for part in (
-        "body rock: 31 x 55 mm, E = 10 GPa, nu = 0.25; tension 0.5 MPa",
-        "crack flaw: length 10 mm, tips: start and end; friction 0, cohesion 0 MPa",
-        "cracks: 1, tips: 2",
-        "supports: 3 at points, 0 on edges, 0 rigid foundations",
-        "loads: 2 tractions on edges, load factors 1",
-        "22 steps of 2 mm, directional_strength, most critical",
-        "spacing 1.5 mm",
-    ):
-        assert part in text
-    assert "interface" not in text
-
-
-def test_a_formula_is_told_in_the_unit_it_was_given_in_and_never_silently_cut() -> None:
-    text = overview(load_case(CASE, ["loads.0={on: {edge: top}, pressure: 'max(0, 10 - y/y)'}"]))
-    assert "pressure max(0, 10 - y / 0.001 / (y / 0.001)) [MPa] on rock.top" in text
-    long = " + ".join(f"{n}*x" for n in range(20))
-    shown = overview(load_case(CASE, [f"loads.0={{on: {{edge: top}}, pressure: '{long}'}}"]))
-    assert "... [MPa] on rock.top" in shown
+@pytest.mark.parametrize(
+    ("name", "settings", "parts"),
+    [
+        (
+            "compression30",
+            ["numerics.spacing=1.5"],
+            [
+                "body rock: 31 x 55 mm, E = 10 GPa, nu = 0.25; tension 0.5 MPa",
+                "crack flaw: length 10 mm, tips: start and end; friction 0, cohesion 0 MPa",
+                "cracks: 1, tips: 2\n",
+                "supports: 3 at points, 0 on edges, 0 rigid foundations",
+                "loads: 2 tractions on edges, load factors 1",
+                "22 steps of 2 mm, directional_strength, most critical",
+                "spacing 1.5 mm",
+            ],
+        ),
+        ("cyclic_friction", ["loads.2.held=true"], [
+            "loads: 6 tractions on edges (3 held), 25 load factors 0.2, 0.4, 0.6, 0.8, 1, 0.8",
+            "0, -0.2, -0.4, ..., 1\ngrowth: none, 25 static solves",
+        ]),
+        ("compression30", ["loads=[]"], ["loads: 0 tractions on edges, load factors 1"]),
+        ("confined30", ["loads.0.held=true", "loads.1.held=true"], [
+            "loads: 4 tractions on edges (held), load factors 1",
+        ]),
+        ("tunnel_excavated", [], [
+            "in stages: at rest (factor 1), face near by (without core, 60 % of core released), "
+            "face far away (100 % of core released), wet (water times 1), drained (water times 0)",
+        ]),
+        ("compression30", ["loading=critical", "growth.steps=0"], [
+            "each step at its critical load factor\n"
+            "growth: none, directional_strength is judged, tip radius 1 mm",
+        ]),
+        ("compression30", ["growth.unload_between_steps=false", "growth.steps=1", "numerics.spacing=1.5"], [
+            "growth: 1 step of 2 mm, directional_strength, most critical, tip radius 1 mm (0.667 x",
+            "the spacing), without unloading between steps",
+        ]),
+        # the whole law where it is not the default
+        ("compression30", [f"cracks.flaw.contact={LAW}"], [
+            "tips: start and end; friction 0.5, cohesion 1 MPa, residual friction 0.3, cohesion kept after slip, "
+            "dilation angle 5 deg\n",
+        ]),
+        ("compression30", [f"cracks.flaw.contact={PLAIN_LAW}"], [
+            "tips: start and end; friction 0.5, cohesion 1 MPa\n",
+        ]),
+        ("junction_static", [], ["cracks: 3, tips: 3, meeting at 1 place\n"]),
+        ("compression30", [OTHER], ["cracks: 2, tips: 4, meeting at 2 places\n"]),
+        # a formula is told in the unit it was given in, and never silently cut
+        ("compression30", [PRESSURE.format("max(0, 10 - y/y)")], [
+            "pressure max(0, 10 - y / 0.001 / (y / 0.001)) [MPa] on rock.top",
+        ]),
+        ("compression30", [PRESSURE.format(" + ".join(f"{n}*x" for n in range(20)))], ["... [MPa] on rock.top"]),
+    ],
+)  # fmt: skip
+def test_overview_of_shipped_cases(name: str, settings: list[str], parts: list[str]) -> None:
+    text = overview(shipped_case(name, settings))
+    assert [part for part in parts if part not in text] == []
 
 
 def test_overview_of_a_static_case_without_cracks(tmp_path: Path) -> None:
     scene = with_body(rectangle(0, 0, 4, 3))
     scene["supports"] = [{"on": {"body": "rock", "edge": "left"}, "displacement": {"x": 0, "y": 0}}]
     text = overview(load(tmp_path, scene))
-    assert "cracks: 0, tips: 0" in text
-    assert "one static solve" in text
-    assert "loads: 0 tractions on edges" in text
-    assert "no strength given" in text
+    for part in ("cracks: 0, tips: 0", "one static solve", "loads: 0 tractions on edges", "no strength given"):
+        assert part in text
+    assert "interface" not in text
+    assert "meeting" not in text
 
 
 def test_overview_of_everything(tmp_path: Path) -> None:
@@ -62,58 +100,11 @@ def test_overview_of_everything(tmp_path: Path) -> None:
         "growth: 2 steps of 1 mm, max_hoop_stress (implicit direction), all, tip radius 1 mm (1 x the spacing)",
     ):
         assert line in lines
-
-
-def test_overview_names_held_loads_and_load_factors(tmp_path: Path) -> None:
     held = [f"loads.{index}.held=true" for index in (0, 2, 4)]
     assert (
         "loads: 2 tractions on edges (1 held), gravity on block (held), pressure 2 MPa in flaw, in-situ stress in "
         "block (held), load factors 1, -0.5"
     ) in overview(load(tmp_path, EVERYTHING, *held, "loading.history=[1, -0.5]")).splitlines()
-    text = overview(load_case(CASE, ["loads.0.held=true", "loads.1.held=true", "loads=[]", "loading.history=[1]"]))
-    assert "loads: 0 tractions on edges, load factors 1" in text
-    text = overview(load_case(CASE.with_stem("cyclic_friction"), ["loads.2.held=true"]))
-    assert "loads: 6 tractions on edges (3 held), 25 load factors 0.2, 0.4, 0.6, 0.8, 1, 0.8" in text
-    assert "0, -0.2, -0.4, ..., 1\ngrowth: none, 25 static solves" in text
-    text = overview(load_case(CASE.with_stem("confined30"), ["loads.0.held=true", "loads.1.held=true"]))
-    assert "loads: 4 tractions on edges (held), load factors 1" in text
-
-
-def test_overview_names_what_each_stage_changes() -> None:
-    told = overview(load_case(CASE.with_name("tunnel_excavated.yaml")))
-    stages = ", ".join((
-        "at rest (factor 1)", "face near by (without core, 60 % of core released)",
-        "face far away (100 % of core released)", "wet (water times 1)", "drained (water times 0)",
-    ))  # fmt: skip
-    assert f"in stages: {stages}" in told
-
-
-def test_overview_of_critical_loads_and_growth() -> None:
-    text = overview(load_case(CASE, ["loading=critical", "growth.steps=0"]))
-    assert (
-        "each step at its critical load factor\ngrowth: none, directional_strength is judged, tip radius 1 mm" in text
-    )
-    text = overview(load_case(CASE, ["growth.unload_between_steps=false", "growth.steps=1", "numerics.spacing=1.5"]))
-    assert "growth: 1 step of 2 mm, directional_strength, most critical, tip radius 1 mm (0.667 x" in text
-    assert "the spacing), without unloading between steps" in text
-
-
-def test_overview_names_the_whole_law_where_it_is_not_the_default() -> None:
-    law = "{friction: 0.5, cohesion: 1, residual_friction: 0.3, cohesion_after_slip: kept, dilation_angle: 5}"
-    text = overview(load_case(CASE, [f"cracks.flaw.contact={law}"]))
-    assert (
-        "tips: start and end; friction 0.5, cohesion 1 MPa, residual friction 0.3, cohesion kept after slip, "
-        "dilation angle 5 deg\n"
-    ) in text
-    text = overview(load_case(CASE, ["cracks.flaw.contact={friction: 0.5, cohesion: 1, residual_friction: 0.5}"]))
-    assert "tips: start and end; friction 0.5, cohesion 1 MPa\n" in text
-
-
-def test_overview_counts_where_cracks_meet() -> None:
-    assert "cracks: 3, tips: 3, meeting at 1 place\n" in overview(load_case(CASE.with_stem("junction_static")))
-    assert "meeting" not in overview(load_case(CASE))
-    other = "cracks.other={path: {points: [[-3, 9], [0, -3], [3, 9]]}, contact: none}"
-    assert "cracks: 2, tips: 4, meeting at 2 places\n" in overview(load_case(CASE, [other]))
 
 
 def test_overview_sums_up_many_cracks() -> None:
@@ -122,7 +113,7 @@ def test_overview_sums_up_many_cracks() -> None:
         f"cracks.c{k}={{path: {{points: [[-9, {y}], [{k / 10 - 8}, {y}]]}}, contact: {contact[k % 2]}}}"
         for k, y in enumerate(np.arange(-15.0, -2.5, 0.5))
     ]
-    lines = overview(load_case(CASE, more)).splitlines()
+    lines = overview(shipped_case("compression30", more)).splitlines()
     assert sum(line.startswith("crack ") for line in lines) == 20
     assert "3 more cracks: length 2.9 to 3.3 mm; friction 0.3, cohesion 0 MPa" in lines
     assert "3 more cracks: length 3 to 3.4 mm; faces never touch" in lines
@@ -130,7 +121,7 @@ def test_overview_sums_up_many_cracks() -> None:
 
 @pytest.mark.parametrize("spacing", [0.005, 0.001, 0.0004])
 def test_estimated_nodes_is_close_to_the_count_on_a_rectangle(spacing: float) -> None:
-    case = load_case(CASE, [f"numerics.spacing={spacing} m"])
+    case = shipped_case("compression30", [f"numerics.spacing={spacing} m"])
     reach = case.numerics.support * spacing
     count = np.prod([np.floor((length + 2 * reach) / spacing) for length in (0.031, 0.055)])
     assert estimated_nodes(case) == pytest.approx(count, rel=0.15)

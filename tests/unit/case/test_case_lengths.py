@@ -1,0 +1,320 @@
+"""Accuracy and the automatic spacing: lengths that a lattice must resolve, and what they and presets give."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import crackgrow
+from crackgrow.arrays import Floats
+from crackgrow.case import dump_case, load_case
+from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
+from crackgrow.case.features import Kind, Length, feature_lengths
+from crackgrow.plan.overview import overview
+from tests.scenes import shipped_case
+from tests.unit.case.scenes import COMPRESSION, MATERIAL, NAMES, compression, fault, joint, load
+
+UNREFINED = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
+
+# --- the rule --------------------------------------------------------------------------------------------------------
+
+WIDE = Length("width", 20.0, "wide")
+THIN = [WIDE, Length("tip", 0.05, "crack"), Length("width", 10.0, "thin")]
+TINY = [*THIN, Length("tip", 0.0002, "tiny")]
+
+
+@pytest.mark.parametrize(
+    ("lengths", "refined", "spacing", "rule"),
+    [
+        ([Length("tip", 10.0, "crack a"), Length("tip", 2.0, "crack b"), WIDE], None, 1.0, "crack b / 2"),
+        ([Length("tip", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], None, 0.5, "thin / 10"),
+        ([Length("tip", 10.0, "crack a"), WIDE, Length("increment", 0.5, "step")], None, 0.5, "step / 1"),
+        ([WIDE, Length("increment", 1.0, "step"), Length("radius", 0.25, "radius")], None, 0.5, "radius / 0.5"),
+        ([WIDE], None, 2.0, "wide / 10"),
+        ([WIDE, Length("feature", 4.0, "hole")], None, 0.5, "hole / 8"),
+        ([WIDE, Length("bridge", 4.5, "rock"), Length("support", 8.0, "foot")], None, 1.5, "rock / 3"),
+        ([WIDE, Length("support", 2.0, "foot")], None, 0.5, "foot / 4"),
+        ([WIDE, Length("load", 1.0, "strip")], None, 0.5, "strip / 2"),
+        # where cells are refined, a length counts by the smallest of them
+        (THIN, "tips", 1.0, "thin / 10"),
+        (TINY, "tips", 0.4096, "tiny / 2 x 2^12"),
+        (TINY, "corners", 0.0001, "tiny / 2"),
+    ],
+)
+def test_the_smallest_length_rules(lengths: list[Length], refined: str | None, spacing: float, rule: str):
+    at = (REFINED_AT[refined],) if refined else ()
+    assert automatic_spacing("standard", lengths, *at) == (spacing, rule)
+
+
+@pytest.mark.parametrize(("target", "part"), [(0.2, 0.6), (0.03, 0.6), (0.0125, 0.8), (0.01, 1.0), (0.004, 2.0)])
+def test_cells_to_begin_with_follow_the_target_within_limits(target: float, part: float):
+    assert cells_along("width", target) == pytest.approx(10.0 * part)
+
+
+UNIFORM = ("barton_bandis", "rough_joint_sheared", "09_wear")
+"""Blocks of uniform stress, which two cells across them carry exactly."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_presets_refine_the_spacing_of_every_shipped_case(name: str):
+    """Where no cells are halved the spacing given lies between draft and fine, or is coarser."""
+
+    def spacings(*settings: str) -> list[float]:
+        words = [f"numerics.accuracy={word}" for word in TARGETS]
+        return [shipped_case(name, ["numerics.spacing=auto", word, *settings]).numerics.spacing for word in words]
+
+    assert list(TARGETS) == ["draft", "standard", "fine"]
+    draft, standard, fine = spacings()
+    assert draft > standard > fine
+    given = shipped_case(name).numerics
+    if given.auto_rule is None and name not in UNIFORM:
+        draft, _, fine = spacings(UNREFINED)
+        assert draft > 0.5 * given.spacing
+        assert fine < given.spacing or given.refine.tips > 0  # small cells at tips alone
+
+
+# --- presets and targets ---------------------------------------------------------------------------------------------
+
+
+def without_numerics(folder: Path, *lines: str) -> Path:
+    """compression30 whose numerics are these lines alone."""
+    text = COMPRESSION[: COMPRESSION.index("  spacing: 1.5")] + "".join(f"  {line}\n" for line in lines)
+    (folder / "scene.yaml").write_text(text, encoding="utf-8")
+    return folder / "scene.yaml"
+
+
+@pytest.mark.parametrize(("word", "target"), TARGETS.items())
+def test_a_preset_is_a_target_and_is_listed_in_the_resolved_case(word: str, target: float, tmp_path: Path):
+    case = load_case(without_numerics(tmp_path, f"accuracy: {word}"))
+    assert (case.numerics.target, case.numerics.measured) == (target, True)
+    listed = case.to_dict()["numerics"]
+    assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, 2.0, 3)
+    assert listed["contact"]["spacing"] == 1.25
+    assert listed["spacing"] == pytest.approx(0.031 / cells_along("width", word), rel=1e-12)
+    assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")
+    assert f"(auto, {word}: smaller side of body 'rock' / " in overview(case)
+    assert listed["refine"] == {"tips": "auto", "kinks": "auto", "corners": "auto", "rings": 2.0}
+
+
+@pytest.mark.parametrize("word", list(TARGETS))
+def test_without_small_cells_the_spacing_resolves_what_they_would(word: str, tmp_path: Path):
+    numerics = load_case(without_numerics(tmp_path, f"accuracy: {word}"), [UNREFINED]).numerics
+    expected = {
+        "length of crack 'flaw'": 0.010 / cells_along("tip", word),
+        "growth.increment": 0.002 / cells_along("increment", word),
+        "growth.tip_stress.radius": 0.001 / cells_along("radius", word),
+        "smaller side of body 'rock'": 0.031 / cells_along("width", word),
+    }
+    least = min(expected, key=lambda what: expected[what])
+    assert numerics.spacing == pytest.approx(expected[least], rel=1e-12)
+    assert str(numerics.auto_rule).startswith(f"{least} / ")
+
+
+def test_explicit_keys_win_and_leave_the_others_to_the_preset(tmp_path: Path):
+    own = ["spacing: 2.5", "support: 1.5", "quadrature: 3", "contact: {spacing: 2}"]
+    listed = load_case(without_numerics(tmp_path, "accuracy: fine", *own)).to_dict()["numerics"]
+    assert (listed["accuracy"], listed["spacing"], listed["support"], listed["quadrature"]) == ("fine", 0.0025, 1.5, 3)
+    assert listed["contact"]["spacing"] == 2.0
+    assert "auto_rule" not in listed
+    whole = load_case(without_numerics(tmp_path, "accuracy: draft")).to_dict()["numerics"]
+    part = load_case(without_numerics(tmp_path, "accuracy: draft", "support: 3")).to_dict()["numerics"]
+    assert part == {**whole, "support": 3.0}
+    assert "spacing 1.5 mm, support" in overview(compression())
+    told = overview(compression("numerics.accuracy=fine"))
+    assert "spacing 1.5 mm (given, not that of fine), support" in told
+
+
+def test_resolved_automatic_case_reads_back_and_keeps_its_rule(tmp_path: Path):
+    case = compression("numerics.spacing=auto")
+    path = tmp_path / "compression30.yaml"
+    path.write_text(dump_case(case), encoding="utf-8")
+    again = load_case(path)
+    assert again.resolved == case.resolved
+    assert again.numerics.auto_rule == case.numerics.auto_rule is not None
+    assert load_case(path, ["numerics.spacing=0.001"]).numerics.auto_rule is None  # not the rule's number any more
+    assert load_case(path, ["bodies.rock.shape.rectangle.width=0.032"]).numerics.auto_rule is None
+
+
+@pytest.mark.parametrize("text", ["1 %", "1%", "0.01", "1e-2"])
+def test_an_error_of_K_can_be_asked_for(text: str, tmp_path: Path):
+    case = load_case(without_numerics(tmp_path, f"accuracy: {text}"))
+    assert case.numerics.target == 0.01
+    assert case.to_dict()["numerics"]["accuracy"] == 0.01
+
+
+@pytest.mark.parametrize(
+    ("settings", "measured", "refine"),
+    [
+        # a given spacing halves no cells unless told, and is not measured but for a target in percent
+        ([], False, (0, 0, 0)),
+        (["numerics.refine={tips: auto}"], False, ("auto", 0, 0)),
+        (["numerics.accuracy=fine"], False, (0, 0, 0)),
+        (["numerics.accuracy=1 %"], True, ("auto", "auto", "auto")),
+    ],
+)
+def test_cells_by_hand(settings: list[str], measured: bool, refine: tuple[object, ...]):
+    numerics = compression(*settings).numerics
+    assert numerics.measured == measured
+    assert (numerics.refine.tips, numerics.refine.kinks, numerics.refine.corners) == refine
+
+
+# --- lengths of a scene ----------------------------------------------------------------------------------------------
+
+BOX = [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]]
+L_SHAPE = [[0.0, 0.0], [12.0, 0.0], [12.0, 2.0], [2.0, 2.0], [2.0, 12.0], [0.0, 12.0]]
+V_NOTCHED = [[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0], [-10.0, 1.0], [-8.0, 0.0], [-10.0, -1.0]]
+
+
+@dataclass(frozen=True)
+class _Ring:
+    points: Floats
+
+
+@dataclass(frozen=True)
+class _Body:
+    rings: list[_Ring]
+    name: str = "rock"
+
+
+def circle(n: int, radius: float = 2.0, x: float = 0.0, scatter: float = 0.0) -> Floats:
+    """A hole (n, 2) round (x, 0), which lies on the right of its outline; `scatter` makes radii and angles uneven."""
+    rng = np.random.default_rng(7)
+    angles = np.linspace(0.0, -2.0 * np.pi, n, endpoint=False)
+    if scatter:
+        angles = -np.sort(rng.uniform(0.0, 2.0 * np.pi, n))
+    radii = radius * (1.0 + scatter * rng.uniform(-1.0, 1.0, n))
+    return np.column_stack([x + radii * np.cos(angles), radii * np.sin(angles)])
+
+
+def shortest(kind: Kind, *rings: Any) -> float:
+    """The shortest length of a kind that a body with these rings has, inf if none."""
+    lengths = feature_lengths(_Body([_Ring(np.asarray(ring, dtype=float)) for ring in rings]))
+    return min((length.metres for length in lengths if length.kind == kind), default=np.inf)
+
+
+def turned(points: Any, angle: float) -> Floats:
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.asarray(points) @ np.array([[cos, sin], [-sin, cos]])
+
+
+def divided(points: Any, parts: int) -> Floats:
+    """A ring with every side in so many parts."""
+    ring = np.asarray(points)
+    return np.concatenate(
+        [np.linspace(a, b, parts, endpoint=False) for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True)]
+    )
+
+
+SLOT = [[-6.0, -0.1], [-6.0, 0.1], [6.0, 0.1], [6.0, -0.1]]
+HALF_CIRCLE = np.linspace(np.pi / 2, -np.pi / 2, 60)
+NOTCHED = [*BOX, *np.column_stack([-20.0 + 1.5 * np.cos(HALF_CIRCLE), 1.5 * np.sin(HALF_CIRCLE)])]
+SIDE = np.linspace(20.0, -20.0, 2000)
+ROUGH_SIDE = 20.0 + 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, len(SIDE))
+
+
+@pytest.mark.parametrize(
+    ("rings", "length", "within"),
+    [
+        # a round hole counts by its diameter however many sides it has
+        *(((BOX, circle(n)), 4.0, 0.08) for n in (8, 12, 36, 360, 2000)),
+        ((BOX, circle(500, scatter=0.004)), 4.0, 0.02),  # uneven and rough sides are no short lengths
+        (([*BOX[:2], *np.column_stack([SIDE, ROUGH_SIDE])],), np.inf, 0.0),
+        ((BOX, SLOT), 0.2, 1e-6),  # by its width
+        ((NOTCHED,), 3.0, 0.1),  # by its diameter
+        ((V_NOTCHED,), np.hypot(2.0, 1.0), 0.1),  # by its sides; convex corners do not count
+        ((BOX,), np.inf, 0.0),
+    ],
+)
+def test_the_shortest_feature(rings: tuple[Any, ...], length: float, within: float):
+    assert shortest("feature", *rings) == pytest.approx(length, rel=within)
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.5, np.pi / 2])
+@pytest.mark.parametrize("parts", [1, 30])
+def test_bridges_of_rock_do_not_depend_on_direction_or_straight_corners(angle: float, parts: int):
+    assert shortest("bridge", turned(divided(L_SHAPE, parts), angle)) == pytest.approx(2.0)
+    assert shortest("bridge", BOX, circle(360, x=-2.5), circle(360, x=2.5)) == pytest.approx(1.0, rel=1e-3)
+    assert shortest("bridge", BOX, circle(360, x=17.5)) == pytest.approx(0.5, rel=1e-3)
+
+
+def pressed(width: float, holes: list[Any], loads: list[Any]) -> dict[str, Any]:
+    half = width / 2
+    shape = {"rectangle": {"center": [0, 0], "width": width, "height": width}, "holes": holes}
+    return {
+        "title": "a block",
+        "units": {"length": "m", "stress": "MPa"},
+        "plane": "strain",
+        "bodies": {"rock": {"shape": shape, "material": dict(MATERIAL)}},
+        "supports": [
+            {"at": [-half, -half], "displacement": {"x": 0, "y": 0}},
+            {"at": [half, -half], "displacement": {"y": 0}},
+        ],
+        "loads": loads,
+        "numerics": {"spacing": "auto"},
+    }
+
+
+def in_situ(sigma_h: float, sigma_v: float) -> list[dict[str, Any]]:
+    tractions = {"left": [sigma_h, 0], "right": [-sigma_h, 0], "bottom": [0, sigma_v], "top": [0, -sigma_v]}
+    return [{"on": {"body": "rock", "edge": edge}, "traction": traction} for edge, traction in tractions.items()]
+
+
+@pytest.mark.parametrize(("accuracy", "off"), [("draft", 4.0), ("standard", 1.5)])
+def test_stress_at_a_tunnel_is_kirschs(accuracy: str, off: float, tmp_path: Path):
+    """Kirsch: 3 sigma_h - sigma_v at the crown, 3 sigma_v - sigma_h at the wall; the block's sides add up to 1 MPa."""
+    scene = pressed(40.0, [{"disk": {"center": [0, 0], "radius": 2}}], in_situ(10, 20))
+    solution = crackgrow.solve(load(tmp_path, scene, f"numerics.accuracy={accuracy}"))
+    assert solution.warnings == ()
+    wall, crown = 1e-6 * solution.stress_at([[2.002, 0.0], [0.0, 2.002]])
+    assert [wall[1], wall[0], crown[0], crown[1]] == pytest.approx([-50.0, 0.0, -10.0, 0.0], abs=off)
+
+
+def test_displacement_under_a_loaded_part_is_that_of_a_fine_lattice(tmp_path: Path):
+    loads = [
+        {"on": {"body": "rock", "edge": "top", "from": -1, "to": 1}, "traction": [0, -10]},
+        {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, 1]},
+    ]
+    scene = pressed(20.0, [], loads)
+    found = [crackgrow.solve(load(tmp_path, scene, *more)) for more in ([], ["numerics.spacing=0.2"])]
+    assert found[0].case.numerics.spacing == 2.0
+    depressed, reference = (solution.displacement_at([[0.0, 10.0]])[0, 1] for solution in found)
+    assert depressed == pytest.approx(reference, rel=0.02)
+
+
+def test_parts_that_follow_each_other_count_as_one(tmp_path: Path):
+    parts = [
+        {"on": {"body": "rock", "edge": "hole0", "from": start, "to": start + 10}, "traction": [0, 1]}
+        for start in range(0, 360, 10)
+    ]
+    scene = pressed(40.0, [{"disk": {"center": [0, 0], "radius": 2}}], [])
+    whole = load(tmp_path, scene, UNREFINED).numerics
+    assert load(tmp_path, {**scene, "loads": parts}, UNREFINED).numerics.spacing == whole.spacing
+    few = load(tmp_path, {**scene, "loads": parts[:2]}, UNREFINED).numerics
+    assert few.auto_rule == "loaded part of hole0 of body 'rock' / 2"
+    assert few.spacing == pytest.approx(2.0 * np.deg2rad(20.0) / 2, rel=1e-3)
+
+
+def test_short_interface_counts(tmp_path: Path):
+    cap = {"polygon": [[-0.2, 0], [0.2, 0], [5, 6], [-5, 6]]}
+    base = {"rectangle": {"center": [0, -5], "width": 20, "height": 10}}
+    scene = pressed(1.0, [], [])
+    scene["bodies"] = {name: {"shape": shape, "material": MATERIAL} for name, shape in (("base", base), ("cap", cap))}
+    scene["interfaces"] = joint("cap base")
+    scene["supports"] = [{"on": {"body": "base", "edge": "bottom"}, "displacement": {"x": 0, "y": 0}}]
+    assert load(tmp_path, scene).numerics.spacing == pytest.approx(0.6)
+    numerics = load(tmp_path, scene, "numerics.refine={corners: 0}").numerics
+    assert numerics.spacing == pytest.approx(0.1)
+    assert numerics.auto_rule == "interface between bodies 'base' and 'cap' / 4"
+
+
+def test_spacing_that_is_too_fine_tells_what_forces_it_and_a_way_out(tmp_path: Path):
+    scene = pressed(40.0, [{"disk": {"center": [0, 0], "radius": 0.05}}], in_situ(10, 20))
+    _, message = fault(tmp_path, scene, "numerics.refine={corners: 0}")
+    assert "(auto: width of hole0 of body 'rock' / 8)" in message
+    assert "give a spacing by hand, of 0.021 m or more, or a smaller body" in message
+    load(tmp_path, scene, "numerics.spacing=0.021")
+    assert load(tmp_path, scene).numerics.spacing == 4.0  # small cells at the hole alone

@@ -1,0 +1,204 @@
+"""Maps of joints: files of programs of maps and drawings, and whole maps, which are brought together and told."""
+
+from __future__ import annotations
+
+import builtins
+import json
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+from crackgrow import cli
+from crackgrow.case import Case, load_case
+from crackgrow.errors import CaseError
+from tests.joint_maps import SHIPPED, JointMap, case_text, joint_map
+from tests.scenes import shipped_case
+from tests.unit.case.scenes import CASES, rectangle, text_of, with_body
+
+DXF = """0\nSECTION\n2\nENTITIES
+0\nLINE\n8\njoints\n10\n1.0\n20\n1.0\n30\n5.0\n11\n3.0\n21\n2.0\n31\n5.0
+0\nLWPOLYLINE\n8\nfaults\n90\n3\n70\n0\n10\n5.0\n20\n5.0\n10\n6.0\n20\n5.5\n10\n7.0\n20\n5.0
+0\nENDSEC\n0\nEOF\n"""
+
+
+def write(file: Path, driver: str = "GPKG", layer: str | None = None, crs: str = "EPSG:3067") -> None:
+    """Two features, the second one of two lines, with the attributes `set` and `n`."""
+    import pyogrio
+
+    shapes = shapely.from_wkt(["LINESTRING Z (1 1 7, 3 2 8)", "MULTILINESTRING ((5 5, 6 5), (7 7, 8 8))"])
+    kind = "Unknown"
+    if driver == "ESRI Shapefile":
+        shapes = [shapely.MultiLineString(shapely.get_parts(shape).tolist()) for shape in shapely.force_2d(shapes)]
+        kind = "MultiLineString"
+    values = [np.array(["J1", "J2"], dtype=object), np.array([4, 5])]
+    pyogrio.raw.write(
+        file, shapely.to_wkb(shapes), values, np.array(["set", "n"], dtype=object),
+        crs=crs, geometry_type=kind, driver=driver, layer=layer,
+    )  # fmt: skip
+
+
+def load(folder: Path, shape: Any = None, **path: Any) -> Case:
+    """A block of 10 m with the lines of a file as a set of cracks."""
+    scene = {**with_body(shape or rectangle(0, 0, 10, 10)), "supports": "minimal"}
+    scene["cracks"] = {"j": {"path": path, "contact": "none"}}
+    scene["numerics"] = {"spacing": 1}
+    (folder / "scene.yaml").write_text(text_of(scene))
+    return load_case(folder / "scene.yaml")
+
+
+@pytest.mark.parametrize(("name", "driver"), [("a.gpkg", "GPKG"), ("a.shp", "ESRI Shapefile")])
+def test_lines_and_attributes_of_a_program_of_maps(name: str, driver: str, tmp_path: Path):
+    write(tmp_path / name, driver)
+    case = load(tmp_path, file=name)
+    assert [crack.points.tolist() for crack in case.cracks] == [[[1, 1], [3, 2]], [[5, 5], [6, 5]], [[7, 7], [8, 8]]]
+    chosen = load(tmp_path, file=name, where={"set": "J2"}, names="n")
+    assert [crack.name for crack in chosen.cracks] == ["j-5-1", "j-5-2"]
+
+
+def test_lines_of_a_drawing(tmp_path: Path):
+    (tmp_path / "a.dxf").write_text(DXF)
+    case = load(tmp_path, file="a.dxf", units="m")
+    assert [crack.points.tolist() for crack in case.cracks] == [[[1, 1], [3, 2]], [[5, 5], [6, 5.5], [7, 5]]]
+    (fault,) = load(tmp_path, file="a.dxf", where={"Layer": "faults"}).cracks
+    assert len(fault.points) == 3
+
+
+def test_an_outline_of_a_program_of_maps(tmp_path: Path):
+    import pyogrio
+
+    ring = shapely.from_wkt(["POLYGON ((0 0, 1200 0, 1200 1200, 0 1200, 0 0), (500 100, 600 100, 600 200, 500 100))"])
+    none = np.array([], dtype=object)
+    pyogrio.raw.write(tmp_path / "rock.gpkg", shapely.to_wkb(ring), [], none, crs="EPSG:3067", geometry_type="Polygon")
+    write(tmp_path / "a.gpkg")
+    shape = {"file": "rock.gpkg", "units": "cm", "origin": [100, 200]}
+    outline, hole = load(tmp_path, shape, file="a.gpkg").bodies[0].rings
+    assert (outline.points.min(axis=0).tolist(), outline.points.max(axis=0).tolist()) == ([-1, -2], [11, 10])
+    assert sorted(hole.points.tolist()) == [[4, -1], [5, -1], [5, 0]]
+
+
+@pytest.mark.parametrize(
+    ("path", "words"),
+    [
+        ({"file": "a.gpkg"}, "has several layers; `layer` says which: it has joints, faults"),
+        ({"file": "a.gpkg", "layer": "joint"}, "has no layer 'joint'; it has joints, faults; did you mean 'joints'"),
+        ({"file": "degrees.gpkg"}, r"is in degrees of longitude and latitude \(EPSG:4326\)"),
+        ({"file": "none.gpkg"}, "cannot be read as|holds nothing"),
+        ({"file": "none.shp"}, "cannot be read as|holds nothing"),
+        ({"file": "none.dxf"}, "cannot be read as|holds nothing"),
+    ],
+)
+def test_layers_degrees_and_files_that_are_none_are_told(path: dict[str, str], words: str, tmp_path: Path):
+    write(tmp_path / "a.gpkg", layer="joints")
+    write(tmp_path / "a.gpkg", layer="faults")
+    write(tmp_path / "degrees.gpkg", crs="EPSG:4326")
+    for name in ("none.gpkg", "none.shp", "none.dxf"):
+        (tmp_path / name).write_text("nothing")
+    with pytest.raises(CaseError, match=words):
+        load(tmp_path, **path)
+    assert len(load(tmp_path, file="a.gpkg", layer="faults").cracks) == 3
+
+
+def test_without_the_extra_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    write(tmp_path / "a.gpkg")
+    real = builtins.__import__
+
+    def without(name: str, *rest: Any) -> Any:
+        if name == "pyogrio":
+            raise ImportError(name)
+        return real(name, *rest)
+
+    monkeypatch.setattr(builtins, "__import__", without)
+    with pytest.raises(CaseError, match=r"needs pyogrio to be read: pip install 'crackgrow\[maps\]'"):
+        load(tmp_path, file="a.gpkg")
+
+
+# --- whole maps ------------------------------------------------------------------------------------------------------
+
+
+def case_of(map_: JointMap, folder: Path) -> Case:
+    (map_.write(folder) / "scene.yaml").write_text(case_text(map_))
+    return load_case(folder / "scene.yaml")
+
+
+@pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(12)), *((200, k) for k in range(3)), (700, 0)])
+def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    """No tip is left within the tolerance of anything, and none of the joints that are well drawn is lost."""
+    map_ = joint_map(n, seed)
+    case = case_of(map_, tmp_path)
+    lines = [shapely.LineString(crack.points) for crack in case.cracks]
+    rims = [shapely.LinearRing(ring.points) for ring in case.bodies[0].rings]
+    tree = shapely.STRtree([*lines, *rims])
+    ends = [
+        (k, end)
+        for k, crack in enumerate(case.cracks)
+        for end in (0, -1)
+        if (crack.tip_at_start, crack.tip_at_end)[end]
+    ]
+    tips = shapely.points([case.cracks[k].points[end] for k, end in ends])
+    near = tree.query(tips, predicate="dwithin", distance=0.999 * map_.tolerance).T.tolist()
+    assert [(tip, other) for tip, other in near if other != ends[tip][0]] == []
+    why = Counter(cut.why.split(" ")[0] for cut in case.cut)
+    wanted = map_.defects
+    assert why["has"] == wanted["no length"]
+    assert why["runs"] >= wanted["twice"] + wanted["stacked"]
+    rock = shapely.Polygon(case.bodies[0].outline).buffer(-2 * map_.tolerance)
+    kept = shapely.union_all(lines).buffer(2.0 * map_.tolerance)
+    lost = [
+        shapely.LineString(points - case.origin).intersection(rock).difference(kept).length for points, _ in map_.traces
+    ]
+    assert max(lost) < 10.0 * map_.tolerance
+    sets = {str(number): values["set"] for number, (_, values) in enumerate(map_.traces, 1)}
+    for crack in case.cracks:
+        assert crack.contact.friction == (0.4 if sets[crack.name.split("-")[1]] == "J2" else 0.7)
+    if (n, seed) == (200, 0):
+        assert cli.main(["check", str(tmp_path / "scene.yaml")]) == 0
+        told = capsys.readouterr().out
+        assert "these were moved: " in told
+        assert "was left out of cracks, " in told
+
+
+@pytest.mark.slow
+def test_fifty_joints_grow(tmp_path: Path):
+    """Pulled apart, so that most faces open: slip along connected joints takes contact long."""
+    map_ = joint_map(50, 1)
+    case_of(map_, tmp_path)
+    held = [f"{{on: {{edge: {k}}}, displacement: {{x: 0, y: 0}}}}" for k in range(len(map_.outline))]
+    rock = "{young: 60 GPa, poisson: 0.25}, strength: {tension: 5 MPa, cohesion: 20 MPa, friction_angle: 40, "
+    text = case_text(
+        map_,
+        bodies=f"{{rock: {{shape: {{file: outline.geojson}}, material: {rock}toughness: 1 MPa sqrt(m)}}}}}}",
+        supports=f"[{', '.join(held)}]",
+        loads="[{stress: [10, 10, 0]}]",
+        loading="critical",
+        growth="{steps: 2, increment: 0.3, criterion: max_hoop_stress, direction: explicit, advance: most_critical}",
+        output="{frames: none, figures: false, report: false}",
+    )
+    (tmp_path / "grows.yaml").write_text(text)
+    assert cli.main(["run", str(tmp_path / "grows.yaml"), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    rows = np.genfromtxt(tmp_path / "out" / "paths.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    assert set(rows["step"].tolist()) == {0, 1, 2}
+    grown = rows[rows["step"] > 0]
+    ends = np.column_stack([grown["x"], grown["y"]])
+    assert all(shapely.Polygon(map_.outline).covers(shapely.Point(end)) for end in ends)
+    given = shapely.MultiLineString([points for points, _ in map_.traces])
+    assert all(given.distance(shapely.Point(end)) < 2.0 * 0.3 + 0.5 for end in ends)  # two increments, what was moved
+
+
+def test_the_shipped_map_is_one_of_these_brought_together_and_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+    joint_map(*SHIPPED).write(tmp_path, "joint_map_")
+    for name in ("joint_map_joints.geojson", "joint_map_outline.geojson"):
+        made, shipped = (json.loads((folder / name).read_text())["features"] for folder in (tmp_path, CASES))
+        for one, other in zip(made, shipped, strict=True):
+            assert one["properties"] == other["properties"]
+            np.testing.assert_allclose(one["geometry"]["coordinates"], other["geometry"]["coordinates"], atol=2e-6)
+    case = shipped_case("joint_map")
+    assert (len(case.cracks), len({crack.name.split("-")[1] for crack in case.cracks})) == (43, 39)
+    assert {crack.contact.friction for crack in case.cracks} == {0.4, 0.7}
+    assert cli.main(["check", str(CASES / "joint_map.yaml")]) == 0
+    told = capsys.readouterr().out
+    assert "these were moved: the end of crack 'joints-3'" in told
+    assert "all of 'joints-18' (feature 18)" in told

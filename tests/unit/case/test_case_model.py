@@ -1,0 +1,357 @@
+"""Whole cases: the model in SI, defaults, overrides, what is written of it, and cases that are made in Python."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import yaml
+
+from crackgrow.case import Case, dump_case, load_case
+from crackgrow.case.load import read_case
+from crackgrow.case.model import ContactSupport, CoulombContact, EdgeSupport, LoadHistory, PointSupport
+from crackgrow.errors import CaseError
+from tests.unit.case.scenes import (
+    CASES,
+    COMPRESSION,
+    EVERYTHING,
+    NAMES,
+    compression,
+    faults_of,
+    held,
+    load,
+    rectangle,
+    reread,
+    same,
+    with_body,
+)
+
+
+def test_compression30_in_si():
+    case = compression()
+    (body,), (crack,) = case.bodies, case.cracks
+    assert (case.name, case.plane, case.loading.factors) == ("compression30", "strain", (1.0,))
+    assert body.outline.tolist() == [[-0.0155, -0.0275], [0.0155, -0.0275], [0.0155, 0.0275], [-0.0155, 0.0275]]
+    assert body.rings[0].edge_names == ("bottom", "right", "top", "left")
+    assert (body.material.young, body.material.poisson, body.material.density) == (1e10, 0.25, None)
+    assert (body.strength.tension, body.strength.cohesion, body.strength.friction_angle) == (5e5, 1e7, 40.0)
+    half = 0.005 * np.array([np.sqrt(3) / 2, 0.5])
+    np.testing.assert_allclose(crack.points, [-half, half], rtol=1e-15)  # one rounding of cos, one of the product
+    assert (crack.tip_at_start, crack.tip_at_end, crack.body) == (True, True, "rock")
+    assert [support.displacement for support in case.supports] == [(None, 0.0), (None, 0.0), (0.0, None)]
+    assert [(load.region.edge, load.traction) for load in case.loads] == [("top", (0.0, -1e8)), ("bottom", (0.0, 1e8))]
+    growth = case.growth
+    assert (growth.steps, growth.increment, growth.tip_radius) == (22, 0.002, 0.001)
+    assert (growth.criterion, growth.advance) == ("directional_strength", "most_critical")
+
+
+def test_defaults_are_filled_in(tmp_path: Path):
+    keys = ("growth.advance", "growth.unload_between_steps", "cracks.flaw.contact.cohesion", "numerics.support")
+    case = load_case(without(tmp_path, *keys))
+    growth, numerics, output = case.growth, case.numerics, case.output
+    assert (growth.advance, growth.direction, growth.unload_between_steps) == ("all", "explicit", True)
+    assert (growth.initiation.at, growth.initiation.spacing, growth.link_distance) == ("tips", None, None)
+    assert (numerics.spacing, numerics.support, numerics.quadrature) == (0.0015, 2.0, 3)
+    contact = numerics.contact
+    assert (contact.stiffness, contact.discretization, contact.solver) == (None, "mortar", "newton")
+    assert contact.spacing == 1.25
+    assert (output.frames, output.fields, output.figures) == ("every_step", ("displacement", "stress"), True)
+    assert case.resolved["units"] == {"length": "m", "stress": "Pa"}
+
+
+def test_everything(tmp_path: Path):
+    case = load(tmp_path, EVERYTHING)
+    foundation, block, plug = case.bodies
+    assert [body.name for body in case.bodies] == ["foundation", "block", "plug"]
+    assert [len(ring.points) for ring in block.rings] == [4, 360, 4, 3]
+    assert block.rings[0].edge_names == ("base", "2", "wall", "wall")
+    assert (block.material.density, plug.strength, foundation.material.density) == (2500.0, None, None)
+    joint, glue = case.interfaces
+    assert [line.tolist() for line in joint.lines] == [[[-0.01, 0.0], [0.01, 0.0]]]
+    assert isinstance(joint.contact, CoulombContact)
+    assert (glue.contact, len(glue.lines)) == ("bonded", 2)
+    bottom, wall, _ = case.supports
+    assert [type(support) for support in case.supports] == [ContactSupport, EdgeSupport, PointSupport]
+    np.testing.assert_allclose(wall.region.limits, [[0.75, 1], [0, 0.75]], atol=1e-15)
+    assert (wall.region.sides.tolist(), bottom.contact.cohesion) == ([2, 3], 1e6)
+    points = np.array([[-0.01, 0.005], [0.004, 0.02]])
+    x, y = (component(points) for component in wall.displacement)
+    np.testing.assert_allclose(x, [-1e-3, 0.26e-3], rtol=1e-14)  # 0.09 * (-10) - 0.1 = -1 mm
+    np.testing.assert_allclose(y, [(100 + np.sqrt(0.5)) * 1e-3, 4e-3], rtol=1e-14)
+    assert case.loads[0].region.sides.tolist() == [368, 369, 370]
+    assert case.loads[1].region.sides.tolist() == [*range(350, 360), *range(11)]
+    assert (case.growth.criterion, case.growth.direction) == ("max_hoop_stress", "implicit")
+
+
+@pytest.mark.parametrize(
+    ("override", "read", "value"),
+    [
+        ("numerics.spacing=1.25", lambda c: c.numerics.spacing, 0.00125),
+        ("numerics.spacing=2.5 mm", lambda c: c.numerics.spacing, 0.0025),
+        ("units.length=cm", lambda c: c.numerics.spacing, 0.015),
+        ("cracks.flaw.contact.friction=0.3", lambda c: c.cracks[0].contact.friction, 0.3),
+        ("cracks.flaw.contact=none", lambda c: c.cracks[0].contact, None),
+        ("cracks.flaw.tips=end", lambda c: (c.cracks[0].tip_at_start, c.cracks[0].tip_at_end), (False, True)),
+        ("loads.1.traction.0=5", lambda c: c.loads[1].traction, (5e6, 1e8)),
+        ("numerics.contact.stiffness=1e2", lambda c: c.numerics.contact.stiffness, 100.0),
+        (
+            "numerics.contact={discretization: gauss, stiffness: 9}",
+            lambda c: c.numerics.contact.discretization,
+            "gauss",
+        ),
+        ("bodies.rock.material.density=2500", lambda c: c.bodies[0].material.density, 2500.0),
+        ("growth.steps=1e1", lambda c: c.growth.steps, 10),
+        ("growth.unload_between_steps=false", lambda c: c.growth.unload_between_steps, False),
+    ],
+)
+def test_overrides(override: str, read: Callable[[Any], object], value: object):
+    assert read(compression(override)) == value
+
+
+# --- what is written and read again ----------------------------------------------------------------------------------
+
+AWKWARD = [
+    "units={length: cm, stress: kPa}",
+    'bodies.rock.shape.rectangle.width="0.1234567890123456789 km"',
+    "bodies.rock.shape.rectangle.height=33.3",
+    "bodies.rock.shape.rectangle.center=[0.1, 0.7]",
+    "bodies.rock.material={young: 70.1 GPa, poisson: 1e-1, density: 2.7 g/cm^3}",
+    "cracks.flaw.path={center: [0.3, 0.7], length: 1.1, angle: 77.7}",
+    "cracks.far={path: {points: [[3, 3], [3, 3], [4.1, 5.3], [6, 6]]}, tips: start, contact: none}",
+    "supports=[{on: {body: rock, edge: bottom, from: -1.7, to: 3.3 mm}, displacement: {x: 0.1 um, y: -0.3}}]",
+    "loads.0.on={body: rock, edge: left, from: 1 mm}",
+    "numerics={spacing: 0.7, contact: {stiffness: 1.e+2, discretization: gauss, solver: lemke}}",
+    "output={frames: none, fields: [], figures: false}",
+    "title='on: #1 \"äöü\" \\ 10'",
+]
+STARTING = [
+    "growth.initiation={at: outlines, spacing: 3}",
+    "output.points={head: {at: [0, 20]}, mouth: {crack: flaw, at: [0, 0]}, width: {between: [[-9, 0], [9, 0]]}}",
+    "cracks.flaw.contact={friction: 0.6, cohesion: 1, tension: 0.1, residual_friction: 0.3, cohesion_after_slip: kept}",
+]
+SLOW = [
+    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress, law: subcritical,"
+    " subcritical: {velocity: 1 mm/day, exponent: 20, threshold: 0.2}}",
+    "bodies.rock.strength={tension: 0.5, cohesion: 10, friction_angle: 40, toughness: 0.04 MPa sqrt(m)}",
+]
+FOLLOWED = ["loading={history: [0.5, 0.5, 1e-1], follow: 8}"]
+CRITICAL = ["loading=critical", "growth.steps=0"]
+
+
+@pytest.mark.parametrize("overrides", [[], AWKWARD, STARTING, SLOW, FOLLOWED, CRITICAL])
+def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Path):
+    case = compression(*overrides)
+    again = reread(case, tmp_path)
+    assert same(case, again)
+    assert dump_case(again) == dump_case(case)
+    assert yaml.safe_load(dump_case(case)) == case.resolved
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_shipped_case_reads_back_also_from_a_writer_of_yaml_1_1(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """To PyYAML the key `on` is the boolean true."""
+    case = load_case(CASES / f"{name}.yaml")
+    again = reread(case, tmp_path)
+    told: dict[str, Any] = {"moved": (), "cut": ()}  # of the map, which was brought together when it was read first
+    assert same(replace(case, **told), replace(again, **told))
+    assert dump_case(again) == dump_case(case)
+    monkeypatch.chdir(CASES)  # where the files lie that a case names
+    written = yaml.safe_dump(yaml.safe_load((CASES / f"{name}.yaml").read_text(encoding="utf-8")))
+    assert read_case(written, "written", name).resolved == case.resolved
+
+
+def test_round_trip_of_random_quantities(tmp_path: Path):
+    rng = np.random.default_rng(5)
+    for _ in range(20):
+        width, height, young = (float(v) for v in 10 ** rng.uniform(0, 3, 3))
+        case = compression(
+            f"units.length={rng.choice(['m', 'cm', 'mm', 'km'])}",
+            f"bodies.rock.shape.rectangle={{center: [0, 0], width: {width!r}, height: {height!r}}}",
+            f"bodies.rock.material.young={young!r} GPa",
+            "cracks={}",
+            f"numerics.spacing={min(width, height) / 7}",
+            f"supports=[{{on: {{body: rock, edge: left}}, displacement: {{x: {rng.normal()}, y: {rng.normal()} um}}}}]",
+        )
+        assert same(case, reread(case, tmp_path))
+
+
+def test_what_is_changed_in_python_is_written(tmp_path: Path):
+    case = load(tmp_path, EVERYTHING, "numerics.spacing=auto")
+    law, weight = case.supports[0].contact, case.loads[2]
+    changed = replace(
+        case,
+        title="another one",
+        bodies=tuple(replace(body, material=replace(body.material, young=1e9)) for body in case.bodies),
+        cracks=(replace(case.cracks[0], contact=None),),
+        interfaces=(replace(case.interfaces[0], contact=replace(law, stiffness=(1e9, 2e9))), case.interfaces[1]),
+        supports=(replace(case.supports[0], contact=replace(law, weakening_length=1e-4)), *case.supports[1:]),
+        loads=(*case.loads[:2], replace(weight, acceleration=(1.0, -5.0), held=True), *case.loads[3:]),
+        numerics=replace(case.numerics, spacing=0.001, contact=replace(case.numerics.contact, stiffness=10.0)),
+        growth=replace(case.growth, steps=3, tip_radius=0.002),
+        loading=LoadHistory((0.5, 1.0)),
+        output=replace(case.output, frames="none"),
+    )
+    again = read_case(dump_case(changed), "text", case.name)
+    assert (again.title, again.output.frames, again.loading.factors) == ("another one", "none", (0.5, 1.0))
+    assert [body.material.young for body in again.bodies] == [1e9] * 3
+    assert again.cracks[0].contact is None
+    assert again.interfaces[0].contact.stiffness == (1e9, 2e9)
+    assert again.supports[0].contact.weakening_length == 1e-4
+    assert (again.loads[2].acceleration, again.loads[2].held) == ((1.0, -5.0), True)
+    assert (again.numerics.spacing, again.numerics.auto_rule) == (0.001, None)
+    assert (again.numerics.contact.stiffness, again.growth.steps, again.growth.tip_radius) == (10.0, 3, 0.002)
+    assert dump_case(again) == dump_case(changed)
+
+
+@pytest.mark.parametrize("part", ["bodies", "cracks", "supports", "loads"])
+def test_changed_geometry_is_not_written(part: str):
+    case = compression()
+    ring = case.bodies[0].rings[0]
+    changed: dict[str, Any] = {
+        "bodies": (replace(case.bodies[0], rings=(replace(ring, points=2.0 * ring.points),)),),
+        "cracks": (replace(case.cracks[0], points=0.5 * case.cracks[0].points),),
+        "supports": case.supports[::-1],
+        "loads": case.loads[::-1],
+    }
+    with pytest.raises(CaseError, match="cannot be written") as caught:
+        dump_case(replace(case, **{part: changed[part]}))
+    assert [fault.key for fault in caught.value.faults] == [part]
+
+
+def test_a_case_is_not_changed_from_outside():
+    case = compression()
+    text = dump_case(case)
+    copied: Any = copy.deepcopy(case.resolved)
+    copied["loads"][0]["traction"][1] = 0.0
+    case.to_dict()["bodies"]["rock"]["material"]["young"] = 1.0
+    sent = pickle.loads(pickle.dumps(case))
+    assert sent.resolved == case.resolved
+    for resolved in (case.resolved, sent.resolved):
+        for change in (
+            lambda resolved=resolved: resolved.update(title="another"),
+            lambda resolved=resolved: resolved["cracks"]["flaw"]["path"].__setitem__("angle", 60.0),
+            lambda resolved=resolved: resolved["loads"][0]["traction"].sort(),
+            lambda resolved=resolved: resolved["supports"].__delitem__(0),
+            lambda resolved=resolved: resolved.__ior__({"title": "another"}),
+        ):
+            with pytest.raises(TypeError, match="a case cannot be changed; load it with overrides"):
+                change()
+    region = case.loads[0].region
+    for array in (case.bodies[0].outline, case.cracks[0].points, case.supports[0].point, region.sides, region.limits):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    assert dump_case(case) == text
+
+
+# --- keys that are there or not --------------------------------------------------------------------------------------
+
+
+def without(folder: Path, *keys: str) -> Path:
+    """Write the resolved compression30 without some keys, such as "bodies.rock.strength"."""
+    resolved = compression().to_dict()
+    for key in keys:
+        *parents, last = key.split(".")
+        mapping = resolved
+        for parent in parents:
+            mapping = mapping[parent]
+        del mapping[last]
+    path = folder / "without.yaml"
+    path.write_text(yaml.safe_dump(resolved, sort_keys=False), encoding="utf-8")
+    return path
+
+
+def line_of(path: Path, text: str) -> int:
+    """The number of the first line that holds a text."""
+    return next(n for n, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1) if text in line)
+
+
+REQUIRED = [
+    "title", "plane", "bodies", "bodies.rock.shape", "bodies.rock.shape.rectangle.width", "bodies.rock.material",
+    "bodies.rock.material.young", "bodies.rock.material.poisson", "bodies.rock.strength.cohesion", "cracks.flaw.path",
+    "cracks.flaw.contact", "cracks.flaw.contact.friction", "growth.steps", "growth.increment", "growth.criterion",
+    "growth.tip_stress", "growth.tip_stress.radius",
+]  # fmt: skip
+OPTIONAL = [
+    "source", "units", "loads", "loading", "growth", "growth.direction", "interfaces", "numerics.accuracy",
+    "numerics.contact", "output", "output.frames", "cracks.flaw.tips",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("key", REQUIRED)
+def test_missing_key(key: str, tmp_path: Path):
+    path = without(tmp_path, key)
+    (fault,) = faults_of(path)
+    assert fault.key == key
+    assert fault.message.startswith("missing")
+    assert fault.line == (line_of(path, f"{key.split('.')[-2]}:") if "." in key else 1)
+
+
+@pytest.mark.parametrize("key", OPTIONAL)
+def test_key_that_may_be_missing(key: str, tmp_path: Path):
+    load_case(without(tmp_path, key))
+
+
+def test_only_growth_needs_strength(tmp_path: Path):
+    path = without(tmp_path, "bodies.rock.strength")
+    (fault,) = faults_of(path)
+    assert (fault.key, fault.line) == ("bodies.rock.strength", line_of(path, "rock:"))
+    case = load_case(without(tmp_path, "growth", "bodies.rock.strength"))
+    assert (case.growth, case.bodies[0].strength) == (None, None)
+
+
+@pytest.mark.parametrize("numerics", ["", "numerics: {}\n", "numerics: {accuracy: standard}\n"])
+def test_numerics_may_be_left_out_and_empty(numerics: str, tmp_path: Path):
+    (tmp_path / "scene.yaml").write_text(COMPRESSION[: COMPRESSION.index("numerics:")] + numerics, encoding="utf-8")
+    numbers = load_case(tmp_path / "scene.yaml").numerics
+    assert (numbers.accuracy, numbers.spacing) == ("standard", pytest.approx(0.0031))
+
+
+# --- cases from mappings ---------------------------------------------------------------------------------------------
+
+PLATE = {**with_body(rectangle(0, 0, 4, 6)), "supports": held("rock"), "numerics": {"spacing": "auto"}}
+
+
+def test_a_mapping_is_the_case_that_its_file_is(tmp_path: Path):
+    """Also one that a reader of YAML 1.1 has made, which takes the key `on` for true."""
+    case = Case.from_dict(EVERYTHING, "everything")
+    assert dump_case(case) == dump_case(load(tmp_path, EVERYTHING))
+    again = Case.from_dict(case.to_dict(), case.name)
+    assert (again.to_dict(), again.name) == (case.to_dict(), "everything")
+    scene = {**PLATE, "loads": [{"on": {"edge": "top"}, "traction": [0, 1]}]}
+    read = {**scene, "loads": [{True: {"edge": "top"}, "traction": [0, 1]}]}
+    assert dump_case(Case.from_dict(read)) == dump_case(load(tmp_path, scene))
+
+
+def test_arrays_and_tuples_are_taken():
+    points = np.array([[1.0, 1.0], [2.0, 2.5]])
+    cracks = {"flaw": {"path": {"points": points}, "contact": {"friction": np.float64(0.25), "cohesion": 0}}}
+    (crack,) = Case.from_dict({**PLATE, "cracks": cracks}).cracks
+    np.testing.assert_array_equal(crack.points, points)
+    assert crack.contact.friction == 0.25
+
+
+def test_settings_are_those_of_the_command_line(tmp_path: Path):
+    settings = ["bodies.rock.shape.rectangle.width=200 cm", "plane=stress"]
+    case = load(tmp_path, PLATE)
+    assert dump_case(case.with_(*settings)) == dump_case(load_case(tmp_path / "scene.yaml", settings))
+    assert case.plane == "strain"
+
+
+def test_faults_of_mappings_name_keys_and_no_lines():
+    with pytest.raises(CaseError) as caught:
+        Case.from_dict({**PLATE, "plane": "strian", "growht": {}})
+    assert [(fault.key, fault.line) for fault in caught.value.faults] == [("plane", None), ("growht", None)]
+    with pytest.raises(CaseError, match=r"numerics\.spacng: unknown key"):
+        Case.from_dict(PLATE).with_("numerics.spacng=1")
+    with pytest.raises(TypeError, match="a mapping in the case format is wanted, not str"):
+        Case.from_dict("title: x")
+    with pytest.raises(TypeError, match=r"loads\.0: set given"):
+        Case.from_dict({**PLATE, "loads": [{1, 2}]})

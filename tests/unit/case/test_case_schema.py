@@ -1,0 +1,265 @@
+"""What tells people of the format: the JSON Schema, other names of keys, and the shipped scenes that show every key."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import yaml
+from jsonschema import Draft7Validator
+
+from crackgrow.case.declared import keys_of, mapping_of
+from crackgrow.case.format import CRACK, LOAD, LOADING, SUPPORT
+from crackgrow.case.formula import OrFormula
+from crackgrow.case.json_schema import case_schema, schema_of
+from crackgrow.case.keys import case_keys
+from crackgrow.case.model import CoulombContact, Material, Numerics, Strength
+from crackgrow.case.reader import parse
+from crackgrow.case.report import Place, Report, nearest
+from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
+from crackgrow.case.schema import Named
+from crackgrow.case.spellings import PATH, REGION, SHAPE
+from crackgrow.case.synonyms import SYNONYMS
+from crackgrow.case.units import Units
+from tests.unit.case.scenes import CASES, fault, held, load, rectangle, with_body
+from tests.yaml12 import read_yaml12
+
+SCHEMA = json.loads(case_schema())
+
+
+def schema_accepts(spec: Spec, text: str) -> bool:
+    return bool(Draft7Validator(schema_of(spec)).is_valid(read_yaml12(text)))
+
+
+def reader_accepts(spec: Spec, text: str) -> bool:
+    report = Report("scene.yaml")
+    node = parse(text, report, Place("scene.yaml", 1))
+    if node is None:  # no value at all
+        return False
+    spec.read(node, (), Context(report, Units("mm", "MPa")))
+    return not report.faults
+
+
+def test_the_schema_is_one_and_the_one_beside_the_cases_is_up_to_date():
+    """If not: crackgrow schema --out cases/case.schema.json."""
+    Draft7Validator.check_schema(SCHEMA)
+    assert (CASES / "case.schema.json").read_text(encoding="utf-8") == case_schema()
+
+
+@pytest.mark.parametrize("file", sorted(CASES.glob("*.yaml")), ids=lambda file: file.stem)
+def test_shipped_cases_are_accepted_and_name_it(file: Path):
+    text = file.read_text(encoding="utf-8")
+    assert [error.message for error in Draft7Validator(SCHEMA).iter_errors(read_yaml12(text))] == []
+    assert "# yaml-language-server: $schema=case.schema.json\n" in text
+
+
+@pytest.mark.parametrize(
+    ("spec", "good", "bad"),
+    [
+        (Quantity("length", Bounds(above=0)), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
+         ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true",
+          "1e-320", ".nan", "1e61"]),
+        (Quantity("length"), ["0", "-0.0", "-1e-55", "1e55", "0 mm"], ["1e-70", "-1e-70", ".nan", "-.inf", "1e61"]),
+        (Quantity("stress", Bounds(at_least=0)), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
+        (Quantity("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
+        (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
+         ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
+        (LOADING, ["critical", "{history: [1, -0.5]}", "{}"], ["crit", "{history: 1}", "{histry: [1]}", "[1]"]),
+        (mapping_of(Numerics),
+         ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
+          "{support: 2}"],
+         ["{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
+          "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
+        (mapping_of(CoulombContact), ["{friction: 0.3, cohesion: 0}", "{friction: 0.3}"],
+         ["{cohesion: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
+        (CRACK, ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
+         ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
+          "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
+        (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}"], ["{center: [0, 0], length: 3}"]),
+        (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
+         ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dwg}", "{circle: 1}"]),
+        (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
+        (OrFormula(), ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
+         ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),
+        (SUPPORT, ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
+                   "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],
+         ["{at: [0, 0], displacement: {}}", "{at: [0, 0]}", '{at: [0, 0], displacement: {y: "0.09*z"}}',
+          '{at: [0, 0], displacement: {y: "5"}}']),
+        (LOAD, ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
+         ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
+          "{crack: a, pressure: 1, held: 1}"]),
+        (Named("crack", Number()), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
+         ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}", '{"a\\u0301": 1}', '{"a\\u202e": 1}']),
+    ],
+)  # fmt: skip
+def test_schema_and_reader_agree(spec: Spec, good: list[str], bad: list[str]):
+    for judge in (reader_accepts, schema_accepts):
+        assert [text for text in good if not judge(spec, text)] == []
+        assert [text for text in bad if judge(spec, text)] == []
+
+
+def shown(schema: dict[str, Any]) -> dict[str, Any]:
+    """What an editor shows of a key: that of its definition where it has one."""
+    return SCHEMA["definitions"][schema["$ref"].rpartition("/")[2]] if "$ref" in schema else schema
+
+
+def inside(schema: Any) -> Iterator[dict[str, Any]]:
+    """All mappings of a schema, outer ones first."""
+    if isinstance(schema, dict):
+        yield schema
+    for value in schema.values() if isinstance(schema, dict) else schema if isinstance(schema, list) else ():
+        yield from inside(value)
+
+
+def titles(schema: dict[str, Any]) -> Iterator[str]:
+    """Titles of a schema and of those that hold together with it."""
+    yield schema.get("title", "")
+    for inner in schema.get("allOf", ()):
+        yield from titles(shown(inner))
+
+
+def test_every_key_is_described_and_every_quantity_tells_its_units():
+    """And beside a reference there is nothing that draft 7 passes over."""
+    assert [schema for schema in inside(SCHEMA) if "$ref" in schema and len(schema) > 1] == []
+    found = [
+        (name, shown(its))
+        for schema in inside(SCHEMA)
+        for name, its in schema.get("properties", {}).items()
+        if isinstance(its, dict)
+    ]
+    assert len(found) > 60
+    assert [name for name, its in found if not its.get("description")] == []
+    named = dict(reversed(found))
+    assert "Pa | kPa | MPa | GPa; a bare number is in units.stress" in " ".join(titles(named["young"]))
+    assert named["support"]["default"] == 2.0
+    assert len(named["criterion"]["enum"]) == len(named["criterion"]["enumDescriptions"]) == 3
+
+
+# --- other names of keys ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("text", "allowed", "meant"),
+    [
+        ("E", keys_of(Material), "young"),
+        ("nu", keys_of(Material), "poisson"),
+        ("rho", keys_of(Material), "density"),
+        ("phi", keys_of(Strength), "friction_angle"),
+        ("sigma_t", keys_of(Strength), "tension"),
+        ("K_Ic", keys_of(Strength), "toughness"),
+        ("mu", keys_of(CoulombContact), "friction"),
+        ("phi", keys_of(CoulombContact), "friction"),
+        ("circle", ("rectangle", "polygon", "disk"), "disk"),
+        ("h", ("center", "width", "height"), "height"),
+        ("h", ("support", "spacing"), "spacing"),
+        ("E", ("strength", "directional_strength", "max_hoop_stress"), None),
+    ],
+)
+def test_other_names_mean_the_key_that_is_allowed(text: str, allowed: tuple[str, ...], meant: str | None):
+    assert nearest(text, allowed) == meant
+
+
+def test_every_meaning_is_a_key_or_word_of_the_format():
+    keys = {part for key in case_keys() for part in key.name.split(".")}
+    assert {meant for several in SYNONYMS.values() for meant in several} - keys - {"none", "bonded"} == set()
+    assert [name for name in SYNONYMS if name != name.lower()] == []
+
+
+FLAW = {"path": {"center": [2, 2], "length": 2, "angle": 30}, "contact": {"friction": 0.3, "cohesion": 0}}
+
+
+@pytest.mark.parametrize(
+    ("wrong", "words"),
+    [
+        ({"in_situ": {"stress": [-12, -8, 0]}}, "stress from the start is a load"),
+        ({"stress": [-12, -8, 0]}, "stress from the start is a load"),  # and not `units.stress`
+        ({"gravity": [0, -9.81]}, "weight is a load"),
+        ({"cracks": {"flaw": {**FLAW, "pressure": 1}}}, "fluid pressure in a crack is a load"),
+    ],
+)
+def test_what_is_a_load_here_is_said_with_an_example_that_loads(tmp_path: Path, wrong: dict[str, Any], words: str):
+    scene = {**with_body(rectangle(0, 0, 4, 4)), "cracks": {"flaw": FLAW}, "supports": held("rock")}
+    _, message = fault(tmp_path, {**scene, **wrong})
+    assert words in message
+    example = yaml.safe_load(message.split("`")[-2].replace("NAME", "flaw"))
+    scene["bodies"]["rock"]["material"]["density"] = "2600 kg/m^3"
+    assert load(tmp_path, {**scene, **example}).loads
+
+
+# --- shipped scenes --------------------------------------------------------------------------------------------------
+
+ROW = re.compile(r"^\| `(\S+)` \| .*? \| (.*?) \| [^|]*\|$", re.MULTILINE)
+LEFT_OUT = {"cracks.NAME.path.layer": "of a GeoPackage alone, which is no text"}
+"""Keys that no scene has, and why."""
+
+TUTORIAL = sorted(CASES.glob("[0-9][0-9]_*.yaml"))
+
+
+def reference() -> dict[str, str]:
+    """What each key of KEYS.md takes, by its whole name."""
+    found: dict[str, str] = {}
+    for section in (CASES / "KEYS.md").read_text(encoding="utf-8").split("\n## ")[1:]:
+        head = section.split("`")[1]
+        found.update({head + key if key.startswith(".") else key: takes for key, takes in ROW.findall(section)})
+    return found
+
+
+def keys_in(value: Any, before: str = "") -> Iterator[str]:
+    """The dotted names of all keys below a value."""
+    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for name, inner in items:
+        yield f"{before}{name}"
+        yield from keys_in(inner, f"{before}{name}.")
+
+
+def keys_in_text(text: str) -> set[str]:
+    """The keys of a case, those that it sets on its base as if they stood in it."""
+    case = read_yaml12(text)
+    names = [
+        *keys_in(case),
+        *(f"{key}.{name}" for key, value in case.get("set", {}).items() for name in keys_in(value)),
+    ]
+    whole = [*names, *case.get("set", {})]
+    return {".".join(parts[: end + 1]) for parts in (name.split(".") for name in whole) for end in range(len(parts))}
+
+
+def stands(key: str, takes: dict[str, str], used: set[str]) -> bool:
+    """Whether a key is used where the reference has it, or where another key takes the same mapping."""
+    places = [key]
+    for other, text in takes.items():
+        if (like := re.search(r"with the keys of ([\w.]+\w)", text)) and key.startswith(f"{like[1]}."):
+            by_name = ".NAME.NAME" if other.endswith("contact_by") else ""
+            places.append(other + by_name + key.removeprefix(like[1]))
+    patterns = (re.escape(place).replace("NAME", r"[^.]+").replace(r"\.N\.", r"\.\d+\.") for place in places)
+    return any(re.fullmatch(pattern, name) for pattern in patterns for name in used)
+
+
+def test_every_key_of_the_reference_stands_in_a_shipped_scene():
+    takes = reference()
+    assert len(takes) > 150
+    used = set().union(*(keys_in_text(file.read_text(encoding="utf-8")) for file in CASES.glob("*.yaml")))
+    assert {key for key in takes if not stands(key, takes, used)} == set(LEFT_OUT)
+    used = set().union(*(keys_in_text(file.read_text(encoding="utf-8")) for file in TUTORIAL))
+    assert not stands("laws.NAME.barton.jrc", takes, used)
+
+
+@pytest.mark.parametrize("file", TUTORIAL, ids=lambda file: file.stem)
+def test_a_scene_of_the_tutorial_is_short_and_says_what_one_sees(file: Path):
+    lines = file.read_text(encoding="utf-8").splitlines()
+    words = [line for line in lines[:5] if line.startswith("# ")]
+    assert len(words) == 5
+    assert words[0].startswith(f"# Tutorial {int(file.stem[:2])}: ")
+    assert words[1].startswith("# You see ")
+    assert words[4].startswith("# New: ")
+    assert len(lines) <= 30
+
+
+def test_the_page_on_maps_shows_the_shipped_case():
+    (shown,) = re.findall(r"^```yaml\n(.*?)^```$", (CASES / "MAPS.md").read_text(), flags=re.MULTILINE | re.DOTALL)
+    whole = yaml.safe_load((CASES / "joint_map.yaml").read_text())
+    for key, value in yaml.safe_load(shown).items():
+        assert value == whole[key]
