@@ -10,7 +10,7 @@ import pytest
 import shapely
 
 import crackgrow
-from crackgrow.case import Case
+from crackgrow.case import Case, dump_case
 from crackgrow.case.meetings import meeting_places
 from crackgrow.plan.sizes import sizes_of
 from tests.unit.case.scenes import (
@@ -393,3 +393,38 @@ def test_a_short_crack_is_not_bent_by_what_is_near(tmp_path: Path):
     case = load(tmp_path, plate(a=([[-4.99995, 0], [-4.999, 0]], "both")))
     assert case.cracks[0].points[0, 0] == -4.99995
     assert case.moved == ()
+
+
+@pytest.mark.parametrize(("start", "end"), [(0.0, 180.0), (180.0, 0.0), (-30.0, 40.0)])
+def test_an_arc_lies_on_its_circle_and_ends_along_it(start: float, end: float):
+    arc = f"cracks.flaw.path={{arc: {{center: [1, -2], radius: 3, from: {start}, to: {end}}}}}"
+    points = compression(arc).cracks[0].points * 1e3 - [1.0, -2.0]
+    np.testing.assert_allclose(np.hypot(*points.T), 3.0, rtol=5e-4)
+    ends = np.deg2rad([start, end])
+    np.testing.assert_allclose(points[[0, -1]], 3.0 * np.stack([np.cos(ends), np.sin(ends)], axis=1), atol=1e-9)
+    along = np.sign(end - start) * np.stack([-np.sin(ends), np.cos(ends)], axis=1)
+    steps = np.stack([points[1] - points[0], points[-1] - points[-2]])
+    np.testing.assert_allclose(steps / np.hypot(*steps.T)[:, None], along, atol=1e-3)
+
+
+def test_a_spline_through_places_of_a_parabola_is_that_parabola():
+    places = [[x, 0.1 * x * x] for x in range(-6, 6)]
+    points = compression(f"cracks.flaw.path={{spline: {places}}}").cracks[0].points * 1e3
+    assert points[[0, -1]].tolist() == pytest.approx(np.array([places[0], places[-1]]))
+    assert np.abs(points[:, 1] - 0.1 * points[:, 0] ** 2).max() < 0.01
+
+
+@pytest.mark.parametrize(
+    ("short", "long"),
+    [
+        ("cracks.flaw.path=[[0, 0], [5, 5]]", "cracks.flaw.path={points: [[0, 0], [5, 5]]}"),
+        ("loading=[0.5, 1]", "loading={history: [0.5, 1]}"),
+        ("growth.tip_stress=2", "growth.tip_stress={radius: 2}"),
+        ("cracks.flaw.path.length=0.5 in", "cracks.flaw.path.length=12.7"),
+        ("cracks.flaw.path.length=0.04 ft", "cracks.flaw.path.length=12.192"),
+        ("loads.0.traction=[0, -1000 psi]", "loads.0.traction=[0, -6.894757293168361]"),
+        ("loads.0.traction=[0, -1 ksi]", "loads.0.traction=[0, -6.894757293168361]"),
+    ],
+)
+def test_short_forms_and_other_units_say_the_same(short: str, long: str):
+    assert dump_case(compression(short)) == dump_case(compression(long))

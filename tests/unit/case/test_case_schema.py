@@ -68,7 +68,8 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
         (Quantity("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
         (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
          ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
-        (LOADING, ["critical", "{history: [1, -0.5]}", "{}"], ["crit", "{history: 1}", "{histry: [1]}", "[1]"]),
+        (LOADING, ["critical", "{history: [1, -0.5]}", "{}", "[0.5, 1]"],
+         ["crit", "{history: 1}", "{histry: [1]}", "[one]"]),
         (mapping_of(Numerics),
          ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
           "{support: 2}"],
@@ -79,7 +80,9 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
         (CRACK, ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
          ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
           "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
-        (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}"], ["{center: [0, 0], length: 3}"]),
+        (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}", "[[0, 0], [1, 2]]", "{spline: [[0, 0], [1, 2], [3, 2]]}",
+                "{arc: {center: [0, 0], radius: 2, from: 90, to: -45 deg}}"],
+         ["{center: [0, 0], length: 3}", "[0, 0]", "{arc: {center: [0, 0], radius: 2, from: 90}}"]),
         (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
          ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dwg}", "{circle: 1}"]),
         (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
@@ -134,7 +137,7 @@ def test_every_key_is_described_and_every_quantity_tells_its_units():
     assert len(found) > 60
     assert [name for name, its in found if not its.get("description")] == []
     named = dict(reversed(found))
-    assert "Pa | kPa | MPa | GPa; a bare number is in units.stress" in " ".join(titles(named["young"]))
+    assert "Pa | kPa | MPa | GPa | psi | ksi; a bare number is in units.stress" in " ".join(titles(named["young"]))
     assert named["support"]["default"] == 2.0
     assert len(named["criterion"]["enum"]) == len(named["criterion"]["enumDescriptions"]) == 3
 
