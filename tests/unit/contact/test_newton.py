@@ -11,7 +11,7 @@ import crackgrow.contact.newton as module
 from crackgrow.contact.condensed import Condensed
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.continuation import followed
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, complementarity_residual
+from crackgrow.contact.coulomb import OPEN, SLIP, ActiveSet, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations
 from crackgrow.contact.loose import settled
 from crackgrow.contact.newton import solve_by_newton
@@ -64,13 +64,6 @@ def test_faces_that_dilate_agree_with_lemke(seed: int) -> None:
     through = ((problem.slipped + problem.jump(newton.traction)[4:]) * problem.slipped < -1e-12).any()
     if not through:
         agrees(problem)
-
-
-def test_rough_free_jump_at_high_friction_is_solved() -> None:
-    for seed in range(10):
-        problem = crack_problem(120, 5.0, 0.0, 1e3, 0.3, seed)
-        noise = np.random.default_rng(seed).normal(size=240) * np.abs(problem.free).max()
-        solved(replace(problem, free=problem.free + noise))
 
 
 @pytest.mark.parametrize("seed", [4, 8, 33, 48, 78, 97, 179])
@@ -135,14 +128,6 @@ def on_its_way(problem: ContactProblem, exact: float = 1e-12) -> tuple[np.ndarra
     return found[0], found[1]
 
 
-@pytest.mark.parametrize("free_t", [-5.0, -1.0, 0.3, 7.0, 40.0])
-@pytest.mark.parametrize("free_n", [-1.0, 0.5])
-@pytest.mark.parametrize("friction", [0.0, 0.4, 1.9, 3.0, 10.0])
-def test_one_point_ends_on_one_of_its_branches(friction: float, free_n: float, free_t: float) -> None:
-    """With friction above 2 it may wedge itself: branches lead back, and there may be three solutions."""
-    on_its_way(one_point(friction, free_n, free_t))
-
-
 def test_the_only_solution_is_found_beyond_a_fold() -> None:
     """Slip that presses the point less: on the branch that Newton comes to the point would pull."""
     x, active = on_its_way(one_point(10.0, -1.0, -5.0))
@@ -188,56 +173,6 @@ def test_points_that_are_solved_for_alone_lead_to_the_solution_of_all(friction: 
         x = part.expanded(solve_by_newton(part.problem))
         assert complementarity_residual(problem, x) < 1e-11
         np.testing.assert_allclose(x, known.unknowns, atol=1e-9 * np.abs(known.traction).max())
-
-
-@pytest.fixture
-def sizes(monkeypatch: pytest.MonkeyPatch) -> dict[str, list[int]]:
-    """How many points were taken in, by what was done for them."""
-    found: dict[str, list[int]] = {"_stepped": [], "followed": []}
-    for name, sized in found.items():
-        true = getattr(module, name)
-        monkeypatch.setattr(
-            module, name, lambda problem, *of, t=true, s=sized: (s.append(problem.n_points), t(problem, *of))[1]
-        )
-    return found
-
-
-def test_problems_that_are_solved_again_and_again_are_small(sizes: dict[str, list[int]]) -> None:
-    """Here 200 points stick but for those next to a place where the faces are pressed less."""
-    n = 200
-    A = crack_problem(n, 0.5, 0.0, np.inf, 0.0, 0).compliance
-    x = np.linspace(-1.0, 1.0, n)
-    pressure, shear = 1.0 - 0.8 * np.exp(-100.0 * x**2), np.full(n, 0.3)
-    found = solved(ContactProblem(A, A @ np.concatenate([-pressure, shear]), np.full(n, 0.5)))
-    moving = int((found.state != STICK).sum())
-    assert 0 < moving < 0.2 * n
-    assert sizes["_stepped"][0] == n
-    assert 0 < max(sizes["_stepped"][1:]) <= moving + 4
-
-
-def test_a_cycle_is_solved_on_the_points_that_go_round(sizes: dict[str, list[int]]) -> None:
-    """One point goes round in circles among 30 that do not: the way of that one is followed."""
-    many, one = random_problem(30, 0.4, 5), one_point(10.0, -1.0, -5.0)
-    size = np.abs(many.free).max()  # the one is as large as the others
-    at = np.append(np.arange(60) + np.repeat([0, 1], 30), [30, 61])
-    compliance, free = np.zeros((62, 62)), np.zeros(62)
-    compliance[np.ix_(at[:60], at[:60])], compliance[np.ix_(at[60:], at[60:])] = many.compliance, one.compliance
-    free[at[:60]], free[at[60:]] = many.free, size * one.free
-    compliance[at[0], at[60]] = compliance[at[60], at[0]] = 1e-3 * many.compliance[0, 0]
-    solved(ContactProblem(compliance, free, np.append(many.friction, one.friction)))
-    assert 0 < max(sizes["followed"]) <= 3
-
-
-def test_wedged_points_are_solved_for_with_those_that_feel_them(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Of these blocks one point alone has no solution while the others slip; with its neighbours it has one."""
-    taken, more = [], Condensed.most_sensitive
-    monkeypatch.setattr(
-        Condensed, "most_sensitive", lambda part, points: taken.append(points.sum()) or more(part, points)
-    )
-    monkeypatch.setattr(module, "_by_springs", lambda *problem: pytest.fail("all by springs"))
-    problem, _ = settled(drawn(105).problem)
-    solved(problem)
-    assert taken[0] < 0.2 * problem.n_points
 
 
 @pytest.mark.parametrize("seed", [0, 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])

@@ -98,24 +98,3 @@ def test_every_step_can_be_gone_on_from(name: str) -> None:
         again, same_end = whole_run(case, stored(result.checkpoint))
         assert_same(results[number:], again, f"{name}, from {number}")
         assert_same(end, same_end, f"{name}, end from {number}")
-
-
-def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
-    short, long = (shipped_case("compression30", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
-    results, _ = whole_run(short)
-    assert not any(tip.advanced for tip in results[-1].tips)
-    whole, end = whole_run(long)
-    again, same_end = whole_run(long, stored(results[-1].checkpoint))
-    assert_same(whole[1:], again, "from 1")
-    assert_same(end, same_end, "end")
-
-
-def test_what_friction_remembers_matters() -> None:
-    """Points that had not slipped yet would slip, and dissipate, in this step: the tests above can fail."""
-    case = scene("cyclic friction")
-    results, _ = whole_run(case)
-    checkpoint = stored(results[2].checkpoint)
-    forgotten = {**checkpoint.arrays, "start_slip": np.zeros_like(checkpoint.arrays["start_slip"])}
-    other, _ = whole_run(case, Checkpoint(2, checkpoint.values, forgotten))
-    assert results[2].energy.dissipated == results[1].energy.dissipated > 0.0
-    assert other[0].energy.dissipated > 1.5 * results[2].energy.dissipated

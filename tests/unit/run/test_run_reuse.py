@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,14 +9,12 @@ import pytest
 import yaml
 
 import crackgrow.run.loading as loading
-from crackgrow.case import load_case
+from crackgrow.case.load import read_case
+from crackgrow.case.model import Case
 from crackgrow.contact import system as contact_system
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.loop import solved_steps
-from crackgrow.run.scene import make_scene
 from crackgrow.solid.stiffness import stiffness
 from tests.scenes import specimen
 
@@ -32,9 +28,8 @@ CRACKS = {  # the first two meet, the third ends on the fourth, the last two are
 }
 
 
-def scene(folder: Path, advance: str, *overrides: str) -> Any:
+def scene(advance: str, *overrides: str) -> Case:
     """A plate pulled along y, with six flaws of which those in the middle grow."""
-    file = folder / "plate.yaml"
     law = {"friction": 0.3, "cohesion": 0.0}
     cracks = {
         name: {"path": path, "contact": dict(law), "tips": "none" if name == "wall" else "both"}
@@ -48,14 +43,11 @@ def scene(folder: Path, advance: str, *overrides: str) -> Any:
         "tip_stress": {"radius": 1},
     }
     document = specimen(cracks, (60.0, 70.0), growth=growth, numerics={"spacing": 2})
-    file.write_text(yaml.safe_dump(document))
-    return load_case(file, overrides)
+    return read_case(yaml.safe_dump(document), "plate", "plate", overrides)
 
 
 @pytest.mark.parametrize("advance", ["most_critical", "all"])
-def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(
-    advance: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(advance: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """Also where a tip has met another crack, and its factors and solution are, to the last bit.
 
     Most of what a step needs is known if one tip has grown.
@@ -80,7 +72,7 @@ def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(
         return configuration
 
     monkeypatch.setattr(loading, "assemble", checked)
-    results = list(grow(scene(tmp_path, advance)))
+    results = list(grow(scene(advance)))
     assert len(results) == 5
     assert shares[0] == 1.0
     if advance == "most_critical":
@@ -101,11 +93,11 @@ def test_every_stiffness_of_a_run_is_that_of_a_fresh_assembly(
     ],
 )
 def test_a_run_is_the_same_without_anything_taken_over(
-    settings: list[str], few: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    settings: list[str], few: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """With `few` of 0 also what subtrees far from the growth give to the compliance of contact is taken over."""
     monkeypatch.setattr(contact_system, "FEW_NUMBERS", few)
-    case = scene(tmp_path, "most_critical", "growth.steps=2", *settings)
+    case = scene("most_critical", "growth.steps=2", *settings)
     with_it = list(grow(case))
     monkeypatch.setattr(loading, "assemble", lambda own, cracks, before: assemble(own, cracks))
     for result, alone in zip(with_it, grow(case), strict=True):
@@ -116,26 +108,3 @@ def test_a_run_is_the_same_without_anything_taken_over(
         np.testing.assert_array_equal(result.contact.state, alone.contact.state)
         for found, expected in ((result.contact.slip, alone.contact.slip), (result.contact.s, alone.contact.s)):
             np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())
-
-
-def test_compliance_asked_for_in_turn_is_that_of_the_points_asked_for(tmp_path: Path) -> None:
-    """Few of them are kept, whatever is asked for; what is kept is not that of other points."""
-    case = scene(tmp_path, "all")
-    contact = replace(assemble(make_scene(case), tuple(map(GrowingCrack.given, case.cracks))).contact)
-    n = len(contact.weights)
-    for _ in range(2):
-        for first in range(5):
-            points = np.arange(first, n, 3)
-            found = contact.compliance(points, np.ones(len(points), dtype=bool))
-            at = np.concatenate([points, n + points])
-            expected = contact.rock[np.ix_(at, at)] + np.diag(contact.law.compliances[at])
-            np.testing.assert_array_equal(found, expected)
-            assert len(vars(contact)["_compliances"]) <= contact_system.AT_HAND
-
-
-def test_a_run_holds_the_factors_of_its_last_step_alone(tmp_path: Path) -> None:
-    case = scene(tmp_path, "most_critical", "growth.steps=1")
-    first, last = (solution.contact.system for _, solution in list(solved_steps(case)))
-    last.solve(np.zeros(last.stiffness.shape[0]))
-    with pytest.raises(RuntimeError, match="handed over"):
-        first.solve(np.zeros(first.stiffness.shape[0]))
