@@ -9,7 +9,7 @@ from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.tractions import elastic_tractions
 from crackgrow.run.increments import from_state, increment, unloaded
 from crackgrow.run.judging import StepSolution, judged
-from tests.unit.run.test_run_bonded import inside, on_plane, plate
+from tests.unit.run.test_run_held import inside, on_plane, plate
 
 KEPT = {"cohesion": 10, "cohesion_after_slip": "kept"}
 LAWS = [

@@ -181,19 +181,6 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     assert n_found >= 0.75 * n_several
 
 
-def test_below_the_limit_nothing_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
-    def searched(problem: ContactProblem, known: np.ndarray) -> None:
-        raise AssertionError("other starts were tried")
-
-    monkeypatch.setattr("crackgrow.run.uniqueness.other_solutions", searched)
-    contact, loads = in_rock(one_point(1.7, -1.0, 3.0))
-    assert second_solution(contact, solve_contact(contact, loads, np.zeros(0))) is None
-    contact, loads = in_rock(one_point(1.8, -1.0, 3.0))
-    outcome = solve_contact(contact, loads, np.zeros(0))
-    with pytest.raises(AssertionError, match="other starts"):
-        second_solution(contact, outcome)
-
-
 def test_a_point_that_nothing_presses_is_left_open() -> None:
     """Open, it could wedge itself as well (three solutions); contact begins with an overlap."""
     assert len(by_hand(3.0, 1.0, 8.0)) == 3

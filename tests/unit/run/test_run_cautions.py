@@ -155,7 +155,6 @@ def short_for_shear(share: float, criterion: str = "directional_strength") -> li
         ),
         ("tension0", standing(1.0), Cause.UNBALANCED, []),
         ("tension0", standing(0.9), Cause.UNBALANCED, [" N/m "]),
-        ("tension0", ["cracks.flaw.contact=none"], Cause.CONTACT_NONE, []),
         (FLAW, cohesive(0.0), Cause.JUMP, []),
         (FLAW, cohesive(5.0), Cause.JUMP, ["jumps to", "jumps to"]),
         (FLAW, starting("cracks", 0.9), Cause.SHORT_START, ["below the averaging radius"]),
