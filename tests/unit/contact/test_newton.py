@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+import crackgrow.contact.newton as module
 from crackgrow.contact.condensed import Condensed
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.continuation import followed
@@ -71,6 +72,18 @@ def test_cycles_are_left(seed) -> None:
     problem = crack_problem(3, 5.0, 0.1, 1e6, 0.8, seed)
     noise = np.random.default_rng(seed).normal(size=6) * np.repeat([1.0, 3.0], 3)
     solved(replace(problem, free=noise * np.abs(problem.free).max()), np.zeros(6))
+
+
+def test_a_reversing_point_sticks_first_and_keeps_what_slip_has_opened() -> None:
+    """This ends most cycles."""
+    slipped = np.array([-0.3, 0.2, 0.1, 0.0])
+    problem = replace(random_problem(4, 0.5, 1), dilation=np.full(4, 0.1), slipped=slipped)
+    before, after = (
+        ActiveSet(np.ones(4, dtype=bool), *[np.array(slip)] * 2) for slip in ([-1, 1, 1, 0], [1, -1, 1, -1])
+    )
+    following = module._through_stick(problem, before, after)
+    assert following.slip.tolist() == [0, 0, 1, -1]
+    assert following.sense.tolist()[:2] == [-1, 1]
 
 
 @pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])

@@ -254,15 +254,6 @@ def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, 
     assert soft.contact.normal_traction.mean() / rigid == pytest.approx(0.01 * float(share[1]), abs=0.07)
 
 
-@pytest.mark.parametrize("spacing", ["0.2", "1"])
-def test_corners_of_bodies_overlap_by_little_beside_the_displacement(spacing: str) -> None:
-    result = first_step("block_foundation", f"numerics.spacing={spacing}")
-    (faces,) = result.faces
-    assert result.overlap > Cause.OVERLAP.limit * np.hypot(faces.opening, faces.slip).max()
-    assert 0.2 < result.overlap_share < 1.0
-    assert not any("overlap by" in text for text in result.warnings)
-
-
 @pytest.mark.parametrize("spacing", [0.25, 0.1, 0.05])
 def test_a_block_at_rest_on_a_plane_warns_of_nothing(spacing: float) -> None:
     """Its corners overlap by nearly all of their jump, which is next to nothing, on any lattice."""

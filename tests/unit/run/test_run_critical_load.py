@@ -274,3 +274,11 @@ def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[flo
     assert any(critical_load.NEVER_CRITICAL in warning for warning in results[0].warnings)
     assert not any(tip.advanced for tip in results[0].tips)
     assert len(factors) <= 2 + MOST_SOLVES
+
+
+def test_only_tips_that_can_grow_have_a_critical_load(factors: list[float]) -> None:
+    only_end = critical_load.critically_loaded(ready(case_of("tension0", "cracks.flaw.tips=end")), 1.0)
+    assert only_end.tips[1].verdict.criticality == pytest.approx(1.0, abs=1e-9)
+    factors.clear()
+    none = critical_load.critically_loaded(ready(case_of("tension0", "cracks.flaw.tips=none")), 0.7)
+    assert (none.state.factor, factors) == (0.7, [0.7])

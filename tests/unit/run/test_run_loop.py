@@ -243,23 +243,6 @@ def test_both_ends_of_a_symmetric_crack_grow_by_turns_at_their_critical_loads(ad
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("advance", ["most_critical", "all"])
-def test_neither_the_order_of_cracks_nor_their_sense_decides_which_tip_grows(advance: str) -> None:
-    """Two cracks side by side are equally critical."""
-    ends = {"left": [[-11.0, 0.0], [-5.0, 0.0]], "right": [[5.0, 0.0], [11.0, 0.0]]}
-
-    def final(names: list[str], sense: int) -> dict[str, np.ndarray[Any, Any]]:
-        cracks = {name: {"path": {"points": ends[name][::sense]}, "contact": "none"} for name in names}
-        _, end = whole_run(plate(cracks, growth={"steps": 3, "advance": advance, "criterion": "max_hoop_stress"}))
-        return {crack.name: crack.points[::sense] for crack in end.cracks}
-
-    first = final(["left", "right"], 1)
-    assert sum(map(len, first.values())) > 6
-    for other in (final(["right", "left"], 1), final(["left", "right"], -1)):
-        for name in ends:
-            np.testing.assert_allclose(other[name], first[name], rtol=0.0, atol=1e-9)
-
-
 def test_a_history_is_gone_through_on_one_factorization() -> None:
     """Without growth; it slips back only below a factor of 1/3."""
     case = shipped_case("cyclic_friction", [*QUIET, "numerics.spacing=4", "loading.history=[0.5, 1.0, 0.2]"])
