@@ -86,23 +86,6 @@ def test_residual_does_not_depend_on_units(traction_unit, length_unit) -> None:
     assert complementarity_residual(scaled, p * traction_unit) == pytest.approx(plain, rel=1e-12)
 
 
-def test_solve_active_imposes_each_branch() -> None:
-    rng, n = np.random.default_rng(5), 6
-    B = rng.normal(size=(2 * n, 2 * n))
-    friction, cohesion = rng.uniform(0.1, 0.9, n), rng.uniform(0.0, 0.5, n)
-    problem = ContactProblem(B @ B.T + np.eye(2 * n), rng.normal(size=2 * n), friction, cohesion)
-    slip = np.array([0, 1, -1, 0, 1, -1])
-    active = ActiveSet(np.array([1, 1, 1, 0, 0, 0], dtype=bool), slip, slip)
-    p = solve_active(problem, active)
-    du = problem.jump(p)
-    assert np.abs(du[:3]).max() < 1e-12
-    assert p[3:6].tolist() == [0.0, 0.0, 0.0]
-    assert np.abs(du[[6, 9]]).max() < 1e-12
-    slipping = np.array([1, 2, 4, 5])
-    bound = (cohesion - friction * p[:n])[slipping]
-    np.testing.assert_allclose(p[n + slipping], active.slip[slipping] * bound, rtol=1e-13)
-
-
 def test_the_equations_of_a_branch_are_the_derivative_of_the_projection() -> None:
     """A Newton step for p = project(p), with a matrix by differences, ends where the branch's equations do."""
     compared, dilates = 0, 0

@@ -102,21 +102,6 @@ def test_murtys_example_is_solved_or_honestly_given_up(n: int) -> None:
     check(M, q, lemke(M, q))
 
 
-@pytest.mark.parametrize("seed", range(10))
-def test_bisymmetric_problems_with_no_regular_diagonal(seed: int) -> None:
-    """Linear programmes as LCPs: M is skew, its diagonal zero, every principal submatrix of odd order singular."""
-    rng = np.random.default_rng(seed)
-    A = rng.integers(0, 4, (4, 6)).astype(float)
-    A[:, 0] += 1.0
-    A[0] += 1.0
-    c, b = rng.integers(1, 5, 6).astype(float), rng.integers(1, 5, 4).astype(float)
-    M = np.block([[np.zeros((6, 6)), -A.T], [A, np.zeros((4, 4))]])
-    q = np.concatenate([c, -b])  # min c x, A x >= b, x >= 0: feasible and bounded
-    result = lemke(M, q)
-    check(M, q, result)
-    assert c @ result.z[:6] == pytest.approx(b @ result.z[6:])  # no duality gap
-
-
 @pytest.mark.parametrize("degenerate", [0.3, 0.9])
 @pytest.mark.parametrize("seed", range(20))
 def test_degenerate_integer_problems_end(seed: int, degenerate: float) -> None:

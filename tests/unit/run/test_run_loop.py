@@ -11,7 +11,6 @@ import yaml
 import crackgrow.run.loop as loop
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
-from crackgrow.case.toughness import MODE_I
 from crackgrow.errors import CrackgrowError, GeometryError, SolveError
 from crackgrow.run import grow
 from tests.scenes import shipped_case, specimen
@@ -214,23 +213,6 @@ def test_a_tip_that_has_met_a_crack_stays_and_the_other_goes_on(tips: str) -> No
     else:
         assert (end.status, [len(result.events) for result in results]) == ("completed", [0, 1, 0])
         assert [(tip.crack, tip.tip) for tip in results[1].tips if tip.advanced] == [("a", "start")]
-
-
-def test_a_step_tells_the_K_at_which_tips_grow() -> None:
-    """Where a load just makes a tip grow it is K_I, not the one that radius and strength stand for alone."""
-    case = plate(CENTRE, "loading=critical", growth={"steps": 0})
-    (result,), _ = whole_run(case)
-    first = max(result.tips, key=lambda tip: tip.criticality)
-    assert first.K_growth == pytest.approx(first.K_I, rel=1e-3)
-    assert case.growth is not None
-    assert case.growth.tip_radius is not None
-    strength = case.bodies[0].strength
-    assert strength is not None
-    of_radius = strength.tension * np.sqrt(2.0 * np.pi * case.growth.tip_radius) / MODE_I[case.growth.criterion]
-    assert first.K_growth == pytest.approx(of_radius, rel=0.1)
-    assert first.K_growth != pytest.approx(of_radius, rel=0.01)  # the stress along the crack, and across it
-    twice, _ = whole_run(plate(CENTRE, f"loading={{history: [{2.0 * result.load_factor}]}}", growth={"steps": 0}))
-    assert [tip.K_growth for tip in twice[0].tips] == pytest.approx([tip.K_growth for tip in result.tips])
 
 
 @pytest.mark.parametrize("advance", ["most_critical", "in_turn"])

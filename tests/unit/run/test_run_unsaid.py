@@ -108,7 +108,9 @@ def joints(**paths: list[list[float]]) -> dict[str, Any]:
 
 def dry(case: Case) -> list[str]:
     made = make_scene(case)
-    return [caution.place for caution in dry_joints(made, cover_of(made, beginning(case).cracks))]
+    found = list(dry_joints(made, cover_of(made, beginning(case).cracks)))
+    assert all(", where a fluid presses, and stays dry" in caution.words for caution in found)
+    return [caution.place for caution in found]
 
 
 WET = {"crack": "wet", "pressure": 2}
@@ -137,21 +139,3 @@ def test_a_crack_on_the_rim_of_a_pressurised_hole_stays_dry():
     assert dry(on_rim) == ["crack 'radial' at edge hole0 of body 'rock'"]
     wet = [{"on": {"edge": "hole0"}, "pressure": 5}, {"crack": "radial", "pressure": 5}]
     assert dry(scene(wet, holes=HOLES, cracks=cracks)) == []
-
-
-def test_a_crack_that_grows_into_a_joint_tells_so_once():
-    cracks = joints(joint=[[12, -10], [12, 10]])
-    cracks["wet"] = {"path": {"points": [[-10, 0], [10, 0]]}, "contact": OPEN}
-    growth = {
-        "steps": 3,
-        "increment": 3,
-        "criterion": "max_hoop_stress",
-        "advance": "all",
-        "tip_stress": {"radius": 0.5},
-    }
-    strength = {"tension": 5, "cohesion": 15, "friction_angle": 40}
-    body = {"rock": {"shape": PLATE, "material": ROCK, "strength": strength}}
-    run = crackgrow.run_case(scene([WET], cracks=cracks, growth=growth, loading="critical", bodies=body))
-    (words,) = [words for words in run.warnings if "stays dry" in words]
-    assert "crack 'joint' meets crack 'wet', where a fluid presses, and stays dry" in words
-    assert not words.startswith("step 0")
