@@ -157,6 +157,8 @@ def short_for_shear(share: float, criterion: str = "directional_strength") -> li
         ("tension0", standing(0.9), Cause.UNBALANCED, [" N/m "]),
         (FLAW, cohesive(0.0), Cause.JUMP, []),
         (FLAW, cohesive(5.0), Cause.JUMP, ["jumps to", "jumps to"]),
+        (FLAW, [*POINTS, "cracks.flaw.tips=none"], Cause.NO_TIPS, ["but no crack has a tip"]),
+        (FLAW, [*starting("{at: outlines, spacing: 5}", 2.0), "cracks.flaw.tips=none"], Cause.NO_TIPS, []),
         (FLAW, starting("cracks", 0.9), Cause.SHORT_START, ["below the averaging radius"]),
         (FLAW, starting("cracks", 1.0), Cause.SHORT_START, []),
         (FLAW, starting("ends", 0.9), Cause.SHORT_START, []),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from operator import attrgetter
 from typing import Any
 
@@ -277,8 +278,11 @@ def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[flo
 
 
 def test_only_tips_that_can_grow_have_a_critical_load(factors: list[float]) -> None:
-    only_end = critical_load.critically_loaded(ready(case_of("tension0", "cracks.flaw.tips=end")), 1.0)
+    configuration = ready(case_of("tension0", "cracks.flaw.tips=end"))
+    (growing,) = configuration.cracks
+    only_end = critical_load.critically_loaded(configuration, 1.0)
     assert only_end.tips[1].verdict.criticality == pytest.approx(1.0, abs=1e-9)
     factors.clear()
-    none = critical_load.critically_loaded(ready(case_of("tension0", "cracks.flaw.tips=none")), 0.7)
+    (still,) = shipped_case("tension0", ["cracks.flaw.tips=none"]).cracks
+    none = critical_load.critically_loaded(replace(configuration, cracks=(GrowingCrack(still, growing.steps),)), 0.7)
     assert (none.state.factor, factors) == (0.7, [0.7])
