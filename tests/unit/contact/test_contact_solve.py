@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+import crackgrow.contact.solve as module
 from crackgrow.case.model import EdgeSupport, EdgeTraction, PointSupport
-from crackgrow.contact.coulomb import OPEN, SLIP
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.mortar import mortar_faces
+from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -180,6 +182,26 @@ def test_columns_spoilt_by_round_off_are_told_from_contact_that_does_not_solve(
     monkeypatch.setattr(ConstrainedSystem, "solve", lambda *a, **k: (spoilt if a[1].ndim == 2 else exact)(*a, **k))
     with pytest.raises(SolveError, match=f"ill conditioned.*{words}.*numerics.spacing"):
         block.solve()
+
+
+def test_gaps_that_are_none_do_not_depend_on_how_pieces_are_held() -> None:
+    """Other supports that hold a piece just once add rigid motions, and what they give way to loads out of balance."""
+    rng = np.random.default_rng(3)
+    n, n_motions = 6, 3
+    half = rng.normal(size=(2 * n, 2 * n))
+    A, free, friction = half @ half.T + np.eye(2 * n), rng.normal(size=2 * n), np.full(n, 0.5)
+    B, F = rng.normal(size=(2 * n, n_motions)), rng.normal(size=(n_motions, 2 * n))
+    p = rng.normal(size=2 * n)
+    along, push = rng.normal(size=(n_motions, 2 * n)), 50.0 * rng.normal(size=(2 * n, n_motions))
+    motions, found = Motions(B, F, F @ p), ContactSolution(p, "solved", 0, np.full(n, STICK), np.zeros(n_motions))
+    other = A + B @ along + push @ F
+    other_free = free + B @ rng.normal(size=n_motions) + push @ (F @ p)
+    size = np.abs(other).max() + 1.0
+    shift = size * np.outer(B[:, 0], B[:, 0]) + size * F.T @ F  # so that the diagonal is positive
+    other, other_free = other + shift, other_free + size * F.T @ (F @ p)
+    problems = [ContactProblem(*each, friction, motions=motions) for each in ((A, free), (other, other_free))]
+    gaps = [module._nothing(problem, found) for problem in problems]
+    np.testing.assert_allclose(gaps[1], gaps[0], rtol=1e-8)
 
 
 def contact_of(block: Block, by_fronts: bool = False, **law: float) -> ContactSystem:
