@@ -47,7 +47,7 @@ PHYSICS = (
     "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
     "unit/case/test_case_maps.py::test_a_map", "unit/case/test_case_maps.py::test_the_shipped_map",
     "unit/case/test_case_cracks.py::test_block_on_an_incline", "unit/contact/test_contact_limit.py",
-    "unit/contact/test_condensation.py",
+    "unit/contact/test_contact_solve.py::test_condensed",
     "unit/contact/test_contact_tractions.py",
     "unit/cover/test_cover_elements.py::test_awkward_places",
     "unit/cover/test_cover_patches.py::test_a_tip_among", "unit/linear/test_linear_factorization.py",

@@ -1,31 +1,22 @@
-"""Contact problems that several tests and benchmarks solve: made up, and of real rock with many contact points."""
+"""Contact problems that several tests solve, all of them made up."""
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
+import itertools
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
-import yaml
 from numpy.typing import NDArray
+from scipy.sparse import csc_array, csr_array
 
-from crackgrow.case import load_case
-from crackgrow.case.model import Case
-from crackgrow.contact.coulomb import ContactLaw
+from crackgrow.contact.coulomb import ActiveSet, ContactLaw, complementarity_residual
+from crackgrow.contact.equations import solve_active
 from crackgrow.contact.problem import ContactProblem
-from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import assemble
-from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.scene import make_scene
+from crackgrow.contact.system import ContactSystem
+from crackgrow.linear import ConstrainedSystem
 
 Floats = NDArray[np.float64]
-
-APART = 1.25
-"""Spacings: distance of contact points."""
-
-THICK = 3
-"""Spacings: of the rock on either side of the faces."""
 
 
 def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: Any) -> ContactLaw:
@@ -79,20 +70,39 @@ def random_problem(n: int, friction: float, seed: int) -> ContactProblem:
     return ContactProblem(A, rng.normal(size=2 * n) - 0.3, np.full(n, friction), rng.uniform(0.0, 0.3, n))
 
 
-def rock_problem(kind: str, n_points: int) -> tuple[ContactProblem, Floats]:
-    """All contact points of a strip of rock, without friction coefficient or cohesion, and their lengths (n,) m.
+def dilating(problem: ContactProblem, seed: int) -> ContactProblem:
+    """The problem with faces that dilate, some of which have slipped before, one way or the other."""
+    rng, n = np.random.default_rng(seed), problem.n_points
+    slipped = 0.4 * rng.normal(size=n) * (rng.random(n) < 0.7)
+    return replace(problem, dilation=np.full(n, 0.3), slipped=slipped)
 
-    `kind` is that of `strip`. Its edges are moved so that faces open, stick and slip.
-    """
-    case = strip(kind, n_points)
-    growing = tuple(map(GrowingCrack.given, case.cracks))
-    configuration = assemble(make_scene(case), growing)
-    contact, n = configuration.contact, configuration.faces.n
-    u, _ = contact.system.solve(configuration.loads(LoadLevel(1.0)), configuration.held.given)
-    free = contact.operator @ u
-    return ContactProblem(
-        contact.compliance(np.arange(n), np.ones(n, dtype=bool)), free, np.ones(n), np.zeros(n)
-    ), contact.weights
+
+def every_solution(problem: ContactProblem) -> list[Floats]:
+    """All solutions, by trying every branch of every point."""
+    n, found = problem.n_points, []
+    for branches in itertools.product(((False, 1), (True, 0), (True, 1), (True, -1)), repeat=n):
+        closed, slip = zip(*branches, strict=True)
+        p = solve_active(problem, ActiveSet(np.array(closed), np.array(slip), np.array(slip)))
+        new = all(np.abs(p - q).max() > 1e-6 * np.abs(p).max() for q in found)
+        if new and complementarity_residual(problem, p) < 1e-9:
+            found.append(p)
+    return found
+
+
+def spread_problem(n: int, friction: Floats | float, seed: int, cohesion: Floats | float = 0.0) -> ContactProblem:
+    """Gap and slip coupled at random, as strongly as no rock couples them."""
+    rng = np.random.default_rng(seed)
+    B = rng.normal(size=(2 * n, 2 * n + 1))
+    free = rng.normal(size=2 * n) - 0.5 * np.repeat([1.0, 0.0], n)
+    return ContactProblem(B @ B.T / (2 * n), free, np.broadcast_to(friction, n), np.broadcast_to(cohesion, n))
+
+
+def rock_of(stiffness: Floats, law: ContactLaw, solver: str = "newton", weights: Floats | None = None) -> ContactSystem:
+    """Contact points whose gaps, then slips, are the displacements of rock of this stiffness (2 n, 2 n) Pa/m."""
+    n = len(law.compliance)
+    system = ConstrainedSystem(csc_array(stiffness), csr_array((0, 2 * n)))
+    gap_of, slip_of = csr_array(np.eye(2 * n)[:n]), csr_array(np.eye(2 * n)[n:])
+    return ContactSystem(system, gap_of, slip_of, np.ones(n) if weights is None else weights, law, solver)
 
 
 def smooth(compliance: Floats, free: Floats) -> ContactProblem:
@@ -101,49 +111,3 @@ def smooth(compliance: Floats, free: Floats) -> ContactProblem:
     zero = np.zeros((n, n))
     A = np.block([[compliance, zero], [zero, np.diag(np.diag(compliance))]])
     return ContactProblem(A, np.append(free, np.zeros(n)), np.zeros(n))
-
-
-def with_law(problem: ContactProblem, friction: float, cohesion: float) -> ContactProblem:
-    """The same rock with other faces."""
-    n = problem.n_points
-    return ContactProblem(problem.compliance, problem.free, np.full(n, friction), np.full(n, cohesion))
-
-
-def strip(kind: str, n_points: int) -> Case:
-    """A long strip of rock between two rigid edges that has about `n_points` contact points along it.
-
-    `kind` is "interface", two blocks on each other, or "crack", a wavy one. The upper edge is moved in waves.
-    """
-    length = APART * n_points
-    upper = {"shape": _rectangle(length, 0, THICK), "material": {"young": 10000, "poisson": 0.3}}
-    lower = {"shape": _rectangle(length, -THICK, 0), "material": {"young": 10000, "poisson": 0.3}}
-    document: dict[str, Any] = {
-        "title": f"A strip with {n_points} contact points",
-        "units": {"length": "m", "stress": "MPa"},
-        "plane": "strain",
-    }
-    if kind == "interface":
-        document["bodies"] = {"upper": upper, "lower": lower}
-        document["interfaces"] = [{"between": ["upper", "lower"], "contact": {"friction": 0.4, "cohesion": 0}}]
-        held, moved = "lower", "upper"
-    else:
-        x = np.arange(2.0, length - 1.9, 2.0)
-        wave = np.column_stack([x, np.sin(2.0 * np.pi * x / 24.0)]).tolist()
-        crack = {"path": {"points": wave}, "tips": "none", "contact": {"friction": 0.4, "cohesion": 0}}
-        document["bodies"] = {"rock": {**upper, "shape": _rectangle(length, -THICK, THICK)}}
-        document["cracks"] = {"wave": crack}
-        held = moved = "rock"
-    moving = {"x": f"0.004*sin({20 / length}*x)+0.002", "y": f"0.003*sin({31 / length}*x)-0.002"}
-    document["supports"] = [
-        {"on": {"body": held, "edge": "bottom"}, "displacement": {"x": 0, "y": 0}},
-        {"on": {"body": moved, "edge": "top"}, "displacement": moving},
-    ]
-    document["numerics"] = {"spacing": 1}
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder) / "strip.yaml"
-        file.write_text(yaml.safe_dump(document))
-        return load_case(file)
-
-
-def _rectangle(length: float, low: float, high: float) -> dict[str, Any]:
-    return {"rectangle": {"center": [length / 2, (low + high) / 2], "width": length, "height": high - low}}

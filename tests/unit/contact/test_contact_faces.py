@@ -1,21 +1,16 @@
-"""Contact points along cracks: how many, where, their functions and weights, and which side is which."""
+"""Contact points along cracks, Gauss points and mortar nodes: how many, where, their functions, weights and sides."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from crackgrow.contact.faces import (
-    ContactFaces,
-    FacePoints,
-    gauss_faces,
-    points_at,
-    stretch_ends,
-)
-from crackgrow.contact.mortar import mortar_faces
+from crackgrow.contact.faces import ContactFaces, gauss_faces, stretch_ends
+from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
+from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.geometry.polyline import arc_lengths
-from tests.solving import face_vertices
+from tests.unit.cell_sizes import with_sizes
 
 ROUND_OFF = 1e-8
 """In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""
@@ -28,6 +23,8 @@ PATHS = {
     "gentle": [(-4.3, -3.1), (-0.2, -1.7), (4.1, 0.9)],
     "along the lattice": [(-4.0, 0.5), (4.0, 0.5)],
 }
+THROUGH = [(-15.5, 3.3), (15.5, 3.3)]
+"""From side to side of the plate."""
 
 
 def tilted(length: float, angle_deg: float) -> np.ndarray:
@@ -36,22 +33,25 @@ def tilted(length: float, angle_deg: float) -> np.ndarray:
     return np.array([-half, half])
 
 
-def bent(first: float, second: float, kink_deg: float) -> np.ndarray:
-    """Two segments of given lengths; the second is turned by `kink_deg` from the first."""
-    a = np.deg2rad([10.0, 10.0 + kink_deg])
-    corner = np.array([0.21, 0.33])
-    return np.array(
-        [
-            corner - first * np.array([np.cos(a[0]), np.sin(a[0])]),
-            corner,
-            corner + second * np.array([np.cos(a[1]), np.sin(a[1])]),
-        ]
-    )
+def bent(lengths: list[float], *kinks_deg: float) -> np.ndarray:
+    """Segments of these lengths, each turned by a kink from the one before."""
+    a = np.deg2rad(10.0 + np.cumsum([0.0, *kinks_deg]))
+    steps = np.array(lengths)[:, None] * np.stack([np.cos(a), np.sin(a)], axis=1)
+    points = np.concatenate([np.zeros((1, 2)), np.cumsum(steps, axis=0)])
+    return points - 0.5 * points[-1] + np.array([0.21, 0.33])
 
 
-def plate(build, *paths, spacing: float = 1.0):
-    cracks = [build.crack(path, name=str(k)) for k, path in enumerate(paths)]
+def plate(build, *paths, spacing: float = 1.0, tips: tuple[bool, bool] = (True, True)):
+    cracks = [build.crack(path, tips, name=str(k)) for k, path in enumerate(paths)]
     return build.sample((-15.5, -27.5), (15.5, 27.5), cracks, spacing=spacing, support=2.0)
+
+
+def with_smaller_cells(cover: Cover, line: float, side: float) -> Cover:
+    """The cover where cells of this side are on the right of x = `line`, all rules of their neighbours left alone."""
+    start, element = cover.elements.rings.start, cover.elements.rings.face
+    rings = [start[element == number] for number in range(cover.elements.n)]
+    middles = np.array([cover.elements.vertices[ring].mean(axis=0) for ring in rings])
+    return with_sizes(cover, np.where(middles[:, 0] > cover.lattice.to_lattice(np.array([line, 0.0]))[0], side, 1.0))
 
 
 def shape_sum(faces: ContactFaces) -> np.ndarray:
@@ -82,15 +82,13 @@ def test_weighted_points_integrate_along_the_crack(build) -> None:
 
 def test_gauss_points_of_the_paper(build) -> None:
     faces = gauss_faces(plate(build, KINKED).cover, [0])
-    assert faces.n == 3 * 10 * 5
     assert np.bincount(faces.stretch).tolist() == [50, 50, 50]
     assert np.all(np.diff(faces.s) > 0.0)
     corners = arc_lengths(np.array(KINKED))
     for k in range(3):
         mine = faces.stretch == k
         low, high = corners[k], corners[k + 1]
-        limits = np.linspace(low, high, 11)
-        assert np.histogram(faces.s[mine], limits)[0].tolist() == [5] * 10
+        assert np.histogram(faces.s[mine], np.linspace(low, high, 11))[0].tolist() == [5] * 10
         # five points a part are exact to degree 9
         assert faces.weights[mine] @ faces.s[mine] ** 9 == pytest.approx((high**10 - low**10) / 10, rel=1e-8)
 
@@ -99,8 +97,7 @@ def test_gauss_points_of_the_paper(build) -> None:
 def test_plus_is_the_left_side_of_the_crack(build, path) -> None:
     cover = plate(build, path).cover
     points = mortar_faces(cover, [0], 1.0).points
-    corners = arc_lengths(np.array(path))
-    segment = np.searchsorted(corners, points.s) - 1
+    segment = np.searchsorted(arc_lengths(np.array(path)), points.s) - 1
     steps = np.diff(np.array(path), axis=0)
     tangent = (steps / np.hypot(*steps.T)[:, None])[segment]
     turned = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
@@ -111,49 +108,148 @@ def test_plus_is_the_left_side_of_the_crack(build, path) -> None:
     assert np.all(points.plus != points.minus)
 
 
-def on_polyline(path: np.ndarray, s: np.ndarray) -> np.ndarray:
-    corners = arc_lengths(path)
-    return np.stack([np.interp(s, corners, path[:, axis]) for axis in range(2)], axis=1)
-
-
-@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
-def test_face_vertices_cover_the_crack_from_start_to_end(build, path) -> None:
-    sample = plate(build, path)
-    vertices = face_vertices(sample.cover, 0)
-    corners = arc_lengths(np.array(path))
-    assert vertices.s[0] == pytest.approx(0.0, abs=ROUND_OFF)
-    assert vertices.s[-1] == pytest.approx(corners[-1], abs=ROUND_OFF)
-    np.testing.assert_allclose(vertices.s[1:-1:2], vertices.s[2::2], atol=ROUND_OFF)  # an edge starts where one ends
-    assert np.all(vertices.s[1::2] > vertices.s[::2])
-    assert np.abs(corners[:, None] - vertices.s).min(axis=1) == pytest.approx(0.0, abs=ROUND_OFF)
-    places = sample.lattice.to_metres(vertices.points)
-    np.testing.assert_allclose(places, on_polyline(np.array(path), vertices.s), atol=2 * ROUND_OFF)
-
-
-def test_points_at_any_arc_length_lie_on_the_crack(build) -> None:
-    sample = plate(build, KINKED)
-    s = np.sort(np.random.default_rng(3).uniform(0.0, arc_lengths(np.array(KINKED))[-1], 200))
-    points = points_at(sample.cover, 0, s)
-    np.testing.assert_allclose(
-        sample.lattice.to_metres(points.points), on_polyline(np.array(KINKED), s), atol=2 * ROUND_OFF
-    )
-
-
 def test_no_touching_crack_has_no_contact_points(build) -> None:
-    cover = plate(build, tilted(LENGTH, 30.0)).cover
+    cover = plate(build, PATHS["straight"]).cover
     for faces in (mortar_faces(cover, [], 1.0), gauss_faces(cover, [])):
-        assert faces.n == 0
-        assert isinstance(faces.points, FacePoints)
-        assert len(faces.weights) == 0
+        assert faces.n == len(faces.weights) == 0
 
 
-@pytest.mark.parametrize(("length", "n_stretches"), [(0.12, 2), (0.08, 1), (1e-3, 1)])
-def test_a_kink_just_behind_a_tip_ends_no_stretch(build, length: float, n_stretches: int) -> None:
-    assert len(stretch_ends(plate(build, bent(5.0, length, 60.0)).cover, 0)) == n_stretches + 1
+@pytest.mark.parametrize(
+    ("lengths", "kinks", "ends"),
+    [
+        ([4.0, 3.2], [-9.5], [7.2]),
+        ([4.0, 3.2], [10.5], [4.0, 7.2]),
+        ([4.0, 3.2], [-70.0], [4.0, 7.2]),
+        ([5.0, 0.12], [60.0], [5.0, 5.12]),
+        ([5.0, 0.08], [60.0], [5.08]),  # just behind a tip
+        ([4.0, 0.05, 0.05, 4.0], [15.0, 45.0, 20.0], [4.05, 8.1]),  # the sharpest of close ones
+    ],
+)
+def test_sharp_kinks_split_stretches(build, lengths: list[float], kinks: list[float], ends: list[float]) -> None:
+    """A gentle kink lies between two nodes, whose functions reach to both sides; nothing reaches over a sharp one."""
+    cover = plate(build, bent(lengths, *kinks)).cover
+    assert stretch_ends(cover, 0) == pytest.approx([0.0, *ends], abs=ROUND_OFF)
+    faces = mortar_faces(cover, [0], 1.0)
+    assert set(faces.stretch.tolist()) == set(range(len(ends)))
+    reach = faces.functions.toarray() != 0.0
+    over = [reach[:, faces.points.s < end].any(axis=1) & reach[:, faces.points.s > end].any(axis=1) for end in ends]
+    assert not np.any(over)
+    if len(kinks) == len(ends) == 1 and lengths[-1] > 1.0:
+        assert (reach[:, faces.points.s < 4.0].any(axis=1) & reach[:, faces.points.s > 4.0].any(axis=1)).sum() == 2
 
 
-def test_of_close_kinks_the_sharpest_ends_the_stretches(build) -> None:
-    directions = np.deg2rad([10.0, 25.0, 70.0, 90.0])  # kinks of 15, 45 and 20 degrees
-    steps = np.array([4.0, 0.05, 0.05, 4.0])[:, None] * np.stack([np.cos(directions), np.sin(directions)], axis=1)
-    path = np.vstack([np.zeros(2), np.cumsum(steps, axis=0)]) - 0.5 * steps.sum(axis=0) + np.array([0.21, 0.33])
-    assert stretch_ends(plate(build, path).cover, 0) == pytest.approx([0.0, 4.05, 8.1], abs=ROUND_OFF)
+@pytest.mark.parametrize(("spacing", "n"), [(3.0, 5), (1.5, 5), (1.0, 9), (0.5, 19)])
+@pytest.mark.parametrize("angle", [0.0, 30.0, -75.0])
+def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> None:
+    """Hats, and constant pieces at the ends."""
+    path = tilted(LENGTH, angle)
+    sample = plate(build, path, spacing=spacing)
+    faces = mortar_faces(sample.cover, [0], 1.0)
+    assert faces.n == n
+    share = np.arange(1, n + 1) / (n + 1)  # evenly spread, none on a tip
+    np.testing.assert_allclose(faces.s * spacing, LENGTH * share, atol=ROUND_OFF)
+    expected = path[0] + share[:, None] * (path[1] - path[0])
+    np.testing.assert_allclose(sample.lattice.to_metres(faces.nodes.points), expected, atol=ROUND_OFF)
+    pieces = np.array([1.5, *[1.0] * (n - 2), 1.5]) * LENGTH / (n + 1)
+    np.testing.assert_allclose(faces.weights * spacing, pieces, atol=ROUND_OFF)
+
+
+@pytest.mark.parametrize("kink", [0.0, 6.0, 48.0])
+def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(build, kink: float) -> None:
+    cover = plate(build, bent([4.3, 5.1, 3.2], kink, kink)).cover
+    faces = mortar_faces(cover, [0], 1.0)
+    ends = stretch_ends(cover, 0)
+    assert len(ends) == (4 if kink > 10.0 else 2)
+    stretch = np.searchsorted(ends[1:-1], faces.points.s, side="right")
+    first = np.array([faces.s[faces.stretch == k].min() for k in range(len(ends) - 1)])
+    last = np.array([faces.s[faces.stretch == k].max() for k in range(len(ends) - 1)])
+    expected = np.clip(faces.points.s, first[stretch], last[stretch])
+    np.testing.assert_allclose(faces.functions.T @ faces.s, expected, atol=ROUND_OFF)
+
+
+def test_a_kink_between_long_stretches_has_a_node_on_each_side(build) -> None:
+    faces = mortar_faces(plate(build, bent([6.0, 2.4, 7.0], 40.0, 40.0)).cover, [0], 1.25)
+    for kink in (6.0, 8.4):
+        assert np.count_nonzero(np.abs(faces.s - kink) < ROUND_OFF) == 2
+    assert np.bincount(faces.stretch).tolist() == [5, 4, 5]
+
+
+@pytest.mark.parametrize("length", [1.0, 1.4, 1.9])
+def test_next_to_a_short_stretch_a_kink_has_a_node_on_the_other_side_alone(build, length: float) -> None:
+    """A wing that opens would be held closed by a node on the flaw; one that is closed needs its own."""
+    faces = mortar_faces(plate(build, bent([6.0, length], 60.0)).cover, [0], 1.25)
+    on_kink = np.isclose(faces.s, 6.0, rtol=0.0, atol=1e-6)
+    assert faces.stretch[on_kink].tolist() == [1]
+    assert np.count_nonzero(faces.stretch == 1) == 3
+    assert np.diff(faces.s[faces.stretch == 0]).min() >= 1.25 * (1.0 - 1e-6)
+
+
+@pytest.mark.parametrize("length", [0.3, 0.7])
+def test_a_stretch_shorter_than_a_spacing_has_one_node_in_its_middle(build, length: float) -> None:
+    faces = mortar_faces(plate(build, bent([5.0, length], 60.0)).cover, [0], 1.0)
+    assert faces.s[faces.stretch == 1] == pytest.approx([5.0 + 0.5 * length], abs=ROUND_OFF)
+    assert faces.weights[faces.stretch == 1] == pytest.approx([length], abs=ROUND_OFF)
+
+
+@pytest.mark.parametrize("distance", [1.0, 1.25, 1.5])
+@pytest.mark.parametrize("length", np.linspace(2.0, 12.0, 11))
+def test_nodes_are_closer_than_asked_only_where_they_are_few(build, length: float, distance: float) -> None:
+    """Closer nodes carry tractions that the displacement cannot follow: they oscillate."""
+    s = mortar_faces(plate(build, tilted(length, 30.0)).cover, [0], distance).s
+    least = distance if len(s) > FEW_NODES else CLOSEST * distance
+    assert np.diff(s).min(initial=np.inf) > least * (1.0 - 1e-5)
+
+
+def test_nodes_next_to_a_junction_leave_half_a_piece_free(build) -> None:
+    """X with arms of 10 spacings: a whole piece free at the tips, half a one at the junction."""
+    cross = [(-6.0, -8.0), (6.0, 8.0)], [(-6.0, 8.0), (6.0, -8.0)]
+    faces = mortar_faces(plate(build, *cross).cover, [0, 1], 1.25)
+    size = 10.0 / 7.5  # seven nodes on every arm: 8 would be closer than 1.25
+    arm = size * np.arange(1.0, 8.0)
+    np.testing.assert_allclose(faces.s, np.tile(np.concatenate([arm, 20.0 - arm[::-1]]), 2), atol=ROUND_OFF)
+    np.testing.assert_array_equal(faces.stretch, np.tile(np.repeat([0, 1], 7), 2))
+    ends = size * np.array([1.5, *[1.0] * 12, 1.5])
+    np.testing.assert_allclose(faces.weights, np.tile(ends, 2), atol=ROUND_OFF)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-14)
+
+
+@pytest.mark.parametrize("side", [0.5, 0.25, 1.0 / 64.0])
+def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: float) -> None:
+    """The same number of cells from node to node: where these are half as large there are twice as many nodes."""
+    cover = with_smaller_cells(plate(build, [(-8.0, 0.3), (8.0, 0.3)]).cover, 0.5, side)
+    faces = mortar_faces(cover, [0], 1.25)
+    steps = np.diff(cover.surfaces[0].in_cells.at(faces.s))
+    np.testing.assert_allclose(steps, steps[0], rtol=1e-9)
+    assert 1.25 <= steps[0] < 1.4
+    apart = np.diff(faces.s)
+    coarse, fine = apart[faces.s[1:] < 8.0], apart[faces.s[:-1] > 9.0]
+    np.testing.assert_allclose(coarse, coarse[0], rtol=1e-9)
+    np.testing.assert_allclose(fine, coarse[0] * side, rtol=1e-9)
+
+
+@pytest.mark.parametrize("line", [-3.0, 0.2, 4.0, 16.0])
+def test_functions_from_rim_to_rim_keep_force_and_moment(build, line: float) -> None:
+    """Cells of two sizes, and of one: a linear pressure has its force, nodes on rims act there.
+
+    A hat on a rim would act a third of a piece inside of the body.
+    """
+    cover = plate(build, THROUGH, tips=(False, False)).cover
+    faces = mortar_faces(with_smaller_cells(cover, line, 0.25), [0], 1.25)
+    np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-13)
+    centroids = faces.functions @ (faces.lengths * faces.points.s) / faces.weights
+    np.testing.assert_allclose(centroids[[0, -1]], [0.0, 31.0], atol=1e-7)
+    pressure = 3.0 - 0.2 * faces.s
+    assert pressure @ faces.weights == pytest.approx(3.0 * 31.0 - 0.1 * 31.0**2, rel=1e-9)
+    inside = (faces.points.s > faces.s[1]) & (faces.points.s < faces.s[-2])
+    np.testing.assert_allclose((faces.functions.T @ faces.s)[inside], faces.points.s[inside], atol=ROUND_OFF)
+
+
+def test_the_size_of_cells_is_the_same_from_either_end(build) -> None:
+    path = np.array([(-8.0, 0.3), (8.0, 0.3)])
+    forth, back = (with_smaller_cells(plate(build, way).cover, 0.5, 0.5) for way in (path, path[::-1]))
+    s = np.linspace(0.0, 16.0, 65)
+    size = forth.surfaces[0].in_cells.size(s)
+    np.testing.assert_allclose(size, back.surfaces[0].in_cells.size(16.0 - s), atol=ROUND_OFF)
+    assert (size[s < 7.0] == 1.0).all()
+    assert size[s > 10.0] == pytest.approx(0.5)
+    assert np.all((size >= 0.5 - 1e-9) & (size <= 1.0))

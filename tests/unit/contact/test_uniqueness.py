@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import itertools
-from operator import attrgetter
 from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.sparse import csc_array, csr_array
 
 from crackgrow.case import load_case
-from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, complementarity_residual
-from crackgrow.contact.equations import solve_active
+from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.problem import ContactProblem
 from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.linear import ConstrainedSystem
 from crackgrow.run import grow
 from crackgrow.run.uniqueness import (
     SecondSolution,
@@ -29,7 +24,7 @@ from crackgrow.run.uniqueness import (
     under_its_loads,
     unique_text,
 )
-from tests.contact_problems import contact_law, smooth
+from tests.contact_problems import contact_law, every_solution, rock_of, smooth, spread_problem
 from tests.solving import solve_contact
 
 ONE = np.ones(1)
@@ -53,26 +48,6 @@ def by_hand(friction: float, free_n: float, free_t: float, c: float = C) -> list
         if p_n < 0.0 and way * slip > 0.0:
             found.append((p_n, -way * friction * p_n))
     return found
-
-
-def every_solution(problem: ContactProblem) -> list[np.ndarray]:
-    """All solutions, by trying every branch of every point."""
-    n, found = problem.n_points, []
-    for branches in itertools.product(((False, 1), (True, 0), (True, 1), (True, -1)), repeat=n):
-        closed, slip = zip(*branches, strict=True)
-        p = solve_active(problem, ActiveSet(np.array(closed), np.array(slip), np.array(slip)))
-        new = all(np.abs(p - q).max() > 1e-6 * np.abs(p).max() for q in found)
-        if new and complementarity_residual(problem, p) < 1e-9:
-            found.append(p)
-    return found
-
-
-def random_problem(n: int, friction: float, seed: int) -> ContactProblem:
-    """Gap and slip coupled at random, as no rock couples them."""
-    rng = np.random.default_rng(seed)
-    B = rng.normal(size=(2 * n, 2 * n + 1))
-    free = rng.normal(size=2 * n) - 0.5 * np.repeat([1.0, 0.0], n)
-    return ContactProblem(B @ B.T / (2 * n), free, np.full(n, friction))
 
 
 def close(p: np.ndarray, solutions: list[tuple[float, float]]) -> bool:
@@ -116,16 +91,11 @@ def test_without_coupling_any_friction_leaves_one_solution() -> None:
         assert len(every_solution(ContactProblem(compliance, free, np.full(3, 1e3)))) == 1
 
 
-def test_a_compliance_that_is_not_definite_has_no_limit() -> None:
-    for compliance in (np.ones((2, 2)), np.array([[1.0, 2.0], [2.0, 1.0]])):
-        assert friction_limit(compliance, ONE) == 0.0
-
-
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) -> None:
     below = several = 0
     for seed, friction in itertools.product(range(40), (0.1, 0.3, 1.0, 30.0)):
-        problem = random_problem(n, friction, seed)
+        problem = spread_problem(n, friction, seed)
         number = len(every_solution(problem))
         assert number >= 1
         several += number > 1
@@ -137,35 +107,13 @@ def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) ->
 
 
 def test_the_limit_depends_neither_on_units_nor_on_how_densely_points_lie() -> None:
-    compliance = random_problem(3, 0.0, 1).compliance
+    compliance = spread_problem(3, 0.0, 1).compliance
     weights = np.array([0.2, 1.0, 3.0])
     limit = friction_limit(compliance, np.ones(3))
     assert friction_limit(1e-12 * compliance, np.ones(3)) == pytest.approx(limit)
     denser = compliance * np.tile(weights, 2)  # S W: pressures, not forces, are unknown
     assert friction_limit(denser, weights) > 0.0
     assert friction_limit(denser, 5.0 * weights) == pytest.approx(friction_limit(denser, weights))
-
-
-@pytest.mark.parametrize("c", [0.3, 0.6])
-def test_two_points_that_wedge_each_other(c: float) -> None:
-    """The gap of each is coupled with the slip of the other alone: alike, both are as the one point by hand."""
-    cross = np.array([[0.0, c], [c, 0.0]])
-    compliance = np.block([[np.eye(2), cross], [cross, np.eye(2)]])
-    limit = friction_limit(compliance, np.ones(2))
-    assert limit == pytest.approx(np.sqrt(1.0 - c * c) / c)
-    for friction, number in ((0.95 * limit, 1), (1.5 / c, 3)):
-        free = np.array([1.0, 1.0, 1e2, 1e2])
-        problem = ContactProblem(compliance, free, np.full(2, friction))
-        alike = [np.repeat(p, 2) for p in by_hand(friction, 1.0, 1e2, c)]
-        assert len(alike) == number
-        found = solved(problem, "newton")
-        others = list(other_solutions(problem, found.traction))
-        assert bool(others) == (number > 1)
-        for p in (found.traction, *others):
-            assert complementarity_residual(problem, p) < 1e-9
-        symmetric = [p for p in every_solution(problem) if np.allclose(p, p[[1, 0, 3, 2]])]
-        assert len(symmetric) == number
-        assert all(any(np.allclose(p, q, atol=1e-9) for q in alike) for p in symmetric)
 
 
 def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> None:
@@ -175,21 +123,6 @@ def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> Non
     assert len(every_solution(problem)) == 9
     found = solved(problem, "newton")
     assert list(other_solutions(problem, found.traction))
-
-
-@pytest.mark.parametrize(("most", "times"), [(2, 1), (1, 0)])
-def test_lemke_is_not_asked_of_many_points(monkeypatch: pytest.MonkeyPatch, most: int, times: int) -> None:
-    asked = []
-
-    def counted(problem: ContactProblem) -> ContactSolution:
-        asked.append(problem.n_points)
-        return solve_by_lemke(problem)
-
-    monkeypatch.setattr("crackgrow.run.uniqueness.solve_by_lemke", counted)
-    monkeypatch.setattr("crackgrow.run.uniqueness.LEMKE_POINTS", most)
-    problem = random_problem(2, 0.3, 1)
-    list(other_solutions(problem, solve_by_newton(problem).traction))
-    assert len(asked) == times
 
 
 def test_points_that_share_a_load_in_any_way_are_no_second_solution() -> None:
@@ -211,28 +144,10 @@ def test_no_solution_is_an_error_that_names_the_friction(solver: str) -> None:
         solved(one_point(3.0, -1.0, 0.0, 2.0), solver)
 
 
-def rock_of(problem: ContactProblem, solver: str = "newton") -> tuple[ContactSystem, np.ndarray]:
+def in_rock(problem: ContactProblem) -> tuple[ContactSystem, np.ndarray]:
     """Rock whose contact points have a given compliance, and the loads that give their free jumps."""
-    n, m = problem.n_points, problem.free.size
-    K = np.eye(m + 2)
-    K[:m, :m] = np.linalg.inv(problem.compliance)
-    system = ConstrainedSystem(csc_array(K), csr_array(np.eye(m + 2)[m:]))
-    law = contact_law(problem.friction, np.zeros(n), np.zeros(n))
-    rows = csr_array(np.eye(m + 2)[:m])
-    contact = ContactSystem(system, csr_array(rows[:n]), csr_array(rows[n:]), np.ones(n), law, solver)
-    return contact, np.append(K[:m, :m] @ problem.free, np.zeros(2))
-
-
-def test_where_newton_goes_round_in_circles_the_one_solution_is_followed() -> None:
-    """A point pressed and sheared the way that presses it less; the only solution slips."""
-    problem = one_point(10.0, -1.0, -5.0)
-    assert by_hand(10.0, -1.0, -5.0) == [pytest.approx((-1.0 / 6.0, -10.0 / 6.0))]
-    contact, loads = rock_of(problem)
-    outcome = solve_contact(contact, loads, np.zeros(2))
-    assert outcome.notes == ()
-    assert outcome.points.normal == pytest.approx([-1.0 / 6.0])
-    assert outcome.points.tangential == pytest.approx([-10.0 / 6.0])
-    assert outcome.points.state.tolist() == [SLIP]
+    stiffness, none = np.linalg.inv(problem.compliance), np.zeros(problem.n_points)
+    return rock_of(stiffness, contact_law(problem.friction, none, none)), stiffness @ problem.free
 
 
 def test_lemke_refuses_what_newton_solves() -> None:
@@ -246,9 +161,9 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     """Two points, pressed and sheared: the solutions that starts lead to, held against all there are."""
     n_found = n_several = 0
     for seed in range(60):
-        problem = random_problem(2, 10.0, seed)
-        contact, loads = rock_of(problem)
-        outcome = solve_contact(contact, loads, np.zeros(2))
+        problem = spread_problem(2, 10.0, seed)
+        contact, loads = in_rock(problem)
+        outcome = solve_contact(contact, loads, np.zeros(0))
         number = len(every_solution(problem)) if len(outcome.points.rows) == 2 else 1
         second = second_solution(contact, outcome)
         n_several += number > 1
@@ -266,50 +181,14 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     assert n_found >= 0.75 * n_several
 
 
-def test_below_the_limit_nothing_is_searched(monkeypatch: pytest.MonkeyPatch) -> None:
-    def searched(problem: ContactProblem, known: np.ndarray) -> None:
-        raise AssertionError("other starts were tried")
-
-    monkeypatch.setattr("crackgrow.run.uniqueness.other_solutions", searched)
-    contact, loads = rock_of(one_point(1.7, -1.0, 3.0))
-    assert second_solution(contact, solve_contact(contact, loads, np.zeros(2))) is None
-    contact, loads = rock_of(one_point(1.8, -1.0, 3.0))
-    outcome = solve_contact(contact, loads, np.zeros(2))
-    with pytest.raises(AssertionError, match="other starts"):
-        second_solution(contact, outcome)
-
-
 def test_a_point_that_nothing_presses_is_left_open() -> None:
     """Open, it could wedge itself as well (three solutions); contact begins with an overlap."""
     assert len(by_hand(3.0, 1.0, 8.0)) == 3
-    contact, loads = rock_of(one_point(3.0, 1.0, 8.0))
-    outcome = solve_contact(contact, loads, np.zeros(2))
+    contact, loads = in_rock(one_point(3.0, 1.0, 8.0))
+    outcome = solve_contact(contact, loads, np.zeros(0))
     assert outcome.points.status == "none"
     assert outcome.points.state.tolist() == [OPEN]
     assert second_solution(contact, outcome) is None
-
-
-def test_a_trial_that_fails_leaves_the_memory_alone(monkeypatch: pytest.MonkeyPatch) -> None:
-    """r(A), failure, r(A): the same, bit for bit, and what was remembered is what it was."""
-    contact, loads = rock_of(one_point(0.5, -1.0, 3.0))
-    memory = ContactMemory(np.array([0.25]), np.zeros(1), np.ones(1, dtype=bool), np.zeros(1))
-    before = solve_contact(contact, loads, np.zeros(2), memory)
-    with monkeypatch.context() as patch:
-        for name in ("newton", "lemke"):
-            patch.setattr(f"crackgrow.contact.solve.solve_by_{name}", gives_up)
-        with pytest.raises(SolveError, match="was not solved"):
-            solve_contact(contact, 3.0 * loads, np.zeros(2), memory)
-    assert memory.slip.tolist() == [0.25]
-    assert memory.broken.tolist() == [False]
-    after = solve_contact(contact, loads, np.zeros(2), memory)
-    for name in ("u", *(f"points.{part}" for part in ("normal", "tangential", "opening", "slip", "state"))):
-        np.testing.assert_array_equal(*map(attrgetter(name), (after, before)))
-    np.testing.assert_array_equal(after.memory.slip, before.memory.slip)
-    assert before.memory.slip[0] != 0.25  # what the increment did is in its outcome
-
-
-def gives_up(problem: ContactProblem, start: np.ndarray | None = None) -> ContactSolution:
-    return ContactSolution(np.zeros(problem.free.size), "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
 
 
 FLAW = Path(__file__).parents[3] / "cases" / "compression30.yaml"

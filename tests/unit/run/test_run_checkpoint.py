@@ -1,4 +1,4 @@
-"""A run that goes on from a checkpoint: the steps and the end are those of the unbroken run, to the last bit."""
+"""A run that goes on from a checkpoint or takes over from the step before: it is the whole run, or that made afresh."""
 
 from __future__ import annotations
 
@@ -8,15 +8,25 @@ from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
+import crackgrow.run.loading as loading
+from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
+from crackgrow.contact import system as contact_system
+from crackgrow.run import grow
+from crackgrow.run.configuration import assemble
 from crackgrow.run.result import Checkpoint
-from tests.scenes import shipped_case
+from tests.scenes import shipped_case, specimen
 from tests.slow_cracks import SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
+
+
 FRICTION = "cracks.flaw.contact.friction=0.3"
+
+
 SCENES = {
     "unloaded between steps": ("compression30", "growth.steps=3", FRICTION),
     "loaded throughout": ("compression30", "growth.steps=3", FRICTION, "growth.unload_between_steps=false"),
@@ -100,22 +110,59 @@ def test_every_step_can_be_gone_on_from(name: str) -> None:
         assert_same(end, same_end, f"{name}, end from {number}")
 
 
-def test_a_finished_run_goes_on_where_more_steps_are_asked_for() -> None:
-    short, long = (shipped_case("compression30", [*COARSE, f"growth.steps={n}"]) for n in (1, 3))
-    results, _ = whole_run(short)
-    assert not any(tip.advanced for tip in results[-1].tips)
-    whole, end = whole_run(long)
-    again, same_end = whole_run(long, stored(results[-1].checkpoint))
-    assert_same(whole[1:], again, "from 1")
-    assert_same(end, same_end, "end")
+CRACKS = {  # the first two meet, the third ends on the fourth, the last two are far away
+    "left": {"center": [-20, 0], "length": 9, "angle": 0},
+    "right": {"center": [-8, 0.5], "length": 9, "angle": 0},
+    "short": {"center": [14, 0], "length": 9, "angle": 0},
+    "wall": {"center": [21, 0], "length": 8, "angle": 90},
+    "above": {"center": [-12, 24], "length": 10, "angle": 60},
+    "below": {"center": [12, -24], "length": 10, "angle": 75},
+}
 
 
-def test_what_friction_remembers_matters() -> None:
-    """Points that had not slipped yet would slip, and dissipate, in this step: the tests above can fail."""
-    case = scene("cyclic friction")
-    results, _ = whole_run(case)
-    checkpoint = stored(results[2].checkpoint)
-    forgotten = {**checkpoint.arrays, "start_slip": np.zeros_like(checkpoint.arrays["start_slip"])}
-    other, _ = whole_run(case, Checkpoint(2, checkpoint.values, forgotten))
-    assert results[2].energy.dissipated == results[1].energy.dissipated > 0.0
-    assert other[0].energy.dissipated > 1.5 * results[2].energy.dissipated
+def six_flaws(*overrides: str) -> Case:
+    """A plate pulled along y, with six flaws of which those in the middle grow."""
+    law = {"friction": 0.3, "cohesion": 0.0}
+    cracks = {
+        name: {"path": path, "contact": dict(law), "tips": "none" if name == "wall" else "both"}
+        for name, path in CRACKS.items()
+    }
+    growth = {
+        "steps": 4,
+        "increment": 2,
+        "advance": "most_critical",
+        "criterion": "max_hoop_stress",
+        "tip_stress": {"radius": 1},
+    }
+    document = specimen(cracks, (60.0, 70.0), growth=growth, numerics={"spacing": 2})
+    return read_case(yaml.safe_dump(document), "plate", "plate", overrides)
+
+
+@pytest.mark.parametrize("few", [contact_system.FEW_NUMBERS, 0])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        ["growth.direction=explicit"],
+        ["growth.advance=all", "growth.steps=4"],  # tips meet other cracks
+        ["growth.direction=implicit"],
+        ["growth.criterion=directional_strength", "numerics.refine={tips: 2, kinks: 3}"],
+        ["numerics.refine.tips=2", "numerics.tip_functions=gathered"],
+    ],
+)
+def test_a_run_is_the_same_without_anything_taken_over(
+    settings: list[str], few: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """With `few` of 0 also what subtrees far from the growth give to the compliance of contact is taken over."""
+    monkeypatch.setattr(contact_system, "FEW_NUMBERS", few)
+    case = six_flaws("growth.steps=2", *settings)
+    with_it = list(grow(case))
+    assert "growth.advance=all" not in settings or sum(len(result.events) for result in with_it) >= 1
+    monkeypatch.setattr(loading, "assemble", lambda own, cracks, before: assemble(own, cracks))
+    for result, alone in zip(with_it, grow(case), strict=True):
+        for crack, other in zip(result.cracks, alone.cracks, strict=True):
+            np.testing.assert_array_equal(crack.points, other.points)
+        K, other_K = ([(tip.K_I, tip.K_II, tip.criticality) for tip in step.tips] for step in (result, alone))
+        np.testing.assert_allclose(K, other_K, rtol=1e-12)  # nan where there is no room for an integral
+        np.testing.assert_array_equal(result.contact.state, alone.contact.state)
+        for found, expected in ((result.contact.slip, alone.contact.slip), (result.contact.s, alone.contact.s)):
+            np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12 * np.abs(expected).max())

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -22,7 +22,6 @@ from tests.scenes import shipped_case
 from tests.solving import solve_step
 from tests.whole_run import whole_run
 
-CASES = Path(__file__).parents[3] / "cases"
 CRITICAL = ("loading=critical", "output.frames=none", "output.figures=false", "numerics.spacing=3")
 TIPS = ("growth.tip_stress.radius=2",)
 MOST_SOLVES = 12
@@ -111,22 +110,18 @@ def test_where_only_loads_have_a_size_states_are_in_proportion_to_them(dilation:
     found = critical_load.critically_loaded(configuration, 0.07).state
     assert factors == [0.07]
     alone = increment(configuration, held_loads(configuration), found.factor)
-    one, other = found.outcome, alone.outcome
-    pairs = [(one.u, other.u), (one.points.normal, other.points.normal), (one.points.slip, other.points.slip)]
-    pairs += [
-        (one.points.opening + one.points.slip, other.points.opening + other.points.slip),
-        (one.memory.slip, other.memory.slip),
-    ]
-    pairs += [(one.multipliers, other.multipliers), (found.conjugates, alone.conjugates)]
-    pairs += [(found.states.tractions, alone.states.tractions), (one.points.tangential, other.points.tangential)]
-    for value, known in pairs:
-        np.testing.assert_allclose(value, known, rtol=0.0, atol=1e-8 * np.abs(known).max())
-    np.testing.assert_array_equal(one.points.state, other.points.state)
+    for of in ("outcome.u", "outcome.multipliers", "outcome.points.normal", "outcome.points.tangential",
+               "outcome.points.slip", "outcome.memory.slip", "conjugates", "states.tractions"):  # fmt: skip
+        value, known = (attrgetter(of)(state) for state in (found, alone))
+        np.testing.assert_allclose(value, known, rtol=0.0, atol=1e-8 * np.abs(known).max(), err_msg=of)
+    one, other = found.outcome.points, alone.outcome.points
+    size = 1e-8 * np.abs(other.slip).max()
+    np.testing.assert_allclose(one.opening, other.opening, rtol=0.0, atol=size)
+    np.testing.assert_array_equal(one.state, other.state)
     energies = [(e.work, e.strain, e.dissipated, e.released) for e in (found.energy, alone.energy)]
     np.testing.assert_allclose(*energies, rtol=0.0, atol=1e-9 * energies[0][0])
-    problem = one.points.problem
-    assert problem is not None
-    assert complementarity_residual(problem, found.states.solution.unknowns) < 1e-9
+    assert one.problem is not None
+    assert complementarity_residual(one.problem, found.states.solution.unknowns) < 1e-9
     later = increment(configuration, from_state(found), 1.1 * found.factor)
     assert later.energy.error < 1e-9
 
@@ -140,30 +135,37 @@ def test_what_has_a_size_of_its_own_takes_the_proportion_away(sized: str) -> Non
     assert not configuration.proportional
 
 
-def shielded(n_cracks: int) -> tuple[str, ...]:
-    """A crack with tips between bonded ones without friction, pressed and sheared: once these slip they shield it."""
-    bonded = "path: {center: [0, %g], length: 24, angle: 0}, tips: none, contact: {friction: 0, cohesion: 9}"
-    cracks = ["flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}"]
-    cracks += [f"b{number}: {{{bonded % y}}}" for number, y in enumerate((4, -4)[:n_cracks])]
-    loads = [f"{{on: {{body: rock, edge: {edge}}}, traction: {t}}}" for edge, t in SHEAR.items()]
-    loads += [f"{{on: {{body: rock, edge: {edge}}}, traction: [0, {t}], held: true}}" for edge, t in PRESSED.items()]
-    return (
-        "bodies.rock.shape.rectangle={center: [0, 0], width: 60, height: 60}",
-        "supports=[{at: [-30, -30], displacement: {x: 0, y: 0}}, {at: [30, -30], displacement: {y: 0}}]",
-        f"cracks={{{', '.join(cracks)}}}",
-        f"loads=[{', '.join(loads)}]",
-        "growth.criterion=max_hoop_stress",
-        "bodies.rock.strength.tension=4",
-        "numerics.spacing=2",
-    )
-
-
 SHEAR = {"right": [0, 6], "left": [0, -6], "top": [6, 0], "bottom": [-6, 0]}
 PRESSED = {"top": -2, "bottom": 2}
 
 
+def sheared(cracks: str, tension: float) -> Configuration:
+    """A plate with cracks, pressed and sheared."""
+    loads = [f"{{on: {{body: rock, edge: {edge}}}, traction: {t}}}" for edge, t in SHEAR.items()]
+    loads += [f"{{on: {{body: rock, edge: {edge}}}, traction: [0, {t}], held: true}}" for edge, t in PRESSED.items()]
+    settings = (
+        "bodies.rock.shape.rectangle={center: [0, 0], width: 60, height: 60}",
+        "supports=[{at: [-30, -30], displacement: {x: 0, y: 0}}, {at: [30, -30], displacement: {y: 0}}]",
+        f"cracks={cracks}",
+        f"loads=[{', '.join(loads)}]",
+        "growth.criterion=max_hoop_stress",
+        f"bodies.rock.strength.tension={tension}",
+        "numerics.spacing=2",
+    )
+    return ready(case_of("tension0", *settings))
+
+
+def level(y: float, length: float, cohesion: float, tips: str = "both") -> str:
+    """A level crack that is bonded, without friction."""
+    path = f"{{center: [0, {y}], length: {length}, angle: 0}}"
+    return f"{{path: {path}, tips: {tips}, contact: {{friction: 0, cohesion: {cohesion}}}}}"
+
+
 def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() -> None:
-    configuration = ready(case_of("tension0", *shielded(2)))
+    """A crack with tips between bonded ones: once these slip they shield it."""
+    flaw = "flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}"
+    above, below = (f"b{number}: {level(y, 24, 9, 'none')}" for number, y in enumerate((4, -4)))
+    configuration = sheared(f"{{{flaw}, {above}, {below}}}", 4)
     found = [critical_load.critically_loaded(configuration, guess) for guess in (0.1, 1.0, 10.0)]
     factors = [solution.state.factor for solution in found]
     np.testing.assert_allclose(factors, factors[0], rtol=1e-8)
@@ -176,11 +178,7 @@ def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() ->
 
 def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
     """Once the long bonded crack has slipped it shields the short one, which would break at a lower load alone."""
-    bonded = "contact: {friction: 0, cohesion: %g}"
-    long = f"a: {{path: {{center: [0, 3], length: 30, angle: 0}}, tips: none, {bonded % 8}}}"
-    short = f"b: {{path: {{center: [0, -1], length: 16, angle: 0}}, {bonded % 9}}}"
-    settings = (*shielded(0), f"cracks={{{long}, {short}}}", "bodies.rock.strength.tension=2")
-    configuration = ready(case_of("tension0", *settings))
+    configuration = sheared(f"{{a: {level(3, 30, 8, 'none')}, b: {level(-1, 16, 9)}}}", 2)
     found = critical_load.critically_loaded(configuration, 1.0)
     start, factor = held_loads(configuration), 0.0
     while True:
@@ -193,34 +191,31 @@ def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
     assert state.outcome.memory.broken.any()
 
 
-@pytest.mark.parametrize("push", [10.0, 25.0, 2000.0])
-def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float) -> None:
-    """A block on a rough foundation slides at a load that does not depend on the unit of the load factor."""
-    configuration = ready(case_of("tension0", *pushed(push)))
-    found = critical_load.critically_loaded(configuration, 1.0)
-    assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
-
-
-def test_a_block_that_slides_before_its_crack_grows_is_free() -> None:
-    configuration = ready(
-        case_of("tension0", *pushed(10.0), "bodies.rock.strength={tension: 50, cohesion: 100, friction_angle: 40}")
-    )
-    with pytest.raises(FreePieceError, match=r"free to move.* from a load factor of \d.*before the criterion is met"):
-        critical_load.critically_loaded(configuration, 1.0)
-
-
-def pushed(push: float) -> tuple[str, ...]:
+def pushed(push: float, tension: float) -> Configuration:
     """A block of 40 x 20 mm with a level crack, pressed on a foundation of friction 0.5 and pushed along it."""
-    return (
+    settings = (
         "bodies.rock.shape.rectangle={center: [0, 0], width: 40, height: 20}",
         "supports=[{on: {body: rock, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]",
         "cracks={flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}}",
         "loads=[{on: {body: rock, edge: top}, traction: [0, -10], held: true}, "
         f"{{on: {{body: rock, edge: right}}, traction: [{push}, 0]}}]",
         "growth.criterion=max_hoop_stress",
-        "bodies.rock.strength.tension=0.5",
+        f"bodies.rock.strength={{tension: {tension}, cohesion: 100, friction_angle: 40}}",
         "numerics.spacing=2",
     )
+    return ready(case_of("tension0", *settings))
+
+
+@pytest.mark.parametrize("push", [10.0, 25.0, 2000.0])
+def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float) -> None:
+    """A block on a rough foundation slides at a load that does not depend on the unit of the load factor."""
+    found = critical_load.critically_loaded(pushed(push, 0.5), 1.0)
+    assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
+
+
+def test_a_block_that_slides_before_its_crack_grows_is_free() -> None:
+    with pytest.raises(FreePieceError, match=r"free to move.* from a load factor of \d.*before the criterion is met"):
+        critical_load.critically_loaded(pushed(10.0, 50.0), 1.0)
 
 
 HELD = (
@@ -241,6 +236,8 @@ def test_lateral_loads_that_are_held_raise_the_critical_load(factors: list[float
         assert criticality(solution) == pytest.approx(1.0, abs=1e-9)
         assert is_first_met(configuration, found[-1])
     assert found[1] > 1.2 * found[0]
+    with pytest.raises(SolveError, match=r"met under the held loads alone.* hold smaller loads"):
+        whole_run(case_of("compression30", HELD % (50.0, -50.0)))
 
 
 @pytest.mark.parametrize(("error", "words"), [(NotSolvedError, "no state was found at"), (SolveError, "^the supports")])
@@ -265,11 +262,6 @@ def test_a_state_that_is_not_found_is_none_that_is_not_borne(
     assert (len(tried) == 1) == (error is SolveError)
 
 
-def test_held_loads_that_meet_the_criterion_alone_are_an_error() -> None:
-    with pytest.raises(SolveError, match=r"met under the held loads alone.* hold smaller loads"):
-        whole_run(case_of("compression30", HELD % (50.0, -50.0)))
-
-
 def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[float]) -> None:
     """A level crack that is pressed flat sticks together: its tips see no tension at any load."""
     case = case_of(
@@ -285,13 +277,12 @@ def test_where_no_load_is_critical_the_run_arrests_and_says_so(factors: list[flo
     assert len(factors) <= 2 + MOST_SOLVES
 
 
-def test_tips_that_cannot_grow_have_no_critical_load(factors: list[float]) -> None:
+def test_only_tips_that_can_grow_have_a_critical_load(factors: list[float]) -> None:
     configuration = ready(case_of("tension0", "cracks.flaw.tips=end"))
     (growing,) = configuration.cracks
     only_end = critical_load.critically_loaded(configuration, 1.0)
     assert only_end.tips[1].verdict.criticality == pytest.approx(1.0, abs=1e-9)
     factors.clear()
     (still,) = shipped_case("tension0", ["cracks.flaw.tips=none"]).cracks
-    configuration = replace(configuration, cracks=(GrowingCrack(still, growing.steps),))
-    none = critical_load.critically_loaded(configuration, 0.7)
+    none = critical_load.critically_loaded(replace(configuration, cracks=(GrowingCrack(still, growing.steps),)), 0.7)
     assert (none.state.factor, factors) == (0.7, [0.7])

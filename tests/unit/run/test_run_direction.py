@@ -16,7 +16,7 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.advancing import Advance, BeforeAdvance, advanced_by
+from crackgrow.run.advancing import Advance, BeforeAdvance
 from crackgrow.run.direction import MOST_SOLVES, advance_tips
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.scene import Scene, make_scene
@@ -59,12 +59,7 @@ def advance(
             states.append(replace(state, intensity=intensity))
         return replace(solution, tips=tuple(states), seconds={"contact": 1.0})
 
-    return advance_tips(front(scene, cracks), solution, chosen, made_up), len(solves)
-
-
-def front(scene: Scene, cracks: Cracks) -> BeforeAdvance:
-    """The cracks of a scene that grow in step 1."""
-    return BeforeAdvance(scene, cracks, 1)
+    return advance_tips(BeforeAdvance(scene, cracks, 1), solution, chosen, made_up), len(solves)
 
 
 def unasked(_: Cracks) -> StepSolution:
@@ -113,7 +108,7 @@ def test_explicit_directions_are_the_criterions(start: tuple[Scene, Cracks, Step
     growth = scene.case.growth
     assert growth is not None
     explicit = replace(scene, case=replace(scene.case, growth=replace(growth, direction="explicit")))
-    found = advance_tips(front(explicit, cracks), solution, BOTH, unasked)
+    found = advance_tips(BeforeAdvance(explicit, cracks, 1), solution, BOTH, unasked)
     assert found.solution is None
     assert kinks_of(found) == pytest.approx([70.5, 70.5], abs=0.3)
 
@@ -138,14 +133,6 @@ def test_a_corrected_kink_that_leads_to_a_crack_ends_there(start: tuple[Scene, C
     assert not found.cracks[0].can_grow(True)
     assert found.solution is not None
     assert found.solution.notes == ()
-
-
-def test_where_every_tip_has_met_something_no_direction_is_sought(start: tuple[Scene, Cracks, StepSolution]) -> None:
-    across = wall((-1.0, 1.0), (3.0, 1.0))
-    found, n_solves = advance(start, lambda kink: 0.01 * (kink - 20.0), np.array([1]), walls=[across])
-    assert n_solves == 0
-    assert found.solution is None
-    assert [event.met for event in found.events] == ["crack 'wall'"]
 
 
 def test_the_direction_of_the_other_tip_is_found_where_one_has_met_something(
@@ -182,7 +169,7 @@ def facing(gap: float) -> tuple[Scene, Cracks, StepSolution]:
 def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
     """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays. Both tips end there."""
     scene, cracks, solution = facing(gap)
-    found = advance_tips(front(scene, cracks), solution, np.arange(4), unasked)
+    found = advance_tips(BeforeAdvance(scene, cracks, 1), solution, np.arange(4), unasked)
     told = {"a": ("a", "end", "crack 'b'"), "b": ("b", "start", "crack 'a'")}
     first, second = ((event.crack, event.tip, event.met) for event in found.events)
     assert first == told.pop(who)
@@ -194,17 +181,3 @@ def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
     assert found.cracks[0].steps.tolist() == [1, 0, 0, 1]
     assert found.cracks[1].steps.tolist() == ([1, 0, 0, 1] if who == "b" else [0, 0, 1])
     assert shapely.LineString(a.points).crosses(shapely.LineString(b.points)) is False
-
-
-@pytest.mark.parametrize(("tips", "n_events"), [("both", 2), ("end", 1)])
-def test_a_crack_that_closes_into_a_ring_ends_both_its_tips(tips: str, n_events: int) -> None:
-    points = "[[0, 0], [6, 0], [6, 6], [0, 6], [0, 1.9]]"
-    ring = f"cracks={{ring: {{path: {{points: {points}}}, tips: {tips}, contact: none}}}}"
-    case = load_case(CASE.with_stem("tension0"), [ring, "numerics.spacing=3"])
-    (crack,) = case.cracks
-    growing = (GrowingCrack.given(crack),)
-    found = advanced_by(front(make_scene(case), growing), [(0, True)], np.zeros(1))
-    assert [(event.tip, event.met) for event in found.events] == [("end", "its own path"), ("start", "its own path")][
-        :n_events
-    ]
-    assert (found.cracks[0].crack.tip_at_start, found.cracks[0].crack.tip_at_end) == (False, False)
