@@ -16,7 +16,7 @@ from crackgrow.case import load_case
 from crackgrow.errors import CaseError, CrackgrowError, SolveError
 from crackgrow.run import grow
 from crackgrow.run.residual import check_magnitude
-from tests.stability.random_scenes import text_of
+from tests.stability.growing_scenes import text_of
 from tests.unit.case import scenes
 from tests.unit.case.scenes import changed
 

@@ -87,14 +87,23 @@ def _given(run: WrittenRun, points: pd.DataFrame, name: str) -> np.ndarray:
 
 def _averages(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
     """The law itself: nowhere overlap, and under pressure no gap but what dilation opens."""
-    gap, slip = points["mean_opening"].to_numpy(), np.abs(points["mean_slip"].to_numpy())
-    if largest == 0.0 or court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
+    if largest == 0.0:
         return
+    gap, slip = _given_way_less(court.run, points)
     court.check("average overlap", float((-gap).max()) / largest, ON_AVERAGE, step, name)
     closed = points["state"].to_numpy() != "open"
     if closed.any():
-        risen = (gap - slip * np.tan(np.deg2rad(law["dilation_angle"])))[closed]
+        risen = (gap - np.abs(slip) * np.tan(np.deg2rad(law["dilation_angle"])))[closed]
         court.check("average gap under pressure", float(np.abs(risen).max()) / largest, ON_AVERAGE, step, name)
+
+
+def _given_way_less(run: WrittenRun, points: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
+    """Average gap and slip (n,) m, less those by which elastic contact gives way."""
+    stiffness = run.case["numerics"]["contact"]["stiffness"]
+    compliance = 0.0 if stiffness == "rigid" else run.spacing / (stiffness * run.softest)
+    gap, slip = points["mean_opening"].to_numpy(), points["mean_slip"].to_numpy()
+    normal, shear = (points[f"{which}_traction"].to_numpy() for which in ("normal", "tangential"))
+    return gap - compliance * normal, slip - compliance * shear
 
 
 def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
@@ -126,9 +135,9 @@ def _sense(
 ) -> None:
     """Shear acts with the slip of the last increment, where the files tell it; `sizes` of traction and jump."""
     run, (size, largest) = court.run, sizes
-    change = points["mean_slip"].to_numpy()
+    change = _given_way_less(run, points)[1]
     if run.growth is None and len(before):
-        change = change - before.loc[before["crack"] == name, "mean_slip"].to_numpy()
+        change = change - _given_way_less(run, before[before["crack"] == name])[1]
     elif not _from_rest(run):
         return
     shear, slips = points["tangential_traction"].to_numpy(), points["state"].to_numpy() == "slip"
@@ -142,4 +151,5 @@ def _from_rest(run: WrittenRun) -> bool:
     """Whether a step's slip is that of one rising load."""
     loading = run.case["loading"]
     once = loading == "critical" or len(loading["history"]) == 1
-    return once and not any(load["held"] for load in run.case["loads"]) and run.growth["unload_between_steps"]
+    afresh = run.growth is None or run.growth["unload_between_steps"]
+    return once and afresh and not any(load["held"] for load in run.case["loads"])

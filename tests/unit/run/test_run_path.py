@@ -17,8 +17,7 @@ from crackgrow.run.increments import LoadState, from_state, held_loads, incremen
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case
-from tests.stability.growing_scenes import growing_scene
-from tests.stability.random_scenes import text_of
+from tests.stability.growing_scenes import growing_scene, text_of
 
 COARSE = "numerics.spacing=5"
 EXACT = 1e-10
