@@ -46,8 +46,8 @@ def solve_case(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> StepSolu
     return solve_step(make_scene(case, offset), tuple(map(GrowingCrack.given, case.cracks)), last_factor(case))
 
 
-def displacement_in(solution: StepSolution, metres: Floats, body: int = 0) -> Floats:
-    """Displacement (n, 2) m at points (n, 2) m, all of which lie in a body."""
+def displacement_in(solution: StepSolution, metres: Floats, body: int | None = 0) -> Floats:
+    """Displacement (n, 2) m at points (n, 2) m, all of which lie in a body, or in any."""
     cover = solution.cover
     points = cover.lattice.to_lattice(metres)
     elements = locate(cover.lattice, cover.elements, points, body)
