@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from crackgrow.case.load import read_case
+from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.errors import SolveError
 from crackgrow.run.judging import StepSolution
 from crackgrow.run.reactions import reactions, total_load
+from tests.scenes import specimen
 from tests.solving import displacement_in, solve_case
 
 PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}
@@ -41,21 +43,6 @@ supports:
 loads:
   - {on: {body: block, edge: top}, traction: [0, -100]}
 numerics: {spacing: 0.3}
-"""
-
-CRACKED = """
-title: A plate with a crack
-plane: strain
-bodies:
-  rock: {shape: {rectangle: {center: [0, 0], width: 31, height: 55}}, material: {young: 1e4, poisson: 0.25}}
-cracks:
-  flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: {friction: 0.2, cohesion: 0}}
-supports:
-  - {at: [-15.5, -27.5], displacement: {y: 0}}
-  - {at: [15.5, -27.5], displacement: {y: 0}}
-  - {at: [0, -27.5], displacement: {x: 0}}
-loads: []
-numerics: {spacing: 1.5}
 """
 
 
@@ -123,22 +110,22 @@ def test_weight_of_a_column(spacing: float) -> None:
     np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, 7.65 * 70.0], rtol=1e-6, atol=1e-6)
 
 
+def with_flaw(pull: float, *more: dict) -> StepSolution:
+    """A plate with a crack across the pull (MPa), and other loads."""
+    flaw = {"path": {"center": [0, 0], "length": 10, "angle": 0}, "contact": {"friction": 0.2, "cohesion": 0}}
+    scene = specimen({"flaw": flaw}, sigma=pull, numerics={"spacing": 1.5})
+    return solve_case(Case.from_dict({**scene, "loads": [*(scene["loads"] if pull else []), *more]}))
+
+
 def test_fluid_pressure_opens_a_crack_as_tension_does() -> None:
-    """Superposition again (Sneddon): pressure on the faces, or as much tension across them."""
-    units = "units={length: mm, stress: MPa}"
-    edges = "{on: {body: rock, edge: top}, traction: [0, 2]}, {on: {body: rock, edge: bottom}, traction: [0, -2]}"
-    pulled = solve(CRACKED, units, f"loads=[{edges}]")
-    blown = solve(CRACKED, units, "loads=[{crack: flaw, pressure: 2}]")
+    """Superposition (Sneddon): pressure on the faces, or as much tension across them."""
+    fluid = {"crack": "flaw", "pressure": 2}
+    pulled, blown = with_flaw(2.0), with_flaw(0.0, fluid)
     for one, two in zip(pulled.tips, blown.tips, strict=True):
         assert two.K[0] == pytest.approx(one.K[0], rel=1e-4)
         assert abs(two.K[1]) < 1e-4 * one.K[0]
     np.testing.assert_allclose(total_load(blown), 0.0, atol=1e-9)
-    # effective stress: a closed crack under 5 MPa and a fluid of 2 MPa carries 3 MPa in contact
-    pressed = (
-        "loads=[{crack: flaw, pressure: 2}, {on: {body: rock, edge: top}, traction: [0, -5]},"
-        " {on: {body: rock, edge: bottom}, traction: [0, 5]}]"
-    )
-    closed = solve(CRACKED, units, pressed)
+    closed = with_flaw(-5.0, fluid)  # effective stress: contact carries 3 MPa
     np.testing.assert_allclose(closed.outcome.points.normal, -3e6, rtol=1e-4)
     assert max(abs(K) for tip in closed.tips for K in tip.K) < 1e-3 * blown.tips[0].K[0]
 

@@ -124,8 +124,11 @@ def odd_scene(seed: int) -> Scene:
         {"on": loaded, "traction": (frame.level * rng.uniform(-1.0, 1.0, 2)).tolist()},
         {"body": "rock", "stress": (frame.level * rng.uniform(-1.0, 0.2, 3)).tolist()},
         {"body": "rock", "gravity": frame.weight(float(rng.random())), "held": bool(rng.random() < 0.5)},
+        *({"crack": name, "pressure": float(0.3 * frame.level)} for name in cracks),
     ]
     stiffness: str | float = "rigid" if rng.random() < 0.6 else float(10.0 ** rng.uniform(0.0, 4.0))
+    few = stiffness != "rigid" and sum(map(len, cracks.values())) <= 4  # a segment has 50 Gauss points
+    contact = {"stiffness": stiffness, "discretization": "gauss" if few else "mortar"}
     scene: Scene = {
         "title": f"odd scene {seed}",
         "plane": str(rng.choice(["strain", "stress"])),
@@ -136,7 +139,7 @@ def odd_scene(seed: int) -> Scene:
         "numerics": {
             "spacing": 1.5 * frame.spacing,
             "support": float(rng.choice([1.5, 2.0, 2.5])),
-            "contact": {"stiffness": stiffness, "solver": str(rng.choice(["newton", "lemke"]))},
+            "contact": {**contact, "solver": str(rng.choice(["newton", "lemke"]))},
         },
         "output": {"frames": "none", "figures": False, "report": False},
     }
