@@ -143,6 +143,10 @@ def odd_scene(seed: int) -> Scene:
         },
         "output": {"frames": "none", "figures": False, "report": False},
     }
+    for crack in scene["cracks"].values():
+        law = crack["contact"]
+        if law != "none" and rng.random() < 0.5:
+            law["dilation_angle"] = float(0.5 * np.rad2deg(np.arctan(law.get("residual_friction", law["friction"]))))
     set_tips(rng, scene, polygon, frame.size)
     return scene
 

@@ -17,8 +17,12 @@ from tests.stability.judge.written import WrittenRun, run_case
 
 GROWING = (1, 16, 10, 31, 4)
 """Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base, of pieces that lie anywhere."""
-ODD = range(12)
+ODD = (0, 2, 4, 5, 7, 9, 11, 12, 13, 14, 16, 19)
+"""Seeds: faces stick, slip both ways and open, some dilate, some are elastic, with mortar nodes and Gauss points."""
 MANY = 400
+
+NO_EXCUSE = ("energy balance", "dissipation falls", "released energy below zero", "reactions", "moment")
+"""In scenes that are no limit states the run may not even have to tell of these."""
 
 POINTWISE = ("overlap", "open under pressure")
 """Where odd cracks meet, jumps at points are off: the law holds for their averages."""
@@ -31,8 +35,10 @@ def run_scene(folder: Path, name: str, document: Scene) -> WrittenRun:
     return run_case(file, folder / name)
 
 
-def silent(court: Court) -> list[str]:
-    return [f"{d.kind} {d.size:.2g} step {d.step} {d.place}" for d in court.departures if not d.told]
+def silent(court: Court, no_excuse: tuple[str, ...] = ()) -> list[str]:
+    """Departures that the run has not told of, or that it may not have."""
+    wrong = [departure for departure in court.departures if departure.kind in no_excuse or not departure.told]
+    return [f"{d.kind} {d.size:.2g} step {d.step} {d.place}" for d in wrong]
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +50,7 @@ def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[int, WrittenRun]:
 def test_nothing_is_wrong_without_a_word(runs: dict[int, WrittenRun]) -> None:
     for seed, run in runs.items():
         assert run.summary["status"] in DONE, f"seed {seed}: {run.errors}"
-        assert not silent(judged(run)), f"seed {seed}"
+        assert not silent(judged(run), NO_EXCUSE), f"seed {seed}"
     assert sum(len(run.tables["steps"]) for run in runs.values()) > 12
 
 
@@ -52,7 +58,7 @@ def test_nothing_is_wrong_without_a_word(runs: dict[int, WrittenRun]) -> None:
 def test_nothing_is_wrong_in_odd_scenes(tmp_path: Path, seed: int) -> None:
     run = run_scene(tmp_path, str(seed), odd_scene(seed))
     assert run.exit_code == 0, run.errors
-    assert not [words for words in silent(judged(run)) if not words.startswith(POINTWISE)]
+    assert not [words for words in silent(judged(run), NO_EXCUSE) if not words.startswith(POINTWISE)]
 
 
 @pytest.mark.slow
