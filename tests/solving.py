@@ -11,13 +11,15 @@ from crackgrow.contact.faces import FacePoints
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import segment_directions
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import increment, unloaded
 from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.scene import Scene
+from crackgrow.run.scene import Scene, make_scene
+from crackgrow.solid.recovery import displacement_at
 
 
 def last_factor(case: Case) -> float:
@@ -37,6 +39,20 @@ def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: flo
     """Solve one configuration, loaded in one increment. Raises GeometryError or SolveError where that can't be done."""
     configuration = assemble(scene, growing)
     return judged(increment(configuration, unloaded(configuration), load_factor))
+
+
+def solve_case(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> StepSolution:
+    """The given cracks at the last load factor, on a lattice moved by `offset` spacings."""
+    return solve_step(make_scene(case, offset), tuple(map(GrowingCrack.given, case.cracks)), last_factor(case))
+
+
+def displacement_in(solution: StepSolution, metres: Floats, body: int | None = 0) -> Floats:
+    """Displacement (n, 2) m at points (n, 2) m, all of which lie in a body, or in any."""
+    cover = solution.cover
+    points = cover.lattice.to_lattice(metres)
+    elements = locate(cover.lattice, cover.elements, points, body)
+    assert elements.min() >= 0
+    return displacement_at(cover, solution.outcome.u, points, elements)
 
 
 def at_once(configuration: Configuration, factor: float, memory: ContactMemory | None = None) -> ContactOutcome:

@@ -1,40 +1,42 @@
 """Scenes at random whose cracks grow, of every kind that rock mechanics asks for, on a coarse lattice.
 
-The same seed gives the same scene; the seed's remainder gives its kind. Unlike the scenes of `random_scenes`, which
-ask for what users do not think of, these are what users draw: loads balance or supports bear them, strengths are of
-the size of the stress at the tips, so that most cracks grow for a few steps.
+The same seed gives the same scene; the seed's remainder gives its kind. Loads balance or supports bear them, strengths
+are of the size of the stress at the tips, so that most cracks grow for a few steps. What is left to chance is what
+users do not think of: cracks that cross in slivers of rock, ends on outlines, loads that no friction can hold.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import shapely
-from shapely import Point, Polygon
+import yaml
+from shapely import LineString, Point, Polygon
 
 from crackgrow.case.units import UNITS
-from tests.stability.random_scenes import (
-    Manner,
-    Outline,
-    Rng,
-    Scene,
-    random_cracks,
-    random_law,
-    set_tips,
-    with_hole,
-)
+
+Scene = dict[str, Any]
+Rng = np.random.Generator
+
+SAME_PLACE = 1e-9
+"""Of the size of the body: an end of a crack that is closer to another one, or to the outline, lies on it."""
+
+TRIES = 100
+"""Places that are tried for a crack; one that finds none is left out."""
 
 KINDS = (
     "plate", "tension", "hole", "edge", "crossing", "interface",
     "stack", "foundation", "disk", "driven", "fluid", "in situ", "cyclic",
 )  # fmt: skip
 
-GRAVITY = 9.81
-"""m/s^2; of a scene a multiple, so that weight counts."""
-
 WEAKER = 0.4
 """Strength of rock that is pressed, over that of rock that is pulled: else most cracks under pressure never grow."""
+
+
+DENSITY = 2500.0
+"""kg/m^3"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -49,14 +51,28 @@ class Frame:
     in_metres: float  # one unit of length
     in_pascals: float
 
-    @property
-    def density(self) -> float:
-        """kg/m^3"""
-        return 2500.0
-
     def weight(self, share: float) -> list[float]:
         """Gravity (m/s^2) that presses the foot of a body of this size with a share of the level of stress."""
-        return [0.0, -share * self.level * self.in_pascals / (self.density * self.size * self.in_metres)]
+        return [0.0, -share * self.level * self.in_pascals / (DENSITY * self.size * self.in_metres)]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """A body's shape, in the units of the case."""
+
+    shape: Scene
+    polygon: Polygon
+
+
+@dataclass(frozen=True, slots=True)
+class Manner:
+    """How cracks are drawn."""
+
+    n: int
+    longest: float  # spacings, of a segment
+    most_segments: int = 3
+    meetings: tuple[float, ...] = (0.4, 0.2, 0.2, 0.2)  # probabilities: meets nothing, the outline; touches, crosses
+    apart: float = 0.0  # spacings: one that meets nothing is as far from all others and the outline
 
 
 def growing_scene(seed: int) -> Scene:
@@ -65,7 +81,7 @@ def growing_scene(seed: int) -> Scene:
     length, stress = str(rng.choice(["m", "cm", "mm"])), str(rng.choice(["Pa", "kPa", "MPa"]))
     frame = _frame(rng, float(UNITS["length"][length]), float(UNITS["stress"][stress]))
     rock = rectangle(frame)
-    material = {"young": frame.young, "poisson": float(rng.choice([0.0, 0.2, 0.25, 0.35])), "density": frame.density}
+    material = {"young": frame.young, "poisson": float(rng.choice([0.0, 0.2, 0.25, 0.35])), "density": DENSITY}
     scene: Scene = {
         "title": f"growing scene {seed}: {kind}",
         "units": {"length": length, "stress": stress},
@@ -89,6 +105,52 @@ def growing_scene(seed: int) -> Scene:
     return {**scene, "numerics": numerics, "output": {"frames": "none", "figures": False, "report": False}}
 
 
+def odd_scene(seed: int) -> Scene:
+    """A case document of what nobody would draw: cracks and loads anywhere in a polygon that may not be convex."""
+    rng = np.random.default_rng([seed, 15])
+    frame, n = _frame(rng, 1.0, 1.0), int(rng.integers(3, 8))
+    angles = 2.0 * np.pi / n * (0.4 * rng.random(n) + np.arange(n))
+    radii = 0.5 * frame.size * rng.uniform(0.5, 1.0, n)
+    corners = radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    shape, polygon = {"polygon": corners.tolist()}, Polygon(corners)
+    if rng.random() < 0.3:
+        polygon = with_hole(rng, shape, polygon, frame.size)
+    manner = Manner(int(rng.integers(1, 4)), 4.0, 3, (0.4, 0.2, 0.2, 0.2))
+    cracks = random_cracks(rng, polygon, frame.spacing, manner)
+    held, loaded = (on(str(edge)) for edge in rng.permutation(n)[:2])
+    stretch = frame.level / frame.young * frame.size * rng.uniform(-1.0, 1.0)
+    supports = [{"on": held, "displacement": {"x": 0, "y": 0}}, {"on": loaded, "displacement": {"y": float(stretch)}}]
+    loads: list[Scene] = [
+        {"on": loaded, "traction": (frame.level * rng.uniform(-0.5, 0.5, 2)).tolist()},
+        {"body": "rock", "stress": (frame.level * rng.uniform((-1.5, -1.5, -0.5), (0.0, 0.0, 0.5))).tolist()},
+        {"body": "rock", "gravity": frame.weight(float(rng.random())), "held": bool(rng.random() < 0.5)},
+        *({"crack": name, "pressure": float(0.2 * frame.level)} for name in cracks if rng.random() < 0.3),
+    ]
+    stiffness: str | float = "rigid" if rng.random() < 0.6 else float(10.0 ** rng.uniform(0.0, 4.0))
+    few = stiffness != "rigid" and sum(map(len, cracks.values())) <= 4  # a segment has 50 Gauss points
+    contact = {"stiffness": stiffness, "discretization": "gauss" if few else "mortar"}
+    scene: Scene = {
+        "title": f"odd scene {seed}",
+        "plane": str(rng.choice(["strain", "stress"])),
+        "bodies": {"rock": {"shape": shape, "material": {"young": frame.young, "poisson": 0.3, "density": DENSITY}}},
+        "cracks": {name: {"path": {"points": p.tolist()}, "contact": _law(frame)} for name, p in cracks.items()},
+        "supports": supports[: 1 + int(rng.random() < 0.3)],
+        "loads": [load for load in loads if rng.random() < 0.8],
+        "numerics": {
+            "spacing": 1.5 * frame.spacing,
+            "support": float(rng.choice([1.5, 2.0, 2.5])),
+            "contact": {**contact, "solver": str(rng.choice(["newton", "lemke"]))},
+        },
+        "output": {"frames": "none", "figures": False, "report": False},
+    }
+    for crack in scene["cracks"].values():
+        law = crack["contact"]
+        if law != "none" and rng.random() < 0.5:
+            law["dilation_angle"] = float(0.5 * np.rad2deg(np.arctan(law.get("residual_friction", law["friction"]))))
+    set_tips(rng, scene, polygon, frame.size)
+    return scene
+
+
 def _frame(rng: Rng, in_metres: float, in_pascals: float) -> Frame:
     size, young = float(10.0 ** rng.uniform(-1.5, 1.0)), float(10.0 ** rng.uniform(9.0, 11.0))
     level = young * float(10.0 ** rng.uniform(-4.0, -2.7))
@@ -105,7 +167,7 @@ def rectangle(frame: Frame) -> Outline:
     x, y = rng.uniform(-1.0, 1.0, 2) * size
     shape = {"rectangle": {"center": [float(x), float(y)], "width": float(width), "height": float(height)}}
     polygon = shapely.box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
-    return Outline(shape, polygon, [], shapely.get_coordinates(polygon.exterior)[:-1])
+    return Outline(shape, polygon)
 
 
 def on(edge: str, body: str = "rock", **part: float) -> Scene:
@@ -210,8 +272,8 @@ def foundation(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
 def on_base(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
     """The block on an elastic base, with contact or bonded, perhaps pushed."""
     _add_block(frame, scene, rock, "base", 0.4)
-    law = "bonded" if frame.rng.random() < 0.25 else random_law(frame.rng, frame.level)
-    scene["interfaces"] = [{"between": ["rock", "base"], "contact": law}]
+    law = "none" if frame.rng.random() < 0.25 else _law(frame)
+    scene["interfaces"] = [{"between": ["rock", "base"], "contact": "bonded" if law == "none" else law}]
     scene["supports"] = [{"on": on("bottom", "base"), "displacement": {"x": 0, "y": 0}}]
     push = frame.level * float(frame.rng.choice([0.0, frame.rng.uniform(-0.2, 0.2)]))
     scene["loads"] = [{"on": on("top"), "traction": [push, -frame.level]}]
@@ -327,3 +389,93 @@ def _set_loading(frame: Frame, scene: Scene, kind: str) -> None:
         scene["loading"] = "critical"
     elif loading == "history":
         scene["loading"] = {"history": [*history[:2], 1.0]}
+
+
+def with_hole(rng: Rng, shape: Scene, polygon: Polygon, size: float) -> Polygon:
+    """Cut a hole into a shape where there is room for one."""
+    radius = size * rng.uniform(0.05, 0.15)
+    room = polygon.buffer(-1.5 * radius)
+    if room.is_empty:
+        return polygon
+    x, y = point_inside(rng, room)
+    kind = rng.choice(["disk", "rectangle", "polygon"])
+    if kind == "disk":
+        hole: Scene = {"disk": {"center": [x, y], "radius": float(radius)}}
+        ring = Point(x, y).buffer(radius, quad_segs=90)
+    elif kind == "rectangle":
+        hole = {"rectangle": {"center": [x, y], "width": float(radius), "height": float(2.0 * radius)}}
+        ring = shapely.box(x - radius / 2, y - radius, x + radius / 2, y + radius)
+    else:
+        angles = np.sort(rng.uniform(0.0, 2.0, 3)) + np.array([0.0, 2.0, 4.0])
+        corners = np.array([x, y]) + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        hole, ring = {"polygon": corners.tolist()}, Polygon(corners)
+    shape["holes"] = [hole]
+    return polygon.difference(ring)
+
+
+def point_inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
+    """A point inside of a polygon."""
+    low, high = np.array(polygon.bounds).reshape(2, 2)
+    for _ in range(TRIES):
+        point = rng.uniform(low, high)
+        if polygon.contains(Point(point)):
+            return float(point[0]), float(point[1])
+    point = polygon.representative_point()
+    return float(point.x), float(point.y)
+
+
+def random_cracks(rng: Rng, polygon: Polygon, spacing: float, manner: Manner) -> dict[str, np.ndarray]:
+    """Polylines that may cross, touch, branch and start on the outline."""
+    cracks: dict[str, np.ndarray] = {}
+    room = polygon.buffer(-1e-3 * spacing)
+    for number in range(manner.n):
+        meeting = str(rng.choice(["nothing", "outline", "touch", "cross"], p=manner.meetings))
+        others = [LineString(points) for points in cracks.values()]
+        alone = meeting == "nothing" and manner.apart > 0.0
+        for _ in range(TRIES):
+            points = _random_path(rng, polygon, list(cracks.values()), spacing, manner, meeting)
+            line = LineString(points)
+            inner = LineString(points[1:]) if len(points) > 2 else Point(points[1])
+            near = alone and min(line.distance(o) for o in [polygon.boundary, *others]) < manner.apart * spacing
+            inside = room.contains(inner) and polygon.buffer(1e-9 * spacing).contains(line)
+            if line.is_simple and inside and not near:
+                cracks[f"c{number}"] = points
+                break
+    return cracks
+
+
+def _random_path(
+    rng: Rng, polygon: Polygon, others: list[np.ndarray], spacing: float, manner: Manner, meeting: str
+) -> np.ndarray:
+    """Vertices (n, 2) of a crack that starts on the `outline`, on another crack (`touch`) or crosses it, or none."""
+    n = int(rng.integers(1, manner.most_segments + 1))
+    start = np.array(point_inside(rng, polygon))
+    if meeting == "outline":
+        start = shapely.get_coordinates(polygon.exterior.interpolate(rng.random(), normalized=True))[0]
+    elif meeting in ("touch", "cross") and others:
+        other = LineString(others[int(rng.integers(len(others)))])
+        start = shapely.get_coordinates(other.interpolate(rng.choice([0.0, rng.random(), 1.0]), normalized=True))[0]
+    lengths = spacing * rng.uniform(1.0, manner.longest, n)
+    angles = rng.uniform(0.0, 2.0 * np.pi) + np.concatenate([[0.0], np.cumsum(rng.uniform(-1.2, 1.2, n - 1))])
+    steps = lengths[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    if meeting == "cross" and others:
+        start = start - rng.uniform(0.2, 0.8) * steps[0]
+    return np.vstack([start, start + np.cumsum(steps, axis=0)])
+
+
+def set_tips(rng: Rng, scene: Scene, polygon: Polygon, size: float) -> None:
+    """Say which ends of the cracks are tips: those that lie in rock; now and then they must not grow."""
+    lines = {name: LineString(crack["path"]["points"]) for name, crack in scene["cracks"].items()}
+    for name, crack in scene["cracks"].items():
+        others = [polygon.boundary, *(line for other, line in lines.items() if other != name)]
+        free = [
+            all(Point(crack["path"]["points"][end]).distance(other) > SAME_PLACE * size for other in others)
+            for end in (0, -1)
+        ]
+        words = {(True, True): "both", (True, False): "start", (False, True): "end", (False, False): "none"}
+        crack["tips"] = words[free[0], free[1]] if rng.random() < 0.9 else "none"
+
+
+def text_of(scene: Scene) -> str:
+    """A case document as YAML."""
+    return yaml.safe_dump(scene, sort_keys=False)

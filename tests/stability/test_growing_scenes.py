@@ -1,56 +1,76 @@
-"""Random scenes that grow: judged from their files alone, and written otherwise."""
+"""Random scenes, judged from their files alone: what is wrong must be told by the run, and the judge must see it."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
 
-from tests.stability.growing_scenes import growing_scene
-from tests.stability.judge.verdict import judged, outcome
+from tests.stability.growing_scenes import Scene, growing_scene, odd_scene, text_of
+from tests.stability.judge.court import Court
+from tests.stability.judge.verdict import judged
 from tests.stability.judge.written import WrittenRun, run_case
-from tests.stability.random_scenes import text_of
 
-JUDGED = (1, 16, 10, 31, 4)
+GROWING = (1, 16, 10, 31, 4)
 """Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base, of pieces that lie anywhere."""
+ODD = (0, 2, 4, 5, 7, 9, 11, 12, 13, 14, 16, 19)
+"""Seeds: faces stick, slip both ways and open, some dilate, some are elastic, with mortar nodes and Gauss points."""
+MANY = 400
 
-MANY = range(400)
-LIMIT = 40.0
+NO_EXCUSE = ("energy balance", "dissipation falls", "released energy below zero", "reactions", "moment")
+"""In scenes that are no limit states the run may not even have to tell of these."""
+
+POINTWISE = ("overlap", "open under pressure")
+"""Where odd cracks meet, jumps at points are off: the law holds for their averages."""
+DONE = ("completed", "arrested", "broke_through")
 
 
-def run_scene(folder: Path, name: str, document: dict[str, Any]) -> WrittenRun:
+def run_scene(folder: Path, name: str, document: Scene) -> WrittenRun:
     file = folder / f"{name}.yaml"
     file.write_text(text_of(document), encoding="utf-8")
-    return run_case(file, folder / name, LIMIT)
+    return run_case(file, folder / name)
+
+
+def silent(court: Court, no_excuse: tuple[str, ...] = ()) -> list[str]:
+    """Departures that the run has not told of, or that it may not have."""
+    wrong = [departure for departure in court.departures if departure.kind in no_excuse or not departure.told]
+    return [f"{d.kind} {d.size:.2g} step {d.step} {d.place}" for d in wrong]
 
 
 @pytest.fixture(scope="module")
 def runs(tmp_path_factory: pytest.TempPathFactory) -> dict[int, WrittenRun]:
     folder = tmp_path_factory.mktemp("runs")
-    return {seed: run_scene(folder, str(seed), growing_scene(seed)) for seed in JUDGED}
-
-
-def silent(run: WrittenRun) -> list[str]:
-    return [f"{d.kind} {d.size:.2g} step {d.step} {d.place}" for d in judged(run).departures if not d.told]
+    return {seed: run_scene(folder, str(seed), growing_scene(seed)) for seed in GROWING}
 
 
 def test_nothing_is_wrong_without_a_word(runs: dict[int, WrittenRun]) -> None:
     for seed, run in runs.items():
-        assert outcome(run) in ("completed", "arrested", "broke_through"), f"seed {seed}: {run.errors}"
-        assert not silent(run), f"seed {seed}"
+        assert run.summary["status"] in DONE, f"seed {seed}: {run.errors}"
+        assert not silent(judged(run), NO_EXCUSE), f"seed {seed}"
     assert sum(len(run.tables["steps"]) for run in runs.values()) > 12
+
+
+@pytest.mark.parametrize("seed", ODD)
+def test_nothing_is_wrong_in_odd_scenes(tmp_path: Path, seed: int) -> None:
+    run = run_scene(tmp_path, str(seed), odd_scene(seed))
+    assert run.exit_code == 0, run.errors
+    assert not [words for words in silent(judged(run), NO_EXCUSE) if not words.startswith(POINTWISE)]
 
 
 @pytest.mark.slow
 def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
-    for seed in MANY:
-        found = silent(run_scene(tmp_path, str(seed), growing_scene(seed)))
-        assert not found, f"seed {seed}: {found}"
+    n_solved = 0
+    for seed in range(MANY):
+        found = judged(run_scene(tmp_path, f"growing{seed}", growing_scene(seed)))
+        assert not silent(found), f"growing {seed}"
+        odd = judged(run_scene(tmp_path, f"odd{seed}", odd_scene(seed)))
+        assert not [words for words in silent(odd) if not words.startswith(POINTWISE)], f"odd {seed}"
+        n_solved += (found.run.exit_code == 0) + (odd.run.exit_code == 0)
+    assert n_solved > 0.7 * 2 * MANY
 
 
 Tables = dict[str, pd.DataFrame]

@@ -28,7 +28,7 @@ def judge_forces(court: Court) -> None:
         forces = outer[["force_x", "force_y"]].to_numpy()
         factor = float(outer["load_factor"].iloc[0]) if len(outer) else 0.0
         loads = [(share * force, place) for share, some in ((factor, scaled), (1.0, held)) for force, place in some]
-        size = sum(np.hypot(*force) for force, _ in loads) + np.hypot(*forces.T).sum()
+        size = sum(np.hypot(*force) for force, _ in loads) + np.hypot(*forces.T).sum() + _within(run)
         if size == 0.0:
             continue
         left = sum((force for force, _ in loads), start=forces.sum(axis=0))
@@ -67,9 +67,18 @@ def _loads(run: WrittenRun, held: bool) -> list[tuple[np.ndarray, np.ndarray | N
     return found
 
 
+def _within(run: WrittenRun) -> float:
+    """N/m: what in-situ stress carries across the bodies, and balances in each."""
+    stresses = [(load["body"], load["stress"]) for load in run.case["loads"] if "stress" in load]
+    return sum(float(np.abs(stress).max() * np.sqrt(run.region(body).area)) for body, stress in stresses)
+
+
 def _edge(run: WrittenRun, on: dict[str, Any]) -> tuple[float, np.ndarray]:
-    """Length and middle of a whole side of a rectangle, or of a part of a disk's arc."""
+    """Length and middle of a whole side of a rectangle or a polygon, or of a part of a disk's arc."""
     shape = run.case["bodies"][on["body"]]["shape"]
+    if "polygon" in shape:
+        first, second = np.roll(shape["polygon"], -int(on["edge"]), axis=0)[:2]
+        return float(np.hypot(*(second - first))), 0.5 * (first + second)
     if "disk" in shape:
         radius, (start, end) = shape["disk"]["radius"], (on["from"], on["to"])
         length = 2.0 * radius * np.sin(np.deg2rad(0.5)) * (end - start)

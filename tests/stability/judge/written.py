@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
-import os
-import resource
-import subprocess
-import sys
-import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,13 +14,9 @@ import pandas as pd
 import shapely
 import yaml
 
+from crackgrow import cli
+
 TABLES = ("contact", "events", "paths", "reactions", "steps", "tips")
-
-TIME_LIMIT = -1
-"""Exit code of a run that was ended by its time limit."""
-
-WALL = 10.0
-"""Times the limit of CPU time that a run may take of the clock, where others share the machine."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -33,7 +25,6 @@ class WrittenRun:
 
     exit_code: int
     errors: str  # standard error
-    seconds: float  # of the clock
     case: dict[str, Any]  # case.yaml: SI, all defaults filled in; empty if there is none
     summary: dict[str, Any]
     tables: dict[str, pd.DataFrame]
@@ -50,11 +41,8 @@ class WrittenRun:
 
     def warnings(self, step: int) -> list[tuple[str, str]]:
         """What the run has said up to a step: sentences, each with the places it is of, empty for the whole scene."""
-        if "cautions" in self.summary:
-            told = self.summary["cautions"]
-            return [(record["words"], record["place"]) for record in told if record["steps"][0][0] <= step]
-        split = (text.split(": ", 1) for text in self.summary.get("warnings", []))
-        return [(text, text) for head, text in split if int(head.removeprefix("step ")) <= step]
+        told = self.summary["cautions"]
+        return [(record["words"], record["place"]) for record in told if record["steps"][0][0] <= step]
 
     def laws(self) -> dict[str, dict[str, float | str]]:
         """The laws of contact by the names that contact.csv has; cracks without contact are left out."""
@@ -96,27 +84,15 @@ def ring(shape: dict[str, Any]) -> shapely.Polygon:
     return shapely.Polygon(shape["polygon"])
 
 
-def run_case(file: Path, folder: Path, limit: float) -> WrittenRun:
-    """Run a case by the command line, for `limit` seconds of CPU at most, into a folder."""
-    words = [sys.executable, "-m", "crackgrow", "run", str(file), "--out", str(folder), "--quiet"]
-    threads = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    began = time.perf_counter()
-    try:
-        ended = subprocess.run(
-            words, capture_output=True, text=True, errors="replace", timeout=WALL * limit, check=False,
-            env={**os.environ, **threads}, preexec_fn=_limited(limit),
-        )  # fmt: skip
-        code, errors = ended.returncode if ended.returncode not in (-24, -9) else TIME_LIMIT, ended.stderr
-    except subprocess.TimeoutExpired as error:
-        code, errors = TIME_LIMIT, str(error.stderr or "")
-    return read_run(folder, code, errors, time.perf_counter() - began)
+def run_case(file: Path, folder: Path) -> WrittenRun:
+    """Run a case by the command line into a folder."""
+    errors = io.StringIO()
+    with contextlib.redirect_stderr(errors):
+        code = cli.main(["run", str(file), "--out", str(folder), "--quiet"])
+    return read_run(folder, code, errors.getvalue())
 
 
-def _limited(seconds: float) -> Callable[[], None]:
-    return lambda: resource.setrlimit(resource.RLIMIT_CPU, (int(seconds), int(seconds) + 2))
-
-
-def read_run(folder: Path, exit_code: int, errors: str = "", seconds: float = 0.0) -> WrittenRun:
+def read_run(folder: Path, exit_code: int, errors: str) -> WrittenRun:
     """What a run has left in its folder; of one that was refused nothing."""
     case, summary = folder / "case.yaml", folder / "summary.json"
     tables = {
@@ -127,7 +103,6 @@ def read_run(folder: Path, exit_code: int, errors: str = "", seconds: float = 0.
     return WrittenRun(
         exit_code,
         errors,
-        seconds,
         yaml.safe_load(case.read_text(encoding="utf-8")) if case.is_file() else {},
         json.loads(summary.read_text(encoding="utf-8")) if summary.is_file() else {},
         tables,
