@@ -54,7 +54,7 @@ PHYSICS = (
     "unit/accuracy/test_error_estimate.py", "unit/fracture/test_fracture_face_displacements.py::test_centre",
     "unit/fracture/test_fracture_singular_stress.py::test_the_estimate",
     "unit/plan/test_plan.py::test_every_case_can_be_drawn",
-    "unit/results/test_declarations.py::test_every_file_that_a_run_writes", "unit/results/test_lock.py",
+    "unit/results/test_folder.py::test_what_a_run", "unit/results/test_lock.py",
     "unit/results/test_on_map.py",
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
     "unit/results/test_style.py", "unit/run/",
