@@ -57,7 +57,7 @@ PHYSICS = (
     "unit/results/test_folder.py::test_what_a_run", "unit/results/test_lock.py",
     "unit/results/test_on_map.py",
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
-    "unit/results/test_style.py", "unit/run/",
+    "unit/results/test_figures.py::test_a_run_and", "unit/results/test_figures.py::test_pictures_take", "unit/run/",
     "unit/solid/test_solid_stiffness.py::test_more_than_64",
     "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade_runs.py",
     "unit/study/test_sweep_runs.py",
