@@ -59,11 +59,11 @@ PHYSICS = (
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
     "unit/results/test_figures.py::test_a_run_and", "unit/results/test_figures.py::test_pictures_take", "unit/run/",
     "unit/solid/test_solid_stiffness.py::test_more_than_64",
-    "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade_runs.py",
-    "unit/study/test_sweep_runs.py",
+    "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade.py::test_a_setting",
+    "unit/study/test_sweep_runs.py", "unit/study/test_trade.py::test_an_edge", "unit/study/test_trade.py::test_wings",
     "unit/contact/test_uniqueness.py::test_a_second_solution", "unit/contact/test_uniqueness.py::test_below_the_limit",
     "unit/test_api.py::test_events_of_a_run", "unit/test_blas.py::test_a_case_is_solved",
-    "unit/test_cli_new_and_schema.py::test_every_template",
+    "unit/test_cli_words.py::test_every_template",
 )  # fmt: skip
 """How the names of tests begin that solve scenes, or go through all cases, for long: they are marked `physics`, and not
 part of `make test`."""

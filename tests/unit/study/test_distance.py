@@ -7,6 +7,7 @@ import pytest
 import shapely
 from numpy.typing import NDArray
 
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.study.distance import RESOLUTION, between, extent, farthest, frechet, nearest, overhang
 
 Floats = NDArray[np.float64]
@@ -37,25 +38,25 @@ def random_lines(seed: int) -> tuple[Floats, Floats]:
     return a, np.cumsum(rng.normal(size=(rng.integers(2, 10), 2)), axis=0)
 
 
-def test_farthest_of_parallel_lines() -> None:
-    found = farthest(line((0, 0), (4, 0)), line((0, 3), (1, 3), (4, 3)))
-    assert found.distance == 3.0
-    assert found.near_s == found.s
+POSTS = line((0, 0), (0, -5), (6, -5), (6, 0))
+SHORT, LONG = line((0, 0), (1, 0)), line((0, 0), (5, 0))
+POINT, ABOVE = line((0, 0)), line((0, 1), (0, 4))
 
 
-def test_farthest_point_within_a_segment() -> None:
-    """Between two posts the top of the beam's middle is farthest: on the bisector, at no vertex of either."""
-    posts = line((0, 0), (0, -5), (6, -5), (6, 0))
-    found = farthest(line((0, 4), (6, 4)), posts)
-    assert found.distance == pytest.approx(5.0, abs=6 * RESOLUTION)
-    assert found.s == pytest.approx(3.0, abs=1e-5)
-
-
-def test_farthest_is_one_sided() -> None:
-    short, long = line((0, 0), (1, 0)), line((0, 0), (5, 0))
-    assert farthest(short, long).distance == 0.0
-    found = farthest(long, short)
-    assert (found.distance, found.s, found.near_s) == (4.0, 5.0, 1.0)
+@pytest.mark.parametrize(("a", "b", "distance", "s"), [
+    (line((0, 0), (4, 0)), line((0, 3), (1, 3), (4, 3)), 3.0, None),
+    (line((0, 4), (6, 4)), POSTS, 5.0, 3.0),  # between two posts, at no vertex of either: on the bisector
+    (SHORT, LONG, 0.0, None),  # one-sided
+    (LONG, SHORT, 4.0, 5.0),
+    (POINT, ABOVE, 1.0, 0.0),
+    (ABOVE, POINT, 4.0, 3.0),
+])  # fmt: skip
+def test_the_farthest_point_of_one_line_from_another(a: Floats, b: Floats, distance: float, s: float | None) -> None:
+    found = farthest(a, b)
+    assert found.distance == pytest.approx(distance, abs=6 * RESOLUTION)
+    assert s is None or found.s == pytest.approx(s, abs=1e-5)
+    (again,), (near_s,) = nearest(np.column_stack([np.interp(found.s, arc_lengths(a), x) for x in a.T]), b)
+    assert (again, near_s) == (found.distance, found.near_s)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e5])
@@ -74,11 +75,7 @@ def test_frechet_sees_the_order() -> None:
     assert max(farthest(there, back).distance, farthest(back, there).distance) == 0.0
     assert frechet(there, back) == pytest.approx(2.0, abs=10 * RESOLUTION)
     assert frechet(there, there[::-1]) == pytest.approx(10.0)
-
-
-def test_a_point_and_a_line() -> None:
-    point, other = line((0, 0)), line((0, 1), (0, 4))
-    assert (farthest(point, other).distance, farthest(other, point).distance, frechet(point, other)) == (1, 4, 4)
+    assert frechet(POINT, ABOVE) == 4.0
 
 
 @pytest.mark.parametrize("seed", range(30))

@@ -127,26 +127,22 @@ def test_exit_code_tells_whether_any_run_is_done(
     assert cli.main(["sweep", str(written(tmp_path, "[0]")), "--out", str(tmp_path)]) == code
 
 
-@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"])
-def test_a_scheduler_s_address_without_a_port_is_refused_at_once(scheduler: str, tmp_path: Path, capsys) -> None:
-    out = tmp_path / "out"
-    assert cli.main(["sweep", str(written(tmp_path)), "--scheduler", scheduler, "--out", str(out)]) == 2
-    assert f"--scheduler: '{scheduler}' is no address of a scheduler; wanted: such as tcp://" in capsys.readouterr().err
+NO_ADDRESS = "--scheduler: '{}' is no address of a scheduler; wanted: such as tcp://"
+
+
+@pytest.mark.parametrize(("option", "values", "told"), [
+    ("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"], NO_ADDRESS),
+    ("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"], "--memory: '{}' is "),
+    ("timeout", ["0", "-5", "nan", "inf"], "--timeout: "),
+])  # fmt: skip
+def test_options_that_no_machine_can_meet_are_refused_at_once(
+    option: str, values: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = written(tmp_path), tmp_path / "out"
+    for value in values:
+        assert cli.main(["sweep", str(path), f"--{option}={value}", "--out", str(out)]) == 2
+        assert told.format(value) in capsys.readouterr().err
     assert not out.exists()
-
-
-@pytest.mark.parametrize("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"])
-def test_a_memory_that_no_machine_has_is_refused(memory: str, tmp_path: Path, capsys) -> None:
-    out = tmp_path / "out"
-    assert cli.main(["sweep", str(written(tmp_path)), f"--memory={memory}", "--out", str(out)]) == 2
-    assert f"--memory: '{memory}' is " in capsys.readouterr().err
-    assert not out.exists()
-
-
-@pytest.mark.parametrize("timeout", ["0", "-5", "nan", "inf"])
-def test_a_time_that_no_run_can_take_is_refused(timeout: str, tmp_path: Path, capsys) -> None:
-    assert cli.main(["sweep", str(written(tmp_path)), f"--timeout={timeout}", "--out", str(tmp_path / "out")]) == 2
-    assert "--timeout: " in capsys.readouterr().err
 
 
 def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
@@ -162,13 +158,6 @@ def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
     assert with_flaw.startswith(f"{without}; the most critical is at ")
     assert rows[0].run.folder.name == "cracks=none"
     assert (tmp_path / "out" / "sweep.png").is_file()
-
-
-def test_workers_are_not_asked_for_beside_a_scheduler(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        cli.main(["sweep", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"])
-    assert stopped.value.code == 2
-    assert "--scheduler: not allowed with argument --workers" in capsys.readouterr().err
 
 
 def test_memory_that_the_system_does_not_bound_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -54,19 +53,6 @@ def test_what_fails_a_run_is_told_in_its_own_words(tmp_path: Path) -> None:
         command(tmp_path, "cracks.flaw.contact.friction=-1"), None, None
     )
     assert run_process(command(tmp_path), None, 0.01) == "not done after 0.01 s"
-
-
-def test_a_run_that_is_killed_is_told(tmp_path: Path) -> None:
-    killer = threading.Thread(target=lambda: os.kill(process_of(tmp_path), signal.SIGKILL))
-    killer.start()
-    assert run_process(command(tmp_path, *LONG), None, None).startswith("killed by SIGKILL, for want of memory perhaps")
-    killer.join()
-
-
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems bound no memory")
-def test_memory_is_bounded(tmp_path: Path) -> None:
-    """The program itself says that it has less than it needs to load."""
-    assert "KiB of data are allowed" in run_process(command(tmp_path), 200_000_000, None)
 
 
 def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
