@@ -1,8 +1,7 @@
-"""The drawing of a scene: arrows that push or pull, supports outside of the rock, words that leave room, steps."""
+"""The drawing of a scene: arrows that push or pull, supports outside of the rock, numbers in units that suit them."""
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
@@ -14,9 +13,9 @@ from matplotlib.text import Annotation
 from crackgrow.case import Case
 from crackgrow.plan.sizes import squares_of
 from crackgrow.results import signs
-from crackgrow.results.drawing import draw_scene, part_labels, step_colour
+from crackgrow.results.drawing import draw_scene
 from crackgrow.results.places import size_of
-from crackgrow.results.report.page import describe_actions, tag
+from crackgrow.results.report.page import describe_actions
 from crackgrow.results.units import LENGTHS, STRESSES, factor_text, rounded, shown, unit_of
 from tests.scenes import shipped_case
 
@@ -117,33 +116,10 @@ def test_the_picture_shows_cracks_and_what_acts_and_nothing_else(
     assert least <= (tmp_path / "scene.svg").read_text(encoding="utf-8").count(mark) <= most
 
 
-def test_words_of_small_things_lie_beside_each_other_and_beside_what_is_left_free() -> None:
-    axes = Figure(dpi=100).add_subplot()
-    sheet = signs.Sheet(axes, shipped_case("compression30"), 1.0)
-    for words in ("roof: 4 m", "side: 5 m", "bonded", "start"):
-        sheet.label(np.array([0.5, 0.5]), words)
-    free = np.array([[0.5, 0.5], [0.55, 0.5]])
-    part_labels(sheet, free)
-    boxes = [words.get_window_extent() for words in axes.texts]
-    assert all(box.count_overlaps(boxes) == 1 for box in boxes)  # with itself
-    assert not any(box.contains(*place) for box in boxes for place in axes.transData.transform(free))
-
-
 def test_actions_are_told_in_words() -> None:
     told = dict(describe_actions(shipped_case("compression30")))
     assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
     assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 1e+08], held: false"
-
-
-def test_every_step_has_a_colour_of_its_own() -> None:
-    assert len({step_colour(step, 60) for step in range(1, 61)}) == 60
-    assert re.fullmatch("#[0-9a-f]{6}", step_colour(1, 1))
-
-
-def test_markup_is_escaped_once() -> None:
-    inner = tag("b", '<&">')
-    assert inner == "<b>&lt;&amp;&#34;&gt;</b>"
-    assert tag("p", inner, title="a'b", data_x=None) == f'<p title="a&#39;b">{inner}</p>'
 
 
 def test_numbers_are_shown_in_the_unit_that_suits_them() -> None:

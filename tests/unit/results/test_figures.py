@@ -289,6 +289,8 @@ def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monk
     (tmp_path / "matplotlibrc").write_text("lines.linewidth: thick\nno such key: 1\n")
     monkeypatch.setitem(ENVIRONMENT, "MPLBACKEND", "of_another_program")
     monkeypatch.setitem(ENVIRONMENT, "MATPLOTLIBRC", str(tmp_path / "matplotlibrc"))
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):  # pictures need none
+        monkeypatch.delitem(ENVIRONMENT, name, raising=False)
     run = command("compression30", ("numerics.spacing=3", "growth.steps=1", f"title='{NO_FORMULA}'"), tmp_path / "out")
     render = [*run[:3], "render", str(tmp_path / "out")]
     check = [*run[:3], "check", str(tmp_path / "out" / "case.yaml"), "--picture", str(tmp_path / "scene.svg")]

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -202,18 +200,6 @@ def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: P
     assert height() == pytest.approx(drawn(1))
     assert drawn(1) != pytest.approx(drawn(3))
     plotter.close()
-
-
-def test_render_needs_no_display(folder: Path, tmp_path: Path) -> None:
-    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    root = Path(__file__).resolve().parents[3]
-    command = [sys.executable, "-m", "crackgrow", "render", str(folder), "--steps", "1-2", "--size", "200x280"]
-    done = subprocess.run(
-        [*command, "--out", str(tmp_path)], capture_output=True, text=True, check=False, cwd=root,
-        env=environment | {"PYTHONPATH": str(root)},
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
-    assert [Path(line).name for line in done.stdout.splitlines()] == ["step_0001.png", "step_0002.png", "animation.gif"]
 
 
 @pytest.mark.parametrize(("limits", "wanted"), [(("-20", "5"), (-20.0, 5.0)), (("-20 MPa", "5000 kPa"), (-20.0, 5.0))])

@@ -260,29 +260,16 @@ def test_rows_of_a_step_that_a_kill_left_half_written_are_left_out(folder: Path,
     ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1\n", "row 1 has 3 values, the header has 5"),
     ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1e,0.1,0\n", "x: could not convert"),
     ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1,0.1,\n", "step: invalid literal"),
+    ("figures/sigma_1_last.png", "half a picture", "cannot identify image file"),
 ])  # fmt: skip
 def test_damaged_files_are_named(folder: Path, tmp_path: Path, name: str, text: str, message: str) -> None:
     copy = copied(folder, tmp_path)
+    (copy / name).parent.mkdir(exist_ok=True)
     (copy / name).write_text(text, encoding="utf-8", errors="surrogateescape")
-    damaged = f"{re.escape(str(copy / name))} is damaged, or of another version: .*"
+    damaged = f"{re.escape(str(copy / name))} is damaged(, or of another version)?: "
     with pytest.raises(FolderError, match=damaged) as got:
         write_report(copy)
     assert message in str(got.value)
-
-
-def test_figures_are_shown_however_large_they_are_and_damaged_ones_named(folder: Path, tmp_path: Path) -> None:
-    copy = copied(folder, tmp_path)
-    shutil.rmtree(copy / "render", ignore_errors=True)
-    (copy / "figures").mkdir(exist_ok=True)
-    noise = np.random.default_rng(0).integers(0, 256, (900, 900, 3), dtype=np.uint8)
-    path = copy / "figures" / "sigma_1_last.png"
-    Image.fromarray(noise).save(path)
-    write_report(copy)
-    (shown,) = read(copy).data["pictures"]
-    assert shown["uri"].startswith("data:image/jpeg;base64,")
-    path.write_bytes(path.read_bytes()[:1000])
-    with pytest.raises(FolderError, match=f"{re.escape(str(path))} is damaged"):
-        write_report(copy)
 
 
 def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

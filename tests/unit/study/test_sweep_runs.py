@@ -9,10 +9,8 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import dask
 import pytest
@@ -27,9 +25,8 @@ from crackgrow.study.plan import Study
 from crackgrow.study.sweep import plan_sweep, sweep
 from crackgrow.study.table import Row, Values
 from crackgrow.study.workers import ClusterError
-from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, ROOT, process_of
+from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, process_of
 
-SHIPPED = "cases/sweeps/angle_friction.yaml"
 SHORT = "growth.steps: 1"
 
 
@@ -208,44 +205,6 @@ def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path
         killer.join()
     assert [row.values["status"] for row in rows] == ["completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
-
-
-def test_sweep_that_is_left_ends_its_runs_at_once(tmp_path: Path) -> None:
-    rows = sweep(plan_sweep(written(tmp_path, "[-1, 0, 0.1]", LASTING), tmp_path), workers=2)
-    next(rows)
-    began = time.monotonic()
-    rows.close()  # type: ignore[attr-defined]
-    assert time.monotonic() - began < PATIENCE / 2
-
-
-def test_recipe_for_slurm_needs_no_more_of_its_cluster_than_an_address(
-    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The script of the README, with the workers of this machine in place of SLURM's."""
-
-    class Cluster:
-        scheduler_address = address
-
-        def __init__(self, **settings: object) -> None:
-            assert settings["cores"] == settings["processes"] == 1
-
-        def __enter__(self) -> Cluster:
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            pass
-
-        def scale(self, jobs: int) -> None:
-            assert jobs > 0
-
-    scripts = (ROOT / "cases/sweeps/README.md").read_text(encoding="utf-8").split("```text\n")[1:]
-    script = next(text for text in scripts if "SLURMCluster" in text).split("```")[0]
-    monkeypatch.setitem(sys.modules, "dask_jobqueue", SimpleNamespace(SLURMCluster=Cluster))
-    monkeypatch.chdir(tmp_path)
-    assert script.count(SHIPPED) == 1
-    exec(script.replace(SHIPPED, str(written(tmp_path, "[0.3]"))), {"__name__": "__main__"})
-    assert capsys.readouterr().out == "friction=0.3 completed\n"
-    assert (tmp_path / "outputs" / "study" / "sweep.csv").exists()
 
 
 def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
