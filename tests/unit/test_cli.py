@@ -194,35 +194,23 @@ def test_a_run_that_breaks_off_keeps_its_results_and_says_why(
     assert n_rows(scene / "my results" / "steps.csv") == 2
 
 
-def test_interrupt_while_a_step_is_written_waits_for_all_of_it(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    add = writer.RunWriter.add
+@pytest.mark.parametrize(("method", "code", "status"), [("add", 130, "interrupted"), ("finish", 0, "completed")])
+def test_an_interrupt_waits_for_what_is_being_written(
+    method: str, code: int, status: str,
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Of a step all of it is there, and a run whose end is written is complete."""
+    write = getattr(writer.RunWriter, method)
 
-    def pressed(self: writer.RunWriter, result: StepResult) -> None:
+    def pressed(self: writer.RunWriter, what: object) -> None:
         signal.raise_signal(signal.SIGINT)
-        add(self, result)
+        write(self, what)
 
-    monkeypatch.setattr(writer.RunWriter, "add", pressed)
-    assert cli.main(["run", "block.yaml"]) == 130
-    assert "go on with" in capsys.readouterr().err
-    assert n_rows(scene / "outputs" / "block" / "steps.csv") == 1
-    assert summary(scene / "outputs" / "block")["n_solves"] == 1
-
-
-def test_interrupt_while_the_end_is_written_leaves_a_complete_run(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    finish = writer.RunWriter.finish
-
-    def pressed(self: writer.RunWriter, end: RunEnd) -> None:
-        finish(self, end)
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(writer.RunWriter, "finish", pressed)
-    assert cli.main(["run", "block.yaml"]) == 0
-    assert summary(scene / "outputs" / "block")["status"] == "completed"
-    assert "go on with" not in capsys.readouterr().err
+    monkeypatch.setattr(writer.RunWriter, method, pressed)
+    assert cli.main(["run", "block.yaml"]) == code
+    assert ("go on with" in capsys.readouterr().err) == (code == 130)
+    written, n = summary(scene / "outputs" / "block"), 1 if code else 3
+    assert (written["status"], written["n_solves"], n_rows(scene / "outputs" / "block" / "steps.csv")) == (status, n, n)
 
 
 STUCK = """
@@ -269,14 +257,6 @@ def test_report_that_fails_does_not_hide_why_a_run_broke_off(
         assert told.startswith(f"crackgrow: {first or 'interrupted'}")
 
 
-def test_folder_that_cannot_be_written_exits_3(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (scene / "file").write_text("")
-    assert cli.main(["run", "block.yaml", "--out", "file/inner"]) == 3
-    assert cli.main(["run", "block.yaml", "--out", "file"]) == 3
-    for err, folder in zip(capsys.readouterr().err.splitlines(), ("file/inner", "file"), strict=True):
-        assert err == f"crackgrow: cannot write results into {folder}: file is a file; choose another folder"
-
-
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -288,16 +268,38 @@ def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     assert cli.main(["run", "slope/case.yaml", "--out", "other"]) == 0
 
 
-def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+LONG = "n" * 300
+
+
+@pytest.mark.parametrize(("words", "codes", "told"), [
+    ("run block.yaml --out file", [3], "cannot write results into file: file is a file; choose another folder\n"),
+    ("run block.yaml --out file/a", [3], "cannot write results into file/a: file is a file; choose another folder\n"),
+    ("run blok.yaml", [2], "blok.yaml: no such case file; did you mean block.yaml?"),
+    ("run my_rock", [2], "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"),
+    ("check .", [2], "is a folder"),
+    (f"run {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
+    (f"check {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
+    (f"trade {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
+    (f"run block.yaml --out {LONG}", [3], "the name is too long; choose another folder\n"),
+    (f"report {LONG}", [3], ""),
+    (f"render {LONG}", [3], ""),
+    (f"view {LONG}", [3], ""),
+    (f"compare {LONG} {LONG}", [2, 3], ""),
+    (f"sweep {LONG}.yaml", [2, 3], ""),
+    (f"new {LONG}", [2, 3], ""),
+    (f"check block.yaml --picture {LONG}.png", [2, 3], ""),
+])  # fmt: skip
+def test_files_that_are_not_there_or_cannot_be_are_told_and_nothing_is_made(
+    words: str, codes: list[int], told: str, scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (scene / "file").write_text("")
     (scene / "cases").mkdir()
     (scene / "cases" / "my_rock.yaml").write_text("title: A rock\n")
-    for words, told in (
-        (["run", "blok.yaml"], "blok.yaml: no such case file; did you mean block.yaml?"),
-        (["run", "my_rock"], "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"),
-        (["check", "."], "is a folder"),
-    ):
-        assert cli.main(words) == 2
-        assert told in capsys.readouterr().err
+    assert cli.main(words.split()) in codes
+    err = capsys.readouterr().err
+    assert told in err
+    assert "Traceback" not in err
+    assert {path.name for path in scene.rglob("*")} == {"block.yaml", "file", "cases", "my_rock.yaml"}
 
 
 @pytest.mark.parametrize("name", ["..yaml", "...yaml"])
@@ -309,23 +311,6 @@ def test_a_case_without_a_name_of_its_own_is_refused(
     assert cli.main(["run", name]) == 2
     assert "the file has no name of its own" in capsys.readouterr().err
     assert [path.name for path in tmp_path.iterdir()] == [name]
-
-
-def test_names_longer_than_the_file_system_allows_are_told(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    long = "n" * 300
-    for command in ("run", "check", "trade"):
-        assert cli.main([command, f"{long}.yaml"]) == 2
-        assert capsys.readouterr().err.startswith(f"{long}.yaml: no such case file")
-    assert cli.main(["run", "block.yaml", "--out", long]) == 3
-    assert capsys.readouterr().err.endswith("the name is too long; choose another folder\n")
-    for command in ("report", "render", "view"):
-        assert cli.main([command, long]) == 3
-        assert "Traceback" not in capsys.readouterr().err
-    picture = ["check", "block.yaml", "--picture", f"{long}.png"]
-    for words in (["compare", long, long], ["sweep", f"{long}.yaml"], ["new", long], picture):
-        assert cli.main(words) in (2, 3)
-        assert "Traceback" not in capsys.readouterr().err
-    assert sorted(path.name for path in scene.iterdir()) == ["block.yaml"]
 
 
 def test_check_tells_of_other_solutions_where_it_is_asked(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
