@@ -211,13 +211,15 @@ def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
 
 
 @pytest.mark.parametrize(("lengths", "slip", "panels"), [
-    ([0.02, 0.02, 0.02], 0.0, 1), ([0.02, 0.02, 0.02], 1e-6, 2), ([0.02, 0.022, 0.024], 0.0, 2)
+    ([0.02, 0.02, 0.02], 0.0, 1), ([0.02, 0.02, 0.02], 1e-6, 2), (np.linspace(0.02, 0.2, 200), 0.0, 2)
 ])  # fmt: skip
 def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(
     lengths: list[float], slip: float, panels: int, tmp_path: Path, drawn: list[Figure]
 ) -> None:
-    way = zip((1.0, 0.8, 0.7), (1e-5, 1.5e-5, float("nan")), lengths, strict=True)
-    curve = [LoadPoint(*place, {"flaw": slip * place[0], "other": 0.0}) for place in way]
+    factors = np.linspace(1.0, 0.7, len(lengths)).tolist()
+    ways = [*np.linspace(1e-5, 2e-5, len(lengths) - 1).tolist(), float("nan")]
+    places = zip(factors, ways, lengths, strict=True)
+    curve = [LoadPoint(*place, {"flaw": slip * place[0], "other": 0.0}) for place in places]
     figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
     (figure,) = drawn
     assert len(figure.axes) == panels

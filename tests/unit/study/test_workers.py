@@ -49,10 +49,15 @@ def is_there(process: int) -> bool:
 
 def test_what_fails_a_run_is_told_in_its_own_words(tmp_path: Path) -> None:
     assert run_process(("--version",), None, None) == ""
-    assert "friction: '-1' is out of range" in run_process(
-        command(tmp_path, "cracks.flaw.contact.friction=-1"), None, None
-    )
+    refused = run_process(command(tmp_path, "cracks.flaw.contact.friction=-1"), None, None)
+    assert "friction: '-1' is out of range" in refused
     assert run_process(command(tmp_path), None, 0.01) == "not done after 0.01 s"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems bound no memory")
+def test_memory_is_bounded(tmp_path: Path) -> None:
+    """The program itself says that it has less than it needs to load."""
+    assert "KiB of data are allowed" in run_process(command(tmp_path), 200_000_000, None)
 
 
 def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
