@@ -195,6 +195,13 @@ def test_reference_of_one_of_two_wings_side_by_side(tmp_path: Path) -> None:
         assert pair.deviation.largest == pytest.approx(0.1e-3)
 
 
+def test_places_beside_a_reference_that_is_drawn_backwards(tmp_path: Path) -> None:
+    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n8,0.1\n6,0.3\n")
+    (pair,) = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference).pairs
+    assert pair.deviation.in_a.point == pytest.approx([6e-3, 0.0], abs=1e-8)
+    assert pair.deviation.in_b.point == pytest.approx([6e-3, 0.3e-3], abs=1e-8)
+
+
 def test_two_files_without_steps(tmp_path: Path) -> None:
     a = table(tmp_path / "a.csv", "x,y\n0,0\n10,0\n")
     b = table(tmp_path / "b.csv", "x,y\n4,1\n2,1\n")
