@@ -54,16 +54,16 @@ PHYSICS = (
     "unit/accuracy/test_error_estimate.py", "unit/fracture/test_fracture_stress_intensity.py::test_solved",
     "unit/fracture/test_fracture_singular_stress.py::test_the_estimate",
     "unit/plan/test_plan.py::test_every_case_can_be_drawn",
-    "unit/results/test_declarations.py::test_every_file_that_a_run_writes", "unit/results/test_lock.py",
-    "unit/results/test_on_map.py",
+    "unit/results/test_drawing.py::test_every_case", "unit/results/test_folder.py::test_what_a_run",
+    "unit/results/test_lock.py", "unit/results/test_on_map.py",
     "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
-    "unit/results/test_style.py", "unit/run/",
+    "unit/results/test_figures.py::test_a_run_and", "unit/results/test_figures.py::test_pictures_take", "unit/run/",
     "unit/solid/test_solid_stiffness.py::test_more_than_64",
-    "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade_runs.py",
-    "unit/study/test_sweep_runs.py",
+    "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade.py::test_a_setting",
+    "unit/study/test_sweep_runs.py", "unit/study/test_trade.py::test_an_edge", "unit/study/test_trade.py::test_wings",
     "unit/contact/test_uniqueness.py::test_a_second_solution", "unit/contact/test_uniqueness.py::test_below_the_limit",
     "unit/test_api.py::test_events_of_a_run", "unit/test_blas.py::test_a_case_is_solved",
-    "unit/test_cli_new_and_schema.py::test_every_template",
+    "unit/test_cli_words.py::test_every_template",
 )  # fmt: skip
 """How the names of tests begin that solve scenes, or go through all cases, for long: they are marked `physics`, and not
 part of `make test`."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import base64
 import json
 import re
 import shutil
@@ -61,13 +60,6 @@ class Chromium:
     def messages(self) -> list[str]:
         """What the console has said since it was asked last."""
         return [entry["message"] for entry in self._post("/se/log", {"type": "browser"})]
-
-    def screenshot(self, path: Path) -> None:
-        """Write a picture of the whole page."""
-        size = {"x": 0, "y": 0, "scale": 1, "width": self.run("return innerWidth")}
-        size["height"] = self.run("return document.documentElement.scrollHeight")
-        shot = self._devtools("Page.captureScreenshot", {"captureBeyondViewport": True, "clip": size})
-        path.write_bytes(base64.b64decode(shot["data"]))
 
     def close(self) -> None:
         """End the browser."""

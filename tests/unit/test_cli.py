@@ -20,6 +20,7 @@ import pytest
 import crackgrow
 from crackgrow import cli
 from crackgrow.case.model import Case
+from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.results.atomic import OutputError
@@ -103,27 +104,21 @@ def test_quiet_prints_nothing(scene: Path, capsys: pytest.CaptureFixture[str]) -
     assert n_rows(scene / "here" / "steps.csv") == 3
 
 
-def test_terminal_has_one_live_line(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize("columns", [80, 30])
+def test_terminal_has_one_live_line_with_a_bar_where_there_is_room(
+    columns: int, scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    assert cli.main(["run", "block.yaml"]) == 0
-    live = capsys.readouterr().out.splitlines()[1:7]
-    told = r"step 2/2, load factor [\d.]+, criticality [\d.]+, cracks [\d.]+ m"
-    assert [text for text in live if re.search(told, text)]
-    assert "[##########..........] step 1/2" in "".join(live)
-    assert re.search(r"step 1/2, \d+ s left, load factor [\d.]+, criticality [\d.]+, crac", "".join(live))
-
-
-def test_a_narrow_terminal_has_the_words_and_no_bar(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    monkeypatch.setenv("COLUMNS", "30")
+    monkeypatch.setenv("COLUMNS", str(columns))
     assert cli.main(["run", "block.yaml"]) == 0
     live = [line for line in re.split("[\r\n]", capsys.readouterr().out) if line.endswith("\x1b[K")]
-    assert live[-1].startswith("step 2/2, load factor")
-    assert all(len(line.removesuffix("\x1b[K")) < 30 for line in live)
+    assert all(len(line.removesuffix("\x1b[K")) <= columns for line in live)
+    if columns == 30:
+        assert live[-1].startswith("step 2/2, load factor")
+    else:
+        told = r"\[#{10}\.{10}\] step 1/2, \d+ s left, load factor [\d.]+, criticality [\d.]+, crac"
+        assert re.match(told, live[-2])
+        assert re.search(r"step 2/2, load factor [\d.]+, criticality [\d.]+, cracks [\d.]+ m", live[-1])
 
 
 def test_letters_that_the_terminal_lacks_are_escaped_and_nothing_is_lost(
@@ -175,66 +170,47 @@ def test_wrong_case_lists_its_faults_and_touches_nothing(
     assert cli.main(["check", "block.yaml"]) == 2
 
 
-@pytest.mark.parametrize("error", [SolveError("contact did not converge"), GeometryError("contact did not converge")])
-def test_unsolvable_keeps_the_results_so_far(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, error: Exception
-) -> None:
+@pytest.mark.parametrize(("error", "code", "status", "reason", "told"), [
+    (SolveError("no convergence"), 3, "failed", "no convergence", "crackgrow: no convergence\n"),
+    (GeometryError("no convergence"), 3, "failed", "no convergence", "crackgrow: no convergence\n"),
+    (OSError(errno.EMFILE, "Too many open files", "/dev/null"), 3, "failed",
+     "the system refuses: Too many open files: /dev/null",
+     "crackgrow: the system refuses: Too many open files: /dev/null\n"),
+    (ZeroDivisionError("oops"), 1, "failed", "internal error: ZeroDivisionError: oops", "Traceback"),
+    (KeyboardInterrupt(), 130, "interrupted", "by Ctrl-C, after step 1",
+     "crackgrow run block.yaml --out 'my results' --set plane=strain --resume\n"),
+])  # fmt: skip
+def test_a_run_that_breaks_off_keeps_its_results_and_says_why(
+    error: BaseException, code: int, status: str, reason: str, told: str,
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
     monkeypatch.setattr(crackgrow, "grow", breaking(error))
-    assert cli.main(["run", "block.yaml"]) == 3
-    assert capsys.readouterr().err == "crackgrow: contact did not converge\n"
-    written = summary(scene / "outputs" / "block")
-    assert (written["status"], written["stop_reason"], written["n_solves"]) == (
-        "failed",
-        "contact did not converge",
-        2,
-    )
-    assert n_rows(scene / "outputs" / "block" / "steps.csv") == 2
-
-
-def test_interrupted_run_keeps_the_results_so_far_and_says_how_to_go_on(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(crackgrow, "grow", breaking(KeyboardInterrupt()))
-    assert cli.main(["run", "block.yaml", "--set", "plane=strain", "--out", "my results"]) == 130
+    assert cli.main(["run", "block.yaml", "--set", "plane=strain", "--out", "my results"]) == code
+    err = capsys.readouterr().err
+    assert told in err
+    assert ("Traceback" in err) == ("internal error" in err) == (code == 1)
     written = summary(scene / "my results")
-    assert (written["status"], written["stop_reason"], written["n_solves"]) == (
-        "interrupted",
-        "by Ctrl-C, after step 1",
-        2,
-    )
-    command = "run block.yaml --out 'my results' --set plane=strain --resume"
-    assert capsys.readouterr().err.endswith(f"crackgrow {command}\n")
+    assert (written["status"], written["stop_reason"], written["n_solves"]) == (status, reason, 2)
+    assert n_rows(scene / "my results" / "steps.csv") == 2
 
 
-def test_interrupt_while_a_step_is_written_waits_for_all_of_it(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    add = writer.RunWriter.add
+@pytest.mark.parametrize(("method", "code", "status"), [("add", 130, "interrupted"), ("finish", 0, "completed")])
+def test_an_interrupt_waits_for_what_is_being_written(
+    method: str, code: int, status: str,
+    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    """Of a step all of it is there, and a run whose end is written is complete."""
+    write = getattr(writer.RunWriter, method)
 
-    def pressed(self: writer.RunWriter, result: StepResult) -> None:
+    def pressed(self: writer.RunWriter, what: object) -> None:
         signal.raise_signal(signal.SIGINT)
-        add(self, result)
+        write(self, what)
 
-    monkeypatch.setattr(writer.RunWriter, "add", pressed)
-    assert cli.main(["run", "block.yaml"]) == 130
-    assert "go on with" in capsys.readouterr().err
-    assert n_rows(scene / "outputs" / "block" / "steps.csv") == 1
-    assert summary(scene / "outputs" / "block")["n_solves"] == 1
-
-
-def test_interrupt_while_the_end_is_written_leaves_a_complete_run(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    finish = writer.RunWriter.finish
-
-    def pressed(self: writer.RunWriter, end: RunEnd) -> None:
-        finish(self, end)
-        signal.raise_signal(signal.SIGINT)
-
-    monkeypatch.setattr(writer.RunWriter, "finish", pressed)
-    assert cli.main(["run", "block.yaml"]) == 0
-    assert summary(scene / "outputs" / "block")["status"] == "completed"
-    assert "go on with" not in capsys.readouterr().err
+    monkeypatch.setattr(writer.RunWriter, method, pressed)
+    assert cli.main(["run", "block.yaml"]) == code
+    assert ("go on with" in capsys.readouterr().err) == (code == 130)
+    written, n = summary(scene / "outputs" / "block"), 1 if code else 3
+    assert (written["status"], written["n_solves"], n_rows(scene / "outputs" / "block" / "steps.csv")) == (status, n, n)
 
 
 STUCK = """
@@ -281,25 +257,6 @@ def test_report_that_fails_does_not_hide_why_a_run_broke_off(
         assert told.startswith(f"crackgrow: {first or 'interrupted'}")
 
 
-def test_bug_shows_its_traceback_and_keeps_the_results(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(crackgrow, "grow", breaking(ZeroDivisionError("oops")))
-    assert cli.main(["run", "block.yaml"]) == 1
-    err = capsys.readouterr().err
-    assert "internal error" in err
-    assert "Traceback" in err
-    assert summary(scene / "outputs" / "block")["stop_reason"] == "internal error: ZeroDivisionError: oops"
-
-
-def test_folder_that_cannot_be_written_exits_3(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    (scene / "file").write_text("")
-    assert cli.main(["run", "block.yaml", "--out", "file/inner"]) == 3
-    assert cli.main(["run", "block.yaml", "--out", "file"]) == 3
-    for err, folder in zip(capsys.readouterr().err.splitlines(), ("file/inner", "file"), strict=True):
-        assert err == f"crackgrow: cannot write results into {folder}: file is a file; choose another folder"
-
-
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     scene: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -311,46 +268,72 @@ def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     assert cli.main(["run", "slope/case.yaml", "--out", "other"]) == 0
 
 
-def test_missing_case_file_suggests_a_near_name(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["run", "blok.yaml"]) == 2
-    assert "blok.yaml: no such case file; did you mean block.yaml?" in capsys.readouterr().err
+LONG = "n" * 300
+
+
+@pytest.mark.parametrize(("words", "codes", "told"), [
+    ("run block.yaml --out file", [3], "cannot write results into file: file is a file; choose another folder\n"),
+    ("run block.yaml --out file/a", [3], "cannot write results into file/a: file is a file; choose another folder\n"),
+    ("run blok.yaml", [2], "blok.yaml: no such case file; did you mean block.yaml?"),
+    ("run my_rock", [2], "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"),
+    ("check .", [2], "is a folder"),
+    (f"run {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
+    (f"check {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
+    (f"trade {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
+    (f"run block.yaml --out {LONG}", [3], "the name is too long; choose another folder\n"),
+    (f"report {LONG}", [3], ""),
+    (f"render {LONG}", [3], ""),
+    (f"view {LONG}", [3], ""),
+    (f"compare {LONG} {LONG}", [2, 3], ""),
+    (f"sweep {LONG}.yaml", [2, 3], ""),
+    (f"new {LONG}", [2, 3], ""),
+    (f"check block.yaml --picture {LONG}.png", [2, 3], ""),
+])  # fmt: skip
+def test_files_that_are_not_there_or_cannot_be_are_told_and_nothing_is_made(
+    words: str, codes: list[int], told: str, scene: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (scene / "file").write_text("")
     (scene / "cases").mkdir()
     (scene / "cases" / "my_rock.yaml").write_text("title: A rock\n")
-    assert cli.main(["run", "my_rock"]) == 2
-    assert capsys.readouterr().err == "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"
-    assert cli.main(["check", "."]) == 2
-    assert "is a folder" in capsys.readouterr().err
+    assert cli.main(words.split()) in codes
+    err = capsys.readouterr().err
+    assert told in err
+    assert "Traceback" not in err
+    assert {path.name for path in scene.rglob("*")} == {"block.yaml", "file", "cases", "my_rock.yaml"}
 
 
-def test_names_longer_than_the_file_system_allows_are_told(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    long = "n" * 300
-    for command in ("run", "check", "trade"):
-        assert cli.main([command, f"{long}.yaml"]) == 2
-        assert capsys.readouterr().err.startswith(f"{long}.yaml: no such case file")
-    assert cli.main(["run", "block.yaml", "--out", long]) == 3
-    assert capsys.readouterr().err.endswith("the name is too long; choose another folder\n")
-    for command in ("report", "render", "view"):
-        assert cli.main([command, long]) == 3
-        assert "Traceback" not in capsys.readouterr().err
-    picture = ["check", "block.yaml", "--picture", f"{long}.png"]
-    for words in (["compare", long, long], ["sweep", f"{long}.yaml"], ["new", long], picture):
-        assert cli.main(words) in (2, 3)
-        assert "Traceback" not in capsys.readouterr().err
-    assert sorted(path.name for path in scene.iterdir()) == ["block.yaml"]
-
-
-def test_what_the_system_refuses_is_no_bug(scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch) -> None:
-    monkeypatch.setattr(crackgrow, "grow", breaking(OSError(errno.EMFILE, "Too many open files", "/dev/null")))
-    assert cli.main(["run", "block.yaml"]) == 3
-    assert capsys.readouterr().err == "crackgrow: the system refuses: Too many open files: /dev/null\n"
-    assert summary(scene / "outputs" / "block")["n_solves"] == 2
+@pytest.mark.parametrize("name", ["..yaml", "...yaml"])
+def test_a_case_without_a_name_of_its_own_is_refused(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / name).write_text(template_text("tension"))
+    assert cli.main(["run", name]) == 2
+    assert "the file has no name of its own" in capsys.readouterr().err
+    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_check_tells_of_other_solutions_where_it_is_asked(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["check", "block.yaml"]) == 0
-    assert "solutions of the contact" not in capsys.readouterr().out
-    assert cli.main(["check", "block.yaml", "--unique"]) == 0
-    assert "solutions of the contact\n  at load factor 1: no faces touch" in capsys.readouterr().out
+    for more, told in (([], False), (["--unique"], True)):
+        assert cli.main(["check", "block.yaml", *more]) == 0
+        out = capsys.readouterr().out
+        assert ("solutions of the contact\n  at load factor 1: no faces touch" in out) is told
+
+
+def test_check_tells_its_plan_as_json(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    case, picture = str(ROOT / "cases" / "compression30.yaml"), tmp_path / "scene.svg"
+    words = ["check", case, "--set", "numerics.spacing=4", "--set", "cracks.flaw.contact.friction=0.3"]
+    assert cli.main([*words, "--json", "--unique", "--picture", str(picture)]) == 0
+    plan = json.loads(capsys.readouterr().out)
+    assert (plan["case"], plan["spacing"]) == ("compression30", 0.004)
+    assert plan["model"]["n_tips"] == 2
+    assert plan["model"]["surfaces"] == [
+        {"name": "flaw", "n_points": plan["model"]["n_contact"], "bonded": False, "touching": True, "rough": True}
+    ]
+    assert set(plan["cost"]) == {"seconds", "memory", "n_dofs"}
+    assert plan["cost"]["n_dofs"] == plan["model"]["n_dofs"]
+    assert all(isinstance(text, str) for text in [*plan["warnings"], *plan["unique"]])
+    assert picture.is_file()
 
 
 def test_threads_are_limited_unless_the_user_says_otherwise(scene: Path) -> None:
@@ -368,16 +351,6 @@ def test_threads_are_limited_unless_the_user_says_otherwise(scene: Path) -> None
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["--version"]) == 0
     assert capsys.readouterr().out == f"crackgrow {crackgrow.__version__}\n"
-
-
-@pytest.mark.parametrize(
-    "words", [["run", "case.yaml", "--out", ""], ["sweep", "sweep.yaml", "--out="], ["report", ""]]
-)
-def test_no_name_is_not_the_current_folder(words: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as caught:
-        cli.main(words)
-    assert caught.value.code == 2
-    assert "an empty name; the current folder is '.'" in capsys.readouterr().err
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")

@@ -8,20 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.case.model import (
-    Body,
-    Case,
-    ContactNumerics,
-    CoulombContact,
-    Crack,
-    Growth,
-    LoadHistory,
-    Material,
-    Numerics,
-    Output,
-    Ring,
-    Strength,
-)
+from crackgrow.case import model
+from crackgrow.case.model import Body, Case, CoulombContact, Crack, Material, Ring, Strength
 from crackgrow.run.result import (
     SLIP,
     STICK,
@@ -64,10 +52,10 @@ def make_case(**output: Any) -> Case:
         interfaces=(),
         supports=(),
         loads=(),
-        loading=LoadHistory((1.0,)),
-        growth=Growth(2, INCREMENT, "most_critical", "strength", "explicit", 0.002, True),
-        numerics=Numerics(spacing=0.005, support=2.0, quadrature=3, contact=ContactNumerics(spacing=1.0)),
-        output=Output(**settings),
+        loading=model.LoadHistory((1.0,)),
+        growth=model.Growth(2, INCREMENT, "most_critical", "strength", "explicit", 0.002, True),
+        numerics=model.Numerics(spacing=0.005, support=2.0, quadrature=3, contact=model.ContactNumerics(spacing=1.0)),
+        output=model.Output(**settings),
         resolved={},
     )
 
@@ -122,59 +110,23 @@ def make_result(step: int, **changes: Any) -> StepResult:
     opening, slip = np.zeros(n), np.linspace(0, 1e-5, n)
     normal, tangential = np.full(n, -1e6 / 3), np.full(n, 0.1 + 0.2)
     state = np.where(np.arange(n) % 2 == 0, SLIP, STICK)
-    tips = (
-        TipResult(
-            "flaw",
-            "start",
-            points[0],
-            np.nan,
-            1e6 / 3,
-            1e5,
-            -2e6,
-            "none",
-            0.2,
-            0.0,
-            False,
-            np.nan,
-            np.nan,
-            np.nan,
-            "no room",
-            1e6,
-            -1e6,
-            np.nan,
-            np.nan,
-            3e-3,
-        ),
-        TipResult(
-            "flaw",
-            "end",
-            points[-1],
-            2.0e6,
-            -1e-300,
-            6e5,
-            -2e6,
-            "tension",
-            1.2,
-            70.5,
-            True,
-            1e4,
-            2e4,
-            0.005,
-            "",
-            1.9e6,
-            1e3,
-            2e3,
-            1e3,
-            1.5e-3,
-            K_growth=2e6 / 1.2,
-        ),
-    )
+    end = TipResult(
+        crack="flaw", tip="end", point=points[-1], K_I=2.0e6, K_II=-1e-300, sigma_1=6e5, sigma_3=-2e6,
+        criterion="tension", criticality=1.2, kink_deg=70.5, advanced=True, K_I_error=1e4, K_II_error=2e4,
+        K_radius=0.005, K_note="", K_I_faces=1.9e6, K_II_faces=1e3, K_I_spread=2e3, K_II_spread=1e3,
+        cell_size=1.5e-3, K_growth=2e6 / 1.2,
+    )  # fmt: skip
+    unknown = dict.fromkeys(("K_I", "K_I_error", "K_II_error", "K_radius", "K_I_spread", "K_II_spread"), np.nan)
+    start = replace(
+        end, tip="start", point=points[0], K_II=1e6 / 3, sigma_1=1e5, criterion="none", criticality=0.2, kink_deg=0.0,
+        advanced=False, K_note="no room", K_I_faces=1e6, K_II_faces=-1e6, cell_size=3e-3, K_growth=np.nan, **unknown,
+    )  # fmt: skip
     result = StepResult(
         step=step,
         load_factor=1.0,
         cracks=paths,
         events=(),
-        tips=tips,
+        tips=(start, end),
         contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state, opening, slip),
         faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state, np.full(n, 1.5e-3)),),
         reactions=(),

@@ -1,10 +1,15 @@
-"""Frames as mesh files of other programs: opened again they hold the same cells and fields."""
+"""Frames as mesh files and crack paths as lines of other programs: opened again they hold what the run has."""
 
 from __future__ import annotations
 
+import json
+import shutil
+import sys
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
+import ezdxf
 import meshio
 import numpy as np
 import pytest
@@ -13,8 +18,9 @@ import pyvista
 from crackgrow import cli
 from crackgrow.cli.look import FORMATS as TOLD
 from crackgrow.results.export import FORMATS, _write, export, frame_mesh
+from crackgrow.results.export_paths import APPLICATION, UNITS
 from crackgrow.results.export_paths import FORMATS as PATHS
-from crackgrow.results.folder import FolderError, RunFolder
+from crackgrow.results.folder import FolderError, RunFolder, open_run
 from crackgrow.results.vtk_frames import write_frame
 from tests.report_runs import make_run
 from tests.unit.results.synthetic import make_frame
@@ -39,7 +45,7 @@ output: {report: false, figures: false, frames: every_step, fields: [displacemen
 
 
 @pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def layers(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of two bodies under two loads, with frames."""
     place = tmp_path_factory.mktemp("layers")
     (place / "layers.yaml").write_text(LAYERS)
@@ -53,9 +59,9 @@ def by_cell(mesh: meshio.Mesh, values: np.ndarray[tuple[int, ...], np.dtype[np.f
 
 
 @pytest.mark.parametrize("to", WITH_FIELDS)
-def test_points_cells_and_fields_are_those_of_the_frame(folder: Path, tmp_path: Path, to: str) -> None:
-    path = export(folder, to, step=1, out=tmp_path / f"a.{to}")
-    mesh, grid = meshio.read(path), pyvista.read(folder / "frames" / "step_0001.vtu")
+def test_points_cells_and_fields_are_those_of_the_frame(layers: Path, tmp_path: Path, to: str) -> None:
+    path = export(layers, to, step=1, out=tmp_path / f"a.{to}")
+    mesh, grid = meshio.read(path), pyvista.read(layers / "frames" / "step_0001.vtu")
     kinds = {block.type for block in mesh.cells}
     assert kinds == {"triangle", "quad"}
     order = np.argsort(grid.cell_data["body"], kind="stable")
@@ -72,16 +78,16 @@ def test_points_cells_and_fields_are_those_of_the_frame(folder: Path, tmp_path: 
             np.testing.assert_array_equal(mesh.cell_data_dict[name][kind], grid.cell_data[name][chosen])
 
 
-def test_gmsh_has_bodies_as_physical_groups(folder: Path, tmp_path: Path) -> None:
-    mesh = meshio.read(export(folder, "msh", out=tmp_path / "a.msh"))
+def test_gmsh_has_bodies_as_physical_groups(layers: Path, tmp_path: Path) -> None:
+    mesh = meshio.read(export(layers, "msh", out=tmp_path / "a.msh"))
     body = np.concatenate(mesh.cell_data["body"])
     assert {name: group.tolist() for name, group in mesh.field_data.items()} == {"lower": [1, 2], "upper": [2, 2]}
     np.testing.assert_array_equal(np.concatenate(mesh.cell_data["gmsh:physical"]), body + 1)
 
 
-def test_abaqus_has_sets_of_plane_elements_for_each_body(folder: Path, tmp_path: Path) -> None:
-    path = export(folder, "inp", out=tmp_path / "a.inp")
-    mesh, grid = meshio.read(path), pyvista.read(folder / "frames" / "step_0001.vtu")
+def test_abaqus_has_sets_of_plane_elements_for_each_body(layers: Path, tmp_path: Path) -> None:
+    path = export(layers, "inp", out=tmp_path / "a.inp")
+    mesh, grid = meshio.read(path), pyvista.read(layers / "frames" / "step_0001.vtu")
     assert {line for line in path.read_text().splitlines() if line.startswith("*ELEMENT")} == {
         "*ELEMENT, TYPE=CPS3", "*ELEMENT, TYPE=CPS4"}  # fmt: skip
     np.testing.assert_array_equal(mesh.points, grid.points)
@@ -106,53 +112,34 @@ def test_a_surface_that_shares_all_its_points_is_not_lost(tmp_path: Path) -> Non
     found = np.concatenate([block.data.ravel() for block in mesh.cells])
     np.testing.assert_array_equal(mesh.points[found, :2], whole.points[corners])
     np.testing.assert_array_equal(mesh.point_data["displacement"][found, :2], whole.displacement[corners])
+    assert set(mesh.point_data) - {"gmsh:dim_tags"} == {"displacement"}  # no field that the frame has not
 
 
-def test_fields_that_a_run_left_out_are_left_out(tmp_path: Path) -> None:
-    run = make_run(tmp_path / "run", ["output.frames=every_step", "growth.steps=0", "output.fields=[displacement]"])
-    mesh = meshio.read(export(run, "xdmf"))
-    assert set(mesh.point_data) == {"displacement"}
-
-
-def test_the_command_tells_of_every_format() -> None:
+def test_the_command_says_where_the_file_is(layers: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert tuple(TOLD) == FORMATS
+    assert cli.main(["export", str(layers), "--to", "vtk"]) == 0
+    assert capsys.readouterr().out == f"{layers / 'export' / 'step_0001.vtk'}\n"
+    assert cli.main(["export", str(layers), "--to", "vtk", "--step", "0"]) == 0
+    assert sorted(path.name for path in (layers / "export").iterdir()) == ["step_0000.vtk", "step_0001.vtk"]
+    assert cli.main(["export", str(layers), "--to", "xdmf", "--out", str(layers / "step.1")]) == 0
 
 
-def test_the_command_says_where_the_file_is(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["export", str(folder), "--to", "vtk"]) == 0
-    assert capsys.readouterr().out == f"{folder / 'export' / 'step_0001.vtk'}\n"
-    assert cli.main(["export", str(folder), "--to", "vtk", "--step", "0"]) == 0
-    assert sorted(path.name for path in (folder / "export").iterdir()) == ["step_0000.vtk", "step_0001.vtk"]
-
-
-def test_a_step_without_a_frame_is_refused(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["export", str(folder), "--to", "msh", "--step", "7"]) == 3
-    assert f"{folder} has no frame of step 7; it has those of 0 to 1" in capsys.readouterr().err
-
-
-def test_a_name_that_ends_as_another_format_is_refused(
-    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    out = tmp_path / "wing.vtk"
-    assert cli.main(["export", str(folder), "--to", "xdmf", "--out", str(out)]) == 3
-    assert "wing.vtk: the name ends in .vtk, and the format that is asked for is xdmf" in capsys.readouterr().err
-    assert not out.exists()
-    assert cli.main(["export", str(folder), "--to", "xdmf", "--out", str(tmp_path / "step.1")]) == 0
-
-
-@pytest.mark.parametrize(("arguments", "wanted"), [
-    (["--to", "stl"], "'stl' is none of msh, inp, vtk, xdmf, geojson, dxf"),
-    (["--to", "msh", "--step", "last"], "'last': the number of a step is wanted, from 0 on"),
-    ([], "the following arguments are required: --to"),
+@pytest.mark.parametrize(("words", "told"), [
+    (["--to", "msh", "--step", "7"], "has no frame of step 7; it has those of 0 to 1"),
+    (["--to", "geojson", "--step", "7"], "has no solved step 7; it has 0 to 1"),
+    (["--to", "xdmf", "--out", "x.vtk"], "x.vtk: the name ends in .vtk, and the format that is asked for is xdmf"),
 ])  # fmt: skip
-def test_bad_arguments_are_refused(capsys: pytest.CaptureFixture[str], arguments: list[str], wanted: str) -> None:
-    with pytest.raises(SystemExit) as ended:
-        cli.main(["export", "somewhere", *arguments])
-    assert ended.value.code == 2
-    assert wanted in capsys.readouterr().err
+def test_what_cannot_be_exported_is_refused(
+    words: list[str], told: str, layers: Path, tmp_path: Path,
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch,
+) -> None:  # fmt: skip
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["export", str(layers), *words]) == 3
+    assert told in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
 
 
-def test_a_damaged_frame_is_named(folder: Path, tmp_path: Path) -> None:
+def test_a_damaged_frame_is_named(tmp_path: Path) -> None:
     path = tmp_path / "frames" / "step_0000.vtu"
     write_frame(path, make_frame(), ())
     grid = pyvista.read(path)
@@ -160,3 +147,91 @@ def test_a_damaged_frame_is_named(folder: Path, tmp_path: Path) -> None:
     grid.save(path)
     with pytest.raises(FolderError, match="it has no cells of bodies; run the case again"):
         RunFolder(tmp_path).mesh()
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A flaw with three steps of growth."""
+    return make_run(tmp_path_factory.mktemp("run"), ["output.frames=every_step"])
+
+
+def features(path: Path) -> list[dict[str, Any]]:
+    found = json.loads(path.read_text(encoding="utf-8"))
+    assert (found["type"], found["units"], found["crs"]) == ("FeatureCollection", UNITS, None)
+    return [feature["properties"] | feature["geometry"] for feature in found["features"]]
+
+
+def lines_of(path: Path) -> list[dict[str, Any]]:
+    return [line for line in features(path) if line["type"] == "LineString"]
+
+
+def test_lines_are_the_paths_piece_by_piece(folder: Path) -> None:
+    lines = lines_of(export(folder, "geojson"))
+    assert [(line["kind"], line["tip"], line["step"]) for line in lines] == [
+        ("given", "", 0), ("grown", "start", 1), ("grown", "end", 2), ("grown", "end", 3)
+    ]  # fmt: skip
+    vertices = {tuple(row) for row in open_run(folder).paths[["x", "y"]].to_numpy()}
+    assert {tuple(point) for line in lines for point in line["coordinates"]} == vertices
+    lengths = [np.linalg.norm(np.diff(line["coordinates"], axis=0), axis=1).sum() for line in lines]
+    assert [line["length"] for line in lines] == pytest.approx(lengths)
+    assert lengths[1:] == pytest.approx([2e-3] * 3)
+
+
+@pytest.mark.parametrize(("step", "grown"), [(3, [1, 2, 3]), (1, [1])])
+def test_K_of_a_line_is_that_of_the_tip_that_grew_by_it(step: int, grown: list[int], folder: Path) -> None:
+    """Also in an earlier step, whose paths and tips are those of then."""
+    tips = open_run(folder).tips
+    path = export(folder, "geojson", step=step)
+    assert path.name == f"step_{step:04d}.geojson"
+    found = features(path)
+    assert [line["step"] for line in found if line["kind"] == "grown"] == grown
+    for line in found:
+        if line["kind"] == "given":
+            assert line["K_I"] is line["K_II"] is None
+            continue
+        then = line["step"] - 1 if line["kind"] == "grown" else step
+        (row,) = tips[(tips["step"] == then) & (tips["tip"] == line["tip"])].itertuples()
+        assert row.advanced or line["kind"] == "tip"
+        assert (line["K_I"], line["K_II"]) == (row.K_I, row.K_II)
+        if line["kind"] == "tip":
+            assert line["coordinates"] == pytest.approx([row.x, row.y], abs=1e-8)
+
+
+def test_slip_and_opening_are_those_of_the_faces(folder: Path, tmp_path: Path) -> None:
+    contact = open_run(folder).contact
+    last = contact[contact["step"] == 3]
+    given, *_, end = lines_of(export(folder, "geojson"))
+    middle = last.iloc[(last["s"] - 9e-3).abs().argmin()]  # of the flaw of 10 mm, behind 4 mm of wing
+    assert given["slip"] == pytest.approx(middle["slip"], rel=0.05)
+    assert given["opening"] == pytest.approx(0.0, abs=0.05 * abs(given["slip"]))
+    assert end["opening"] > 0.1 * abs(given["slip"])
+    without = Path(shutil.copytree(folder, tmp_path / "without", ignore=shutil.ignore_patterns("cracks")))
+    by_points, *_ = lines_of(export(without, "geojson"))  # a run without frames has its contact points alone
+    assert by_points["slip"] == pytest.approx(given["slip"], rel=0.05)
+
+
+def test_dxf_has_layers_metres_and_attributes(folder: Path) -> None:
+    drawing = ezdxf.readfile(export(folder, "dxf"))
+    assert drawing.header["$INSUNITS"] == 6  # metres
+    assert drawing.audit().errors == []
+    known = {}
+    for entity in drawing.modelspace():
+        told = dict(text.value.split(": ", 1) for text in entity.get_xdata(APPLICATION))
+        assert (told["kind"], told["units"]) == (entity.dxf.layer, UNITS)
+        at = entity.get_points("xy") if entity.dxftype() == "LWPOLYLINE" else [entity.dxf.location.vec2]
+        known[told["kind"], told["tip"], told["step"]] = (told, at)
+    for line in features(export(folder, "geojson")):
+        told, at = known.pop((line["kind"], line["tip"], str(line["step"])))
+        np.testing.assert_allclose(np.reshape(line["coordinates"], (-1, 2)), np.array(at), rtol=1e-12)
+        for name in ("K_II", "slip"):
+            assert told.get(name) == (None if line[name] is None else str(line[name]))
+    assert known == {}
+
+
+def test_dxf_without_its_library_says_how_to_get_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for name in [name for name in sys.modules if name.split(".")[0] == "ezdxf"]:
+        monkeypatch.setitem(sys.modules, name, None)
+    assert cli.main(["export", str(folder), "--to", "dxf"]) == 3
+    assert capsys.readouterr().err.endswith("ezdxf, which is not there: pip install 'crackgrow[maps]'\n")

@@ -1,7 +1,8 @@
-"""Figures: they show something, and what they show is scaled as they say."""
+"""Figures: they show something, scaled as they say, with room for all words, whatever the user's settings are."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import fields, replace
 from itertools import combinations, pairwise
 from pathlib import Path
@@ -14,46 +15,54 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
+from crackgrow.case import Case
+from crackgrow.plan.sizes import squares_of
 from crackgrow.results import drawn_frame, field_picture, figures
+from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.field_picture import Look
-from crackgrow.results.summary import LoadPoint
+from crackgrow.results.style import own_style
+from crackgrow.results.summary import LoadPoint, load_point
 from crackgrow.run.result import STICK
+from tests.properties.broken_off import ENVIRONMENT, command, finished
+from tests.scenes import shipped_case
 from tests.unit.results.synthetic import HEIGHT, WIDTH, make_case, make_frame, make_paths, make_result
 
-WHITE = 0.999
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """The figures that a test draws, in place of their files."""
+    found: list[Figure] = []
+    monkeypatch.setattr(figures, "_save", lambda path, figure: found.append(figure))
+    return found
+
+
+def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
+    return np.asarray(imread(path)[..., :3], dtype=float)
 
 
 def inked_share(path: Path) -> float:
     """Share of the pixels that aren't white."""
-    return float((imread(path)[..., :3].min(axis=2) < WHITE).mean())
-
-
-def n_colours(path: Path) -> int:
-    return len(np.unique(np.round(imread(path)[..., :3] * 31).astype(int).reshape(-1, 3), axis=0))
+    return float((pixels(path).min(axis=2) < 0.999).mean())
 
 
 def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
     figures.draw_paths(tmp_path / "given.png", make_case(), make_paths(0))
     figures.draw_paths(tmp_path / "grown.png", make_case(), make_paths(2))
     assert inked_share(tmp_path / "given.png") > 0.2
-    pixels = imread(tmp_path / "given.png")[..., :3]
-    assert np.ptp(pixels, axis=2).max() < 0.02  # black on grey: nothing has grown
-    grown = imread(tmp_path / "grown.png")[..., :3]
+    assert np.ptp(pixels(tmp_path / "given.png"), axis=2).max() < 0.02  # black on grey: nothing has grown
+    grown = pixels(tmp_path / "grown.png")
     specimen = grown[:, : int(0.82 * grown.shape[1])]  # without the colour bar
     for colour in figures._step_colours(2).to_rgba(np.arange(1, 3))[:, :3]:
         assert (np.abs(specimen - colour).max(axis=2) < 0.02).sum() > 80  # more than the vertex alone
 
 
-def test_sigma_1_figure_shows_the_field(tmp_path: Path) -> None:
-    figures.draw_sigma_1(tmp_path / "figures" / "a.png", make_case(), replace(make_result(3), mesh=make_frame))
-    assert inked_share(tmp_path / "figures" / "a.png") > 0.3
-    assert n_colours(tmp_path / "figures" / "a.png") > 20
-
-
-def test_sigma_1_figure_of_a_body_at_rest(tmp_path: Path) -> None:
-    figures.draw_sigma_1(tmp_path / "a.png", make_case(), replace(make_result(0), mesh=lambda: make_frame(0.0)))
-    assert inked_share(tmp_path / "a.png") > 0.3
+@pytest.mark.parametrize(("scale", "colours"), [(1.0, 20), (0.0, 1)])
+def test_sigma_1_figure_shows_the_field_also_of_a_body_at_rest(scale: float, colours: int, tmp_path: Path) -> None:
+    path = tmp_path / "figures" / "a.png"
+    figures.draw_sigma_1(path, make_case(), replace(make_result(3), mesh=lambda: make_frame(scale)))
+    assert inked_share(path) > 0.3
+    assert len(np.unique(np.round(pixels(path) * 31).astype(int).reshape(-1, 3), axis=0)) > colours
 
 
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1.0])
@@ -101,10 +110,7 @@ def test_magnification_keeps_faces_together_that_slip_and_turn() -> None:
     assert factor**2 * 0.02 * 0.01 == pytest.approx(drawn_frame.TOGETHER * 2.0, rel=0.03)  # two digits of the factor
     assert drawn_frame.displayed_magnification(two_blocks(slip=0.0, turn=-0.01)) > 1.2 * factor
     assert drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01, apart=0.002)) > 1.05 * factor
-
-
-def test_displacements_are_never_drawn_less_than_they_are() -> None:
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0
+    assert drawn_frame.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0  # never less than they are
 
 
 @pytest.mark.parametrize("by_point", [True, False])
@@ -114,7 +120,7 @@ def test_one_of_two_sides_that_are_drawn_in_each_other_covers_the_other(by_point
     frame = replace(frame, values=values, by_point=by_point)
     pictures = field_picture.FieldPictures("blocks", "body", [frame], {}, Look(warp=1.0))
     (tmp_path / "a.png").write_bytes(pictures.png(frame))
-    image = imread(tmp_path / "a.png")[..., :3]
+    image = pixels(tmp_path / "a.png")
     high, low = (np.abs(image - mpl.colormaps["viridis"](value)[:3]).max(axis=2) < 0.02 for value in (1.0, 0.0))
     columns = np.flatnonzero(high.sum(axis=0) > 0.2 * len(image))[5:-40]
     columns = columns[low[:, columns].any(axis=0)]
@@ -125,41 +131,28 @@ def test_one_of_two_sides_that_are_drawn_in_each_other_covers_the_other(by_point
 
 def white_rim(path: Path) -> bool:
     """Whether nothing touches the rim of a picture, as words do that it has no room for."""
-    image = imread(path)[:, :, :3]
+    image = pixels(path)
     return all(bool((side == 1.0).all()) for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
-@pytest.mark.parametrize("stretch", [(1.0, 1.0), (8.0, 1.0), (1.0, 8.0)])
-def test_words_beside_a_colour_bar_have_room(stretch: tuple[float, float], tmp_path: Path) -> None:
-    frame = make_frame()
-    case = make_case()
-    rings = [tuple(replace(ring, points=ring.points * stretch) for ring in body.rings) for body in case.bodies]
-    bodies = tuple(replace(body, rings=mine) for body, mine in zip(case.bodies, rings, strict=True))
-    stretched = replace(frame, points=frame.points * stretch)
-    figures.draw_sigma_1(tmp_path / "a.png", case, replace(make_result(3), mesh=lambda: stretched))
-    figures.draw_paths(tmp_path / "b.png", replace(case, bodies=bodies), make_paths(3))
-    assert white_rim(tmp_path / "a.png")
-    assert white_rim(tmp_path / "b.png")
-
-
-@pytest.mark.parametrize("size", [1.0, 1.234567e-5, 1e12])
-@pytest.mark.parametrize("stretch", [1.0, 40.0])
-def test_words_of_a_panel_stay_clear_of_other_panels_of_the_title_and_of_the_edge(
-    size: float, stretch: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(
+    ("size", "stretch"), [(1.0, (1.0, 1.0)), (1.234567e-5, (40.0, 40.0)), (1e12, (8.0, 1.0)), (1.0, (1.0, 8.0))]
+)
+def test_words_stay_clear_of_panels_of_the_title_and_of_the_edge(
+    size: float, stretch: tuple[float, float], tmp_path: Path, drawn: list[Figure]
 ) -> None:
-    drawn: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
+    case, result, frame = make_case(), make_result(3), make_frame()
     curve = [LoadPoint(size * (1.0 - 0.1 * k), 1.1e-5 + 4e-7 * k**2, 0.01 + 0.002 * k, {}) for k in range(9)]
-    case, result = make_case(), make_result(3)
     face, at = result.faces[0], result.contact
     faces = tuple(replace(face, crack=name, normal_traction=size * face.normal_traction) for name in "abc")
-    parts = {part.name: getattr(at, part.name) for part in fields(at)}
-    contact = replace(at, **{name: np.concatenate([np.array(part)] * 3) for name, part in parts.items()})
-    contact = replace(contact, crack=tuple(name for name in "abc" for _ in at.s), slip=size * contact.slip)
-    figures.draw_load_curve(tmp_path / "a.png", case, curve)
-    figures.draw_contact(tmp_path / "b.png", case, replace(result, faces=faces, contact=contact))
+    parts = {part.name: np.concatenate([np.array(getattr(at, part.name))] * 3) for part in fields(at)}
+    contact = replace(
+        at, **parts | {"crack": tuple(name for name in "abc" for _ in at.s), "slip": size * parts["slip"]}
+    )
     rings = [tuple(replace(ring, points=ring.points * stretch) for ring in body.rings) for body in case.bodies]
     bodies = tuple(replace(body, rings=mine) for body, mine in zip(case.bodies, rings, strict=True))
+    figures.draw_load_curve(tmp_path / "a.png", case, curve)
+    figures.draw_contact(tmp_path / "b.png", case, replace(result, faces=faces, contact=contact))
     figures.draw_paths(tmp_path / "c.png", replace(case, bodies=bodies), make_paths(3))
     for figure in drawn:
         FigureCanvasAgg(figure).draw()
@@ -168,15 +161,26 @@ def test_words_of_a_panel_stay_clear_of_other_panels_of_the_title_and_of_the_edg
         assert all(box.x0 > 0.0 and box.x1 < figure.bbox.width for box in boxes if box is not None)
         assert all(box.y0 > 0.0 and box.y1 < figure.bbox.height for box in boxes if box is not None)
         assert not any(one.overlaps(other) for one, other in combinations(boxes, 2))
+    stretched = replace(frame, points=frame.points * stretch)
+    figures.draw_sigma_1(tmp_path / "d.png", case, replace(result, mesh=lambda: stretched))
+    assert white_rim(tmp_path / "d.png")
 
 
-@pytest.mark.parametrize("size", [1.0, 1e-4, 1e-9, 1e6])
-def test_ticks_of_a_load_curve_do_not_overlap(size: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    drawn: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
-    curve = [LoadPoint(1.0 - 0.1 * k, size * (1.1e-5 + 4e-7 * k**2), 0.01 + 0.002 * k, {}) for k in range(9)]
+@pytest.mark.parametrize(
+    ("size", "unit", "name"),
+    [(1.0, 1e-6, "µm"), (1e-4, 1e-9, "nm"), (1e-9, 1e-9, "nm"), (300.0, 1e-3, "mm"), (1e6, 1.0, "m")],
+)
+def test_a_load_curve_is_in_units_that_suit_its_values_and_its_ticks_do_not_overlap(
+    size: float, unit: float, name: str, tmp_path: Path, drawn: list[Figure]
+) -> None:
+    lengths = [size * (1.1e-5 + 4e-7 * k**2) for k in range(9)]
+    curve = [LoadPoint(1.0 - 0.1 * k, length, 0.01 + 0.002 * k, {}) for k, length in enumerate(lengths)]
     figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
     (figure,) = drawn
+    displacement, growth = figure.axes
+    assert displacement.get_xlabel() == f"displacement of the loads [{name}]"
+    assert np.asarray(displacement.lines[0].get_xdata()) == pytest.approx(np.array(lengths) / unit)
+    assert growth.get_xlabel() == "crack growth [mm]"
     FigureCanvasAgg(figure).draw()
     for axes in figure.axes:
         low, high = axes.get_xlim()
@@ -184,20 +188,6 @@ def test_ticks_of_a_load_curve_do_not_overlap(size: float, tmp_path: Path, monke
         boxes = [text.get_window_extent() for text in texts]
         assert len(boxes) >= 2
         assert all(left.x1 < right.x0 for left, right in pairwise(boxes))
-
-
-@pytest.mark.parametrize(("size", "unit"), [(3e-6, "µm"), (3e-3, "mm"), (3.0, "m")])
-def test_a_load_curve_is_in_units_that_suit_its_values(
-    size: float, unit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drawn: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
-    curve = [LoadPoint(1.0 + k, size * (1.0 + k), 0.01 + 0.002 * k, {}) for k in range(3)]
-    figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
-    displacement, growth = drawn[0].axes
-    assert displacement.get_xlabel() == f"displacement of the loads [{unit}]"
-    assert np.asarray(displacement.lines[0].get_xdata()) == pytest.approx([3.0, 6.0, 9.0])
-    assert growth.get_xlabel() == "crack growth [mm]"
 
 
 def test_colours_are_symmetrical_for_both_signs_and_ignore_outliers() -> None:
@@ -220,22 +210,20 @@ def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
         assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 
 
-def points(*rows: tuple[float, float, float], slip: float = 0.0) -> list[LoadPoint]:
-    return [LoadPoint(*row, {"flaw": slip * row[0], "other": 0.0}) for row in rows]
-
-
-def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(tmp_path: Path) -> None:
-    static = [(0.5, 1e-5, 0.02), (1.0, 2e-5, 0.02), (0.5, 1e-5, 0.02)]
-    figures.draw_load_curve(tmp_path / "static.png", make_case(), points(*static))
-    figures.draw_load_curve(tmp_path / "slipped.png", make_case(), points(*static, slip=1e-6))
-    grown = [(1.0, 1e-5, 0.02), (0.8, 1.5e-5, 0.022), (0.7, float("nan"), 0.024)]
-    figures.draw_load_curve(tmp_path / "grown.png", make_case(), points(*grown))
-    one, *two = (imread(tmp_path / f"{name}.png").shape[1] for name in ("static", "slipped", "grown"))
-    assert two == [2 * one, 2 * one]
-    for name in ("static.png", "grown.png"):
-        assert inked_share(tmp_path / name) > 0.02
-    long = [(1.0 - 0.001 * step, 1e-6 * step, 0.02 + 0.001 * step) for step in range(200)]
-    figures.draw_load_curve(tmp_path / "long.png", make_case(), points(*long))
+@pytest.mark.parametrize(("lengths", "slip", "panels"), [
+    ([0.02, 0.02, 0.02], 0.0, 1), ([0.02, 0.02, 0.02], 1e-6, 2), (np.linspace(0.02, 0.2, 200), 0.0, 2)
+])  # fmt: skip
+def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(
+    lengths: list[float], slip: float, panels: int, tmp_path: Path, drawn: list[Figure]
+) -> None:
+    factors = np.linspace(1.0, 0.7, len(lengths)).tolist()
+    ways = [*np.linspace(1e-5, 2e-5, len(lengths) - 1).tolist(), float("nan")]
+    places = zip(factors, ways, lengths, strict=True)
+    curve = [LoadPoint(*place, {"flaw": slip * place[0], "other": 0.0}) for place in places]
+    figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
+    (figure,) = drawn
+    assert len(figure.axes) == panels
+    assert all(axes.lines for axes in figure.axes)
 
 
 def test_steps_at_about_the_same_place_share_the_words_that_name_them() -> None:
@@ -249,10 +237,8 @@ def test_steps_at_about_the_same_place_share_the_words_that_name_them() -> None:
 
 @pytest.mark.parametrize(("traction", "unit"), [(-2e7, "MPa"), (-5e4, "kPa")])
 def test_round_off_in_tractions_is_not_blown_up_and_the_legend_has_the_states_there_are(
-    traction: float, unit: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    traction: float, unit: str, tmp_path: Path, drawn: list[Figure]
 ) -> None:
-    drawn: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda path, figure: drawn.append(figure))
     result = make_result(1)
     n = len(result.contact.s)
     constant = traction * (1.0 - 5e-7 * np.arange(n))
@@ -268,3 +254,49 @@ def test_round_off_in_tractions_is_not_blown_up_and_the_legend_has_the_states_th
     legend = drawn[0].axes[0].get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == ["stick"]
+
+
+NO_FORMULA = r"$\frac{1}{0$ & <b> $_$"
+ODD = {"font.family": ["cursive"], "font.size": 30.0, "lines.linewidth": 9.0, "figure.facecolor": "black",
+       "axes.grid": True, "savefig.dpi": 20.0, "text.usetex": True, "figure.autolayout": True}  # fmt: skip
+DRAWN: dict[str, Callable[[Path, Case], None]] = {
+    "paths": lambda path, case: figures.draw_paths(path, case, make_paths(2)),
+    "sigma_1": lambda path, case: figures.draw_sigma_1(path, case, make_result(1)),
+    "contact": lambda path, case: figures.draw_contact(path, case, make_result(1)),
+    "load curve": lambda path, case: figures.draw_load_curve(
+        path, case, [load_point(make_result(k, load_factor=1.0 + k)) for k in range(3)]
+    ),
+    "scene": lambda path, case: draw_scene(path, case, squares_of(case)),
+}
+
+
+@pytest.mark.parametrize("draw", DRAWN.values(), ids=DRAWN)
+def test_pictures_take_no_notice_of_settings_and_know_no_formulas(
+    draw: Callable[[Path, Case], None], tmp_path: Path
+) -> None:
+    case = shipped_case("compression30", ["numerics.spacing=3"])
+    crack = replace(case.cracks[0], name=NO_FORMULA)
+    case = replace(make_case(), title=NO_FORMULA, bodies=case.bodies, cracks=(crack,))
+    draw(tmp_path / "usual.png", case)
+    with mpl.rc_context(ODD):
+        draw(tmp_path / "odd.png", case)
+        assert {key: mpl.rcParams[key] for key in ODD} == ODD
+        with pytest.raises(ValueError, match="no picture"), own_style():
+            raise ValueError("no picture")
+        assert {key: mpl.rcParams[key] for key in ODD} == ODD  # the user's again, also after an error
+    assert (tmp_path / "odd.png").read_bytes() == (tmp_path / "usual.png").read_bytes()
+
+
+def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "matplotlibrc").write_text("lines.linewidth: thick\nno such key: 1\n")
+    monkeypatch.setitem(ENVIRONMENT, "MPLBACKEND", "of_another_program")
+    monkeypatch.setitem(ENVIRONMENT, "MATPLOTLIBRC", str(tmp_path / "matplotlibrc"))
+    for name in ("DISPLAY", "WAYLAND_DISPLAY"):  # pictures need none
+        monkeypatch.delitem(ENVIRONMENT, name, raising=False)
+    run = command("compression30", ("numerics.spacing=3", "growth.steps=1", f"title='{NO_FORMULA}'"), tmp_path / "out")
+    render = [*run[:3], "render", str(tmp_path / "out")]
+    check = [*run[:3], "check", str(tmp_path / "out" / "case.yaml"), "--picture", str(tmp_path / "scene.svg")]
+    for words in (run, render, check):
+        done = finished(words)
+        assert (done.returncode, done.stderr) == (0, "")
+    assert (tmp_path / "out" / "figures" / "path.png").is_file()

@@ -38,23 +38,13 @@ def holder(folder: Path) -> subprocess.Popen[str]:
     return process
 
 
-def test_the_second_says_who_the_first_is(tmp_path: Path) -> None:
-    process = holder(tmp_path)
-    try:
-        with pytest.raises(LockedError) as caught:
-            FolderLock(tmp_path, "other").take()
-    finally:
-        process.kill()
-        process.communicate()
-    told = str(caught.value)
-    assert f"another run is writing into {tmp_path}" in told
-    assert f"case slope, process {process.pid} on {socket.gethostname()}, since 20" in told
-    assert caught.value.exit_code == 3
-
-
 @pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
-def test_a_lock_goes_with_the_process(end: signal.Signals, tmp_path: Path) -> None:
+def test_a_lock_says_who_holds_it_and_goes_with_the_process(end: signal.Signals, tmp_path: Path) -> None:
     process = holder(tmp_path)
+    with pytest.raises(LockedError, match=f"another run is writing into {tmp_path}") as caught:
+        FolderLock(tmp_path, "other").take()
+    assert f"case slope, process {process.pid} on {socket.gethostname()}, since 20" in str(caught.value)
+    assert caught.value.exit_code == 3
     process.send_signal(end)
     process.communicate()
     assert (tmp_path / LOCK).is_file()

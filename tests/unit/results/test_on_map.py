@@ -72,21 +72,20 @@ def write(folder: Path, x: float, y: float, **units: Any) -> Path:
 
 
 @pytest.fixture(scope="module")
-def files(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def files(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
+    """The same case at its origin and on the map."""
     folder = tmp_path_factory.mktemp("on_map")
-    return {"here": write(folder / "here", 0.0, 0.0), "map": write(folder / "map", *ORIGIN, origin=list(ORIGIN))}
+    return write(folder / "here", 0.0, 0.0), write(folder / "map", *ORIGIN, origin=list(ORIGIN))
 
 
 @pytest.fixture(scope="module")
-def cases(files: dict[str, Path]) -> tuple[Case, Case]:
-    return load_case(files["here"]), load_case(files["map"])
+def cases(files: tuple[Path, Path]) -> tuple[Case, Case]:
+    return load_case(files[0]), load_case(files[1])
 
 
 @pytest.fixture(scope="module")
-def runs(files: dict[str, Path], cases: tuple[Case, Case]) -> tuple[crackgrow.Run, crackgrow.Run]:
-    here, there = (
-        crackgrow.run_case(case, files[name].parent / "out") for case, name in zip(cases, files, strict=True)
-    )
+def runs(files: tuple[Path, Path], cases: tuple[Case, Case]) -> tuple[crackgrow.Run, crackgrow.Run]:
+    here, there = (crackgrow.run_case(case, file.parent / "out") for case, file in zip(cases, files, strict=True))
     return here, there
 
 
@@ -144,37 +143,36 @@ def test_results_are_the_same_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Ru
                 assert one[column].equals(other[column]), f"{name}.{column}"
 
 
-def test_fields_and_meshes_are_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run], files: dict[str, Path]) -> None:
+def test_fields_and_meshes_are_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path]) -> None:
     here, there = runs
     points = np.array([[1.0, 1.0], [4.0, 7.2], [20.0, 0.0]])
     for name in ("displacement_at", "stress_at"):
         one, other = getattr(here.last, name)(points), getattr(there.solution(2), name)(points + ORIGIN)
         np.testing.assert_allclose(one, other, rtol=FORMULA)
-    folder = crackgrow.open_run(files["map"].parent / "out")
-    for mesh in (there.mesh(1), folder.mesh(1)):
+    for mesh in (there.mesh(1), crackgrow.open_run(files[1].parent / "out").mesh(1)):
         np.testing.assert_allclose(mesh.points[:, :2], here.mesh(1).points[:, :2] + ORIGIN, rtol=0.0, atol=ULP)
     for one, other in zip(here.results[1].faces, there.results[1].faces, strict=True):
         np.testing.assert_allclose(other.points, one.points + ORIGIN, rtol=0.0, atol=ULP)
 
 
 def test_what_is_told_of_places_is_on_the_map(
-    runs: tuple[crackgrow.Run, crackgrow.Run], files: dict[str, Path], capsys: pytest.CaptureFixture[str]
+    runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     _, there = runs
     told = " ".join(there.warnings)
     assert "'joints-1' (the shape) at (466006.5 m, 6700004.25 m)" in told
-    folder = files["map"].parent
+    folder = files[1].parent
     log = (folder / "out" / "run.log").read_text()
     event = there.events.iloc[0]
     assert f"({event.x:.4f}"[:9] in log
-    assert cli.main(["check", str(files["map"]), "--picture", str(folder / "scene.svg")]) == 0
+    assert cli.main(["check", str(files[1]), "--picture", str(folder / "scene.svg")]) == 0
     assert "(466006.5 m, 6700004.25 m)" in capsys.readouterr().out
     page = (folder / "out" / "report.html").read_text()
     assert "466008.5" in page  # of a support
 
 
-def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(files: dict[str, Path], tmp_path: Path) -> None:
-    run = ["run", str(files["map"]), "--quiet", "--set", "output.frames=none", "--set", "output.figures=false"]
+def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(files: tuple[Path, Path], tmp_path: Path) -> None:
+    run = ["run", str(files[1]), "--quiet", "--set", "output.frames=none", "--set", "output.figures=false"]
     whole, parts = tmp_path / "whole", tmp_path / "parts"
     assert cli.main([*run, "--out", str(whole)]) == 0
     assert cli.main([*run, "--out", str(parts), "--set", "growth.steps=1"]) == 0
@@ -184,26 +182,25 @@ def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(files: dict[str, Path],
 
 
 def test_paths_of_a_run_on_a_map_are_cracks_of_a_case_on_it(
-    runs: tuple[crackgrow.Run, crackgrow.Run], files: dict[str, Path], tmp_path: Path
+    runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], tmp_path: Path
 ) -> None:
     """In a case in mm, with outlines of files in m."""
-    (tmp_path / "paths.csv").write_text((files["map"].parent / "out" / "paths.csv").read_text())
-    for name, polygon in (("low", [(0, 0), (8, 0), (8, 6.4), (0, 6)]), ("top", [(0, 6), (8, 6.4), (8, 8), (0, 8)])):
-        ring = ", ".join(f"{a + ORIGIN[0]!r} {b + ORIGIN[1]!r}" for a, b in [*polygon, polygon[0]])
+    (tmp_path / "paths.csv").write_text((files[1].parent / "out" / "paths.csv").read_text())
+    bodies = scene(*ORIGIN)["bodies"]
+    for name, body in bodies.items():
+        corners = body["shape"]["polygon"]
+        ring = ", ".join(f"{x!r} {y!r}" for x, y in [*corners, corners[0]])
         (tmp_path / f"{name}.wkt").write_text(f"POLYGON (({ring}))")
-    material = {"young": "30 GPa", "poisson": 0.2}
+        body["shape"] = {"file": f"{name}.wkt", "units": "m"}
     content = {
-        "title": "once more", "plane": "strain",
+        "title": "once more", "plane": "strain", "bodies": bodies, "supports": "minimal",
         "units": {"length": "mm", "origin": ["466000.5 m", "6700000 m"]},
-        "bodies": {n: {"shape": {"file": f"{n}.wkt", "units": "m"}, "material": material} for n in ("low", "top")},
         "interfaces": [{"between": ["low", "top"], "contact": "bonded"}],
         "cracks": {"old": {"path": {"file": "paths.csv"}, "contact": "none"}},
-        "supports": "minimal",
     }  # fmt: skip
     (tmp_path / "again.yaml").write_text(json.dumps(content))
     case = load_case(tmp_path / "again.yaml")
-    _, there = runs
-    np.testing.assert_allclose(case.cracks[0].points + ORIGIN, there.path("flaw"), atol=2e-9)
+    np.testing.assert_allclose(case.cracks[0].points + ORIGIN, runs[1].path("flaw"), atol=2e-9)
 
 
 def test_a_map_far_away_without_an_origin_names_the_key(tmp_path: Path) -> None:

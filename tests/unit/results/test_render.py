@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import subprocess
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +12,7 @@ import pytest
 import pyvista
 from PIL import Image
 
+from crackgrow import cli
 from crackgrow.cli.command_line import command_line
 from crackgrow.errors import CaseError
 from crackgrow.results import field_picture, render, view
@@ -21,17 +20,14 @@ from crackgrow.results.atomic import OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import Look
 from crackgrow.results.folder import FolderError, RunFolder, open_run
-from crackgrow.results.units import factor_text
 from tests.report_runs import make_run
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A run of four steps with frames."""
-    return make_run(
-        tmp_path_factory.mktemp("run"),
-        ["output.frames=every_step", "output.fields=[displacement, stress, energy_error]"],
-    )
+    settings = ["output.frames=every_step", "output.fields=[displacement, stress, energy_error]"]
+    return make_run(tmp_path_factory.mktemp("run"), settings)
 
 
 def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
@@ -39,15 +35,13 @@ def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
         return np.asarray(image.convert("RGB"), dtype=np.int64)
 
 
-def test_every_frame_is_drawn_in_the_size_asked_for(folder: Path, tmp_path: Path) -> None:
-    drawn = list(render.render(folder, look=Look(size=(300, 420)), out=tmp_path))
+def test_every_frame_is_drawn_in_the_size_asked_for_and_in_one_scale(folder: Path, tmp_path: Path) -> None:
+    drawn = list(render.render(folder, look=Look(size=(600, 840)), out=tmp_path))
     assert drawn == [tmp_path / "sigma_1" / f"step_{step:04d}.png" for step in range(4)]
-    assert {pixels(path).shape for path in drawn} == {(420, 300, 3)}
-    assert all(len(np.unique(pixels(path).reshape(-1, 3), axis=0)) > 30 for path in drawn)
-
-
-def test_colour_scale_and_place_are_the_same_in_all_pictures(folder: Path, tmp_path: Path) -> None:
-    first, *_, last = (pixels(path) for path in render.render(folder, look=Look(size=(600, 840)), out=tmp_path))
+    first, *others, last = (pixels(path) for path in drawn)
+    for picture in (first, *others, last):
+        assert picture.shape == (840, 600, 3)
+        assert len(np.unique(picture.reshape(-1, 3), axis=0)) > 30
     bar = slice(470, 600)  # right of the specimen: its colour bar, and what that says
     np.testing.assert_array_equal(first[60:, bar], last[60:, bar])
     assert (first[60:, :470] != last[60:, :470]).any()
@@ -106,19 +100,31 @@ def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path
     assert left == ["sigma_1/own.png", "sigma_1/step_0001.png", "sigma_3/step_0000.png"]
 
 
-def test_what_is_not_there_is_refused(folder: Path, tmp_path: Path) -> None:
-    with pytest.raises(FolderError, match=r"has no frame of step 7, 9; it has those of 0 to 3$"):
-        list(render.render(folder, steps=[0, 7, 9], out=tmp_path))
-    spans = [range(2, 10_000), range(5000, 10**9), 2 * 10**9]  # as numbers they would take memory, and the screen
-    with pytest.raises(FolderError, match=r"has no frame of step 4 to 999999999, 2000000000; it has those of 0 to 3$"):
-        list(render.render(folder, steps=spans, out=tmp_path))
-    with pytest.raises(FolderError, match=r"no field 'sigma_2'; it has displacement, stress_xx, .*sigma_3"):
-        list(render.render(folder, "sigma_2", out=tmp_path))
-    with pytest.raises(FolderError, match="not a folder of results"):
-        list(render.render(tmp_path))
-    without = make_run(tmp_path / "without", ["growth.steps=0"])
+@pytest.mark.parametrize(("field", "steps", "told"), [
+    ("sigma_1", [0, 7, 9], r"has no frame of step 7, 9; it has those of 0 to 3$"),
+    # as numbers they would take memory, and the screen
+    ("sigma_1", [range(2, 10_000), range(5000, 10**9), 2 * 10**9],
+     r"has no frame of step 4 to 999999999, 2000000000; it has those of 0 to 3$"),
+    ("sigma_2", None, r"no field 'sigma_2'; it has displacement, stress_xx, .*sigma_3"),
+])  # fmt: skip
+def test_what_is_not_there_is_refused(
+    field: str, steps: list[int | range] | None, told: str, folder: Path, tmp_path: Path
+) -> None:
+    with pytest.raises(FolderError, match=told):
+        list(render.render(folder, field, steps=steps, out=tmp_path))
+
+
+def test_a_run_without_frames_has_a_report_but_no_pictures(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    run, empty = make_run(tmp_path / "run", ["growth.steps=0", "output.report=false"]), str(tmp_path)
+    assert not (run / "report.html").exists()
+    assert cli.main(["report", str(run)]) == 0
+    assert capsys.readouterr().out == f"{run / 'report.html'}\n"
+    assert (run / "report.html").is_file()
     with pytest.raises(FolderError, match=r"no frames to draw: run the case with output\.frames=every_step"):
-        list(render.render(without))
+        list(render.render(run))
+    for command in ("report", "render"):
+        assert cli.main([command, empty]) == 3
+        assert capsys.readouterr().err.startswith(f"crackgrow: {empty} is not a folder of results: summary.json")
 
 
 def test_gif_shows_the_pictures_in_order(tmp_path: Path) -> None:
@@ -136,11 +142,13 @@ def test_gif_shows_the_pictures_in_order(tmp_path: Path) -> None:
             assert set(np.unique(np.asarray(film.convert("L")))) == {shade}
 
 
-def test_mp4_is_made_by_ffmpeg_and_refused_without(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mp4_is_made_by_ffmpeg_and_refused_without(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     Image.new("RGB", (31, 21)).save(tmp_path / "0.png")
     monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(OutputError, match="an MP4 needs ffmpeg, which is not found"):
-        render.write_mp4(tmp_path / "a.mp4", [tmp_path / "0.png"])
+    assert cli.main(["render", str(tmp_path), "--mp4"]) == 3  # before anything is read
+    assert "an MP4 needs ffmpeg, which is not found" in capsys.readouterr().err
     program = tmp_path / "ffmpeg"  # a stand-in: writes what it is given to its last argument, or fails
     program.write_text(
         f"#!{sys.executable}\nimport sys\nframes = sys.stdin.buffer.read()\n"
@@ -158,9 +166,8 @@ def test_view_without_a_display_says_what_to_do(folder: Path, monkeypatch: pytes
     monkeypatch.setattr(view.sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
-    with pytest.raises(
-        view.NoDisplayError, match=f"no display to open a window on: `crackgrow render {folder}`"
-    ) as told:
+    words = f"no display to open a window on: `crackgrow render {folder}`"
+    with pytest.raises(view.NoDisplayError, match=words) as told:
         view.view(folder)
     assert told.value.exit_code == 3
 
@@ -191,18 +198,6 @@ def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: P
     plotter.close()
 
 
-def test_render_needs_no_display(folder: Path, tmp_path: Path) -> None:
-    environment = {key: value for key, value in os.environ.items() if key not in ("DISPLAY", "WAYLAND_DISPLAY")}
-    root = Path(__file__).resolve().parents[3]
-    command = [sys.executable, "-m", "crackgrow", "render", str(folder), "--steps", "1-2", "--size", "200x280"]
-    done = subprocess.run(
-        [*command, "--out", str(tmp_path)], capture_output=True, text=True, check=False, cwd=root,
-        env=environment | {"PYTHONPATH": str(root)},
-    )  # fmt: skip
-    assert (done.returncode, done.stderr) == (0, "")
-    assert [Path(line).name for line in done.stdout.splitlines()] == ["step_0001.png", "step_0002.png", "animation.gif"]
-
-
 @pytest.mark.parametrize(("limits", "wanted"), [(("-20", "5"), (-20.0, 5.0)), (("-20 MPa", "5000 kPa"), (-20.0, 5.0))])
 def test_limits_of_colours_are_in_the_unit_of_the_bar_or_have_one(limits: tuple[str, str], wanted: tuple[float, float]):
     assert field_picture.limits_of("sigma_1", limits, (1e6, "MPa")) == pytest.approx(wanted)
@@ -224,20 +219,17 @@ def test_limits_below_zero_are_no_options(limits: tuple[str, str]) -> None:
     assert command_line().parse_args(["render", "outputs/x", "--range", *limits]).range == list(limits)
 
 
-def test_colours_end_at_the_limits_that_are_asked_for(folder: Path) -> None:
-    frames = [drawn_frame(open_run(folder), 2, "sigma_1")]
-    pictures = field_picture.FieldPictures("", "sigma_1", frames, {}, Look(limits=("-2 MPa", "1 MPa")))
-    assert (pictures.norm.vmin, pictures.norm.vmax) == pytest.approx((-2e6 / pictures.unit[0], 1e6 / pictures.unit[0]))
-
-
-@pytest.mark.parametrize(("limits", "signed"), [(("-2", "2"), True), (("-20", "5"), False), (("0", "5"), False)])
-def test_white_between_two_colours_is_zero(folder: Path, limits: tuple[str, str], signed: bool) -> None:
-    frames = [drawn_frame(open_run(folder), 2, "sigma_1")]
-    both = replace(frames[0], values=np.linspace(-1e7, 1e7, len(frames[0].values)))
+@pytest.mark.parametrize(("limits", "wanted", "signed"), [
+    (("-2 MPa", "1 MPa"), (-2e6, 1e6), False),
+    (("-2 MPa", "2 MPa"), (-2e6, 2e6), True),
+    (("0 MPa", "5 MPa"), (0.0, 5e6), False),
+])  # fmt: skip
+def test_colours_end_at_the_limits_and_white_between_two_of_them_is_zero(
+    folder: Path, limits: tuple[str, str], wanted: tuple[float, float], signed: bool
+) -> None:
+    frame = drawn_frame(open_run(folder), 2, "sigma_1")
+    both = replace(frame, values=np.linspace(-1e7, 1e7, len(frame.values)))
     pictures = field_picture.FieldPictures("", "sigma_1", [both], {}, Look(limits=limits))
+    shown = (pictures.norm.vmin * pictures.unit[0], pictures.norm.vmax * pictures.unit[0])
+    assert shown == pytest.approx(wanted)
     assert (pictures.colormap == "RdBu_r") is signed
-
-
-@pytest.mark.parametrize(("factor", "text"), [(0.5, "0.5"), (18.93, "18.9"), (5502.0, "5500"), (1e5, "100000")])
-def test_magnifications_are_read_easily(factor: float, text: str) -> None:
-    assert factor_text(factor) == text

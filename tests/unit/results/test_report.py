@@ -80,11 +80,30 @@ def rows(folder: Path, name: str) -> list[dict[str, str]]:
         return list(csv.DictReader(file))
 
 
+def numbers(table: list[dict[str, str]], name: str) -> list[float]:
+    return [float(row[name]) for row in table]
+
+
 def in_si(shown: float | None, label: str) -> float:
     """A number of the page as it is in the tables, by the unit in its label."""
     match = re.search(r"\[([GMkmµn]?)(?:Pa|m|J/m)(?:√m)?\]", label)
     assert match, label
     return math.nan if shown is None else shown * PREFIXES[match[1]]
+
+
+def told_of(folder: Path, target: Path, summary: dict[str, Any], steps: dict[int, dict[str, str]]) -> str:
+    """The words of the page of a run whose summary and rows of steps.csv are changed, with | between elements."""
+    copy = Path(shutil.copytree(folder, target / "changed"))
+    told = json.loads((copy / "summary.json").read_text())
+    (copy / "summary.json").write_text(json.dumps(told | summary))
+    table = rows(copy, "steps.csv")
+    for number, cells in steps.items():
+        table[number] |= cells
+    with (copy / "steps.csv").open("w", newline="") as out:
+        writer = csv.DictWriter(out, list(table[0]))
+        writer.writeheader()
+        writer.writerows(table)
+    return re.sub(r"(\s*<[^>]*>\s*)+", "|", write_report(copy).read_text(encoding="utf-8"))
 
 
 def test_page_is_well_formed_and_needs_no_network(page: Page) -> None:
@@ -110,24 +129,22 @@ def test_everything_from_the_case_is_escaped(page: Page, folder: Path) -> None:
 def test_tips_are_those_of_the_table(page: Page, folder: Path) -> None:
     tips, table = page.data["tips"], rows(folder, "tips.csv")
     shown = [row for step in sorted(tips["steps"], key=int) for row in tips["steps"][step]]
-    assert [row[:2] for row in shown] == [[row["crack"], row["tip"]] for row in table]
+    assert [(*row[:2], row[8]) for row in shown] == [(row["crack"], row["tip"], row["criterion"]) for row in table]
     for column, name in enumerate(("K_I", "K_II", "K_growth", "sigma_1", "sigma_3"), start=2):
         values = [in_si(row[column], tips["header"][column]) for row in shown]
-        np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING)
-    assert [row[8] for row in shown] == [row["criterion"] for row in table]
+        np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING)
     for column, name in ((7, "criticality"), (9, "kink_deg")):
-        np.testing.assert_allclose([row[column] for row in shown], [float(row[name]) for row in table], rtol=ROUNDING)
+        np.testing.assert_allclose([row[column] for row in shown], numbers(table, name), rtol=ROUNDING)
 
 
 def test_contact_points_are_those_of_the_table(page: Page, folder: Path) -> None:
     contact, table = page.data["contact"], rows(folder, "contact.csv")
     assert not contact["left_out"]
-    steps = contact["surfaces"]["flaw"]
+    steps = [step for _, step in sorted(contact["surfaces"]["flaw"].items(), key=lambda item: int(item[0]))]
     for name, unit in contact["units"].items():
-        values = [in_si(value, f"[{unit}]") for step in sorted(steps, key=int) for value in steps[step][name]]
-        np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING)
-    states = [state for step in sorted(steps, key=int) for state in steps[step]["state"]]
-    assert states == [row["state"] for row in table]
+        values = [in_si(value, f"[{unit}]") for step in steps for value in step[name]]
+        np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING)
+    assert [state for step in steps for state in step["state"]] == [row["state"] for row in table]
 
 
 def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> None:
@@ -139,22 +156,34 @@ def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> Non
     }.items():
         chart = charts[title]
         for line, name in zip(chart["series"], names, strict=True):
-            assert line["x"] == [int(row["step"]) for row in table]
+            assert line["x"] == numbers(table, "step")
             values = [in_si(value, chart["ylabel"]) for value in line["y"]]
-            np.testing.assert_allclose(values, [float(row[name]) for row in table], rtol=ROUNDING, atol=1e-300)
-    assert "Load curve" not in charts  # the load is the same at every step
+            np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING, atol=1e-300)
+    assert not {"Load curve", "Growth in time"} & set(
+        charts
+    )  # the load is the same at every step, growth takes no time
     (start, _) = charts["Criticality"]["series"]
-    of_tip = [float(row["criticality"]) for row in rows(folder, "tips.csv") if row["tip"] == start["name"].split()[-1]]
-    np.testing.assert_allclose(start["y"], of_tip, rtol=ROUNDING)
+    of_tip = [row for row in rows(folder, "tips.csv") if row["tip"] == start["name"].split()[-1]]
+    np.testing.assert_allclose(start["y"], numbers(of_tip, "criticality"), rtol=ROUNDING)
 
 
-def test_a_load_that_varies_gets_its_curve(tmp_path: Path) -> None:
-    charts = {chart["title"]: chart for chart in read(make_run(tmp_path, ["loading=critical"])).data["charts"]}
-    curve = charts["Load curve"]["series"][0]
+@pytest.mark.parametrize(("case", "settings", "title", "x", "y"), [
+    ("compression30", ["loading=critical"], "Load curve", "load_displacement", "load_factor"),
+    ("edge_tension", SLOWLY, "Growth in time", "time", "crack_length"),
+])  # fmt: skip
+def test_loads_that_vary_and_growth_that_takes_time_have_their_curves(
+    case: str, settings: list[str], title: str, x: str, y: str, tmp_path: Path
+) -> None:
+    make_run(tmp_path, settings, case=case)
+    chart = next(chart for chart in read(tmp_path).data["charts"] if chart["title"] == title)
     table = rows(tmp_path, "steps.csv")
-    np.testing.assert_allclose(curve["y"], [float(row["load_factor"]) for row in table], rtol=ROUNDING)
-    shown = [in_si(value, charts["Load curve"]["xlabel"]) for value in curve["x"]]
-    np.testing.assert_allclose(shown, [float(row["load_displacement"]) for row in table], rtol=ROUNDING)
+    (series,) = chart["series"]
+    for name, shown, label in ((x, series["x"], chart["xlabel"]), (y, series["y"], chart["ylabel"])):
+        values = shown if name in ("time", "load_factor") else [in_si(value, label) for value in shown]
+        np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING)
+    if x == "time":
+        assert chart["xlabel"] == "time [s]"
+        assert numbers(table, x)[-1] == json.loads((tmp_path / "summary.json").read_text())["time"] > 0.0
 
 
 def scene_steps(page: Page, kind: str = "step") -> list[int]:
@@ -188,8 +217,7 @@ def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, error
     page = read(tmp_path)
     assert page.content["strong"] == status
     assert "no solution <here>" in page.content["p"]
-    assert page.data["places"] == [0]
-    assert scene_steps(page) == [0]
+    assert page.data["places"] == scene_steps(page) == [0]
 
 
 def test_a_run_that_failed_later_shows_what_was_solved(tmp_path: Path) -> None:
@@ -197,7 +225,7 @@ def test_a_run_that_failed_later_shows_what_was_solved(tmp_path: Path) -> None:
     assert page.content["strong"] == "failed"
     assert "no solution at all" in page.content["p"]
     assert page.data["places"] == [0, 1]
-    assert len(page.data["tips"]["steps"]) == 2
+    assert set(page.data["tips"]["steps"]) == {"0", "1"}
 
 
 def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: Path) -> None:
@@ -205,11 +233,6 @@ def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: P
         if file.name != "report.html":
             (tmp_path / file.name).write_bytes(file.read_bytes())
     assert write_report(tmp_path).read_bytes() == (folder / "report.html").read_bytes()
-
-
-def test_no_report_where_none_is_wanted(tmp_path: Path) -> None:
-    make_run(tmp_path, ["output.report=false", "growth.steps=0"])
-    assert not (tmp_path / "report.html").exists()
 
 
 def copied(folder: Path, to: Path) -> Path:
@@ -227,43 +250,26 @@ def test_rows_of_a_step_that_a_kill_left_half_written_are_left_out(folder: Path,
     assert set(read(copy).data["tips"]["steps"]) == {"0", "1", "2"}
 
 
-@pytest.mark.parametrize(
-    ("name", "text", "message"),
-    [
-        ("summary.json", '{"case": "comp', "line 1"),
-        ("summary.json", "[]", "it is no mapping"),
-        ("summary.json", '{"case": "a"}', "it has no title, status"),
-        ("summary.json", "\udcff", "utf-8"),
-        ("steps.csv", "", "it has no column step; its columns are none"),
-        ("contact.csv", "step,crack\n0,flaw\n", "it has no column s; its columns are step, crack"),
-        ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1\n", "row 1 has 3 values, the header has 5"),
-        ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1e,0.1,0\n", "x: could not convert"),
-        ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1,0.1,\n", "step: invalid literal"),
-    ],
-)
+@pytest.mark.parametrize(("name", "text", "message"), [
+    ("summary.json", '{"case": "comp', "line 1"),
+    ("summary.json", "[]", "it is no mapping"),
+    ("summary.json", '{"case": "a"}', "it has no title, status"),
+    ("summary.json", "\udcff", "utf-8"),
+    ("steps.csv", "", "it has no column step; its columns are none"),
+    ("contact.csv", "step,crack\n0,flaw\n", "it has no column s; its columns are step, crack"),
+    ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1\n", "row 1 has 3 values, the header has 5"),
+    ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1e,0.1,0\n", "x: could not convert"),
+    ("paths.csv", "crack,vertex,x,y,step\nflaw,0,0.1,0.1,\n", "step: invalid literal"),
+    ("figures/sigma_1_last.png", "half a picture", "cannot identify image file"),
+])  # fmt: skip
 def test_damaged_files_are_named(folder: Path, tmp_path: Path, name: str, text: str, message: str) -> None:
     copy = copied(folder, tmp_path)
+    (copy / name).parent.mkdir(exist_ok=True)
     (copy / name).write_text(text, encoding="utf-8", errors="surrogateescape")
-    with pytest.raises(
-        FolderError, match=f"{re.escape(str(copy / name))} is damaged, or of another version: .*"
-    ) as got:
+    damaged = f"{re.escape(str(copy / name))} is damaged(, or of another version)?: "
+    with pytest.raises(FolderError, match=damaged) as got:
         write_report(copy)
     assert message in str(got.value)
-
-
-def test_figures_are_shown_however_large_they_are_and_damaged_ones_named(folder: Path, tmp_path: Path) -> None:
-    copy = copied(folder, tmp_path)
-    shutil.rmtree(copy / "render", ignore_errors=True)
-    (copy / "figures").mkdir(exist_ok=True)
-    noise = np.random.default_rng(0).integers(0, 256, (900, 900, 3), dtype=np.uint8)
-    path = copy / "figures" / "sigma_1_last.png"
-    Image.fromarray(noise).save(path)
-    write_report(copy)
-    (shown,) = read(copy).data["pictures"]
-    assert shown["uri"].startswith("data:image/jpeg;base64,")
-    path.write_bytes(path.read_bytes()[:1000])
-    with pytest.raises(FolderError, match=f"{re.escape(str(path))} is damaged"):
-        write_report(copy)
 
 
 def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -281,87 +287,41 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
 
 
-@pytest.mark.parametrize(
-    ("value", "verdict"), [("2e-10", "ok"), ("2e-9", "above the limit"), ("nan", "above the limit")]
-)
-def test_a_check_beyond_its_limit_is_told(folder: Path, tmp_path: Path, value: str, verdict: str) -> None:
-    copy(folder, tmp_path, "steps.csv", {2: {"residual": value}})
-    write_report(tmp_path)
-    text = (tmp_path / "report.html").read_text()
-    row = re.search(r"<tr><td[^>]*>equilibrium residual</td>(.*?)</tr>", text)
-    assert row is not None
-    assert re.sub("<.*?>", "|", row[1]).strip("|").split("||")[1] == "2"
-    assert f">{verdict}</span>" in row[1]
+COMMIT = "0123456789abcdef"
+ESTIMATE = {"energy_norm_percent": {"first": 4.25, "last": None}, "of_another_version": 7.0,
+            "K_percent_at_most": 0.75, "K_percent_expected": 0.25}  # fmt: skip
 
 
-def copy(folder: Path, target: Path, name: str, changes: dict[int, dict[str, str]]) -> None:
-    """Copy a run with some cells of a table changed, by number of the row."""
-    for file in folder.glob("*.*"):
-        (target / file.name).write_bytes(file.read_bytes())
-    table = rows(folder, name)
-    for number, cells in changes.items():
-        table[number] |= cells
-    with (target / name).open("w", newline="") as out:
-        writer = csv.DictWriter(out, list(table[0]))
-        writer.writeheader()
-        writer.writerows(table)
-
-
-def test_estimates_of_error_are_shown_where_the_run_makes_some(folder: Path, tmp_path: Path) -> None:
-    copy(folder, tmp_path, "steps.csv", {})
-    summary = json.loads((tmp_path / "summary.json").read_text())
-    estimate = {
-        "energy_norm_percent": {"first": 4.25, "last": None},
-        "of_another_version": 7.0,
-        "K_percent_at_most": 0.75,
-        "K_percent_expected": 0.25,
-    }
-    (tmp_path / "summary.json").write_text(json.dumps(summary | {"error_estimate": estimate}))
-    write_report(tmp_path)
-    cells = re.findall(r"<td[^>]*>([^<]*)</td>", (tmp_path / "report.html").read_text())
-    at = cells.index("energy norm, first step [%]")
-    assert cells[at : at + 8] == [
-        "energy norm, first step [%]", "4.25",
-        "K, error that is expected, over the largest K of its step [%]", "0.25",
-        "K, error at most, over the largest K of its step [%]", "0.75",
-        "of_another_version", "7",
-    ]  # fmt: skip
-
-
-def test_the_legend_of_a_scene_names_what_is_there_and_nothing_else(folder: Path, tmp_path: Path) -> None:
-    assert "black: the given cracks; grown in step 1 <span" in (folder / "report.html").read_text()
-
-    def page(name: str) -> str:
-        case = shipped_case(name, ["output.frames=none", "output.figures=false", "numerics.spacing=0.25"])
-        run_case(case, tmp_path / name)
-        return (tmp_path / name / "report.html").read_text()
-
-    assert 'class="legend"' not in page("block_rigid")
-    assert "K, error" not in page("block_rigid")
-    assert '<p class="legend">violet: interfaces, dashed unless bonded</p>' in page("interface_friction01")
-
-
-@pytest.mark.parametrize(
-    ("commit", "modified", "told"),
-    [
-        (None, None, ""),
-        ("0123456789abcdef", False, " (0123456789ab)"),
-        ("0123456789abcdef", True, " (0123456789ab, modified)"),
-    ],
-)
-def test_commit_is_told_where_there_is_one(
-    folder: Path, tmp_path: Path, commit: str | None, modified: bool | None, told: str
+@pytest.mark.parametrize(("summary", "steps", "told"), [
+    ({}, {2: {"residual": "2e-10"}}, "|equilibrium residual|2e-10|2|1e-09|ok|"),
+    ({}, {2: {"residual": "2e-9"}}, "|equilibrium residual|2e-09|2|1e-09|above the limit|"),
+    ({}, {2: {"residual": "nan"}}, "|equilibrium residual|\N{EN DASH}|2|1e-09|above the limit|"),
+    ({"error_estimate": ESTIMATE}, {},
+     "|energy norm, first step [%]|4.25|K, error that is expected, over the largest K of its step [%]|0.25|"
+     "K, error at most, over the largest K of its step [%]|0.75|of_another_version|7|"),
+    ({"version": "7", "git_commit": None, "git_modified": None}, {}, "crackgrow 7 "),  # an installed program
+    ({"version": "7", "git_commit": COMMIT, "git_modified": False}, {}, "crackgrow 7 (0123456789ab) "),
+    ({"version": "7", "git_commit": COMMIT, "git_modified": True}, {}, "crackgrow 7 (0123456789ab, modified) "),
+    ({}, {}, "|black: the given cracks; grown in step 1|"),
+])  # fmt: skip
+def test_checks_estimates_version_and_legend_are_told(
+    summary: dict[str, Any], steps: dict[int, dict[str, str]], told: str, folder: Path, tmp_path: Path
 ) -> None:
-    """An installed program is of no commit."""
-    copy(folder, tmp_path, "steps.csv", {})
-    summary = json.loads((tmp_path / "summary.json").read_text()) | {"git_commit": commit, "git_modified": modified}
-    (tmp_path / "summary.json").write_text(json.dumps(summary))
-    write_report(tmp_path)
-    assert f"crackgrow {summary['version']}{told} " in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert told in told_of(folder, tmp_path, summary, steps)
+
+
+@pytest.mark.parametrize(("name", "legend"), [
+    ("block_rigid", None), ("interface_friction01", "violet: interfaces, dashed unless bonded")
+])  # fmt: skip
+def test_the_legend_of_a_scene_names_nothing_that_is_not_there(name: str, legend: str | None, tmp_path: Path) -> None:
+    run_case(shipped_case(name, ["output.frames=none", "output.figures=false", "numerics.spacing=0.25"]), tmp_path)
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert re.findall('<p class="legend">(.*?)</p>', text) == ([legend] if legend else [])
+    assert legend or "K, error" not in text
 
 
 def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
-    copy(folder, tmp_path, "steps.csv", {})
+    tmp_path = copied(folder, tmp_path)
     n_steps = 150
     for name, n in (("steps.csv", 1), ("tips.csv", 200), ("contact.csv", 400)):
         like = rows(folder, name)[-1]
@@ -386,16 +346,3 @@ def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
     steps = [picture["step"] for picture in data["pictures"]]
     assert steps[-1] == n_steps - 1
     assert steps[0] < 60  # thinned, not cut off
-
-
-def test_growth_that_takes_time_is_drawn_in_time(page: Page, tmp_path: Path) -> None:
-    slow = make_run(tmp_path, SLOWLY, case="edge_tension")
-    (chart,) = [chart for chart in read(slow).data["charts"] if chart["title"] == "Growth in time"]
-    (series,) = chart["series"]
-    steps, summary = rows(slow, "steps.csv"), json.loads((slow / "summary.json").read_text())
-    time = [float(row["time"]) for row in steps]
-    assert (time[0], time[-1]) == (0.0, summary["time"])
-    assert chart["xlabel"] == "time [s]"
-    np.testing.assert_allclose(series["x"], time, rtol=ROUNDING)
-    np.testing.assert_allclose(series["y"], [1e3 * float(row["crack_length"]) for row in steps], rtol=ROUNDING)
-    assert "Growth in time" not in [chart["title"] for chart in page.data["charts"]]

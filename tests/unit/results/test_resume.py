@@ -21,14 +21,13 @@ from crackgrow.results.checkpoint_file import (
     read_checkpoint,
     steps_with_checkpoint,
 )
-from crackgrow.results.resume import ResumeError, find_resumption
+from crackgrow.results.resume import ResumeError, Resumption, find_resumption
 from crackgrow.run.result import Checkpoint
 from tests.properties.broken_off import contents
 from tests.scenes import shipped_case
 
 CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
-HISTORY = ("numerics.spacing=10", "output.frames=none", "output.figures=false", "loading.history=[0.5, 1.0]")
 
 
 def case(*settings: str, name: str = "compression30") -> Case:
@@ -39,6 +38,13 @@ def run(folder: Path, *settings: str, name: str = "compression30", resume: bool 
     words = [word for setting in (*COARSE, *settings) for word in ("--set", setting)]
     more = ["--resume"] if resume else []
     return cli.main(["run", str(CASES / f"{name}.yaml"), "--out", str(folder), *words, *more])
+
+
+def found_in(folder: Path, *settings: str) -> Resumption:
+    """Where a run in a folder goes on."""
+    found = find_resumption(case(*settings), folder)
+    assert found is not None
+    return found
 
 
 @pytest.fixture(scope="module")
@@ -84,9 +90,8 @@ def test_a_finished_run_says_so_and_is_left_alone(copy: Path, capsys: pytest.Cap
 def test_frames_and_pictures_of_steps_to_come_go(tmp_path: Path) -> None:
     frames = ("output.frames=every_step", "growth.steps=1")
     assert run(tmp_path, *frames) == 0
-    stale = [
-        tmp_path / name for name in ("frames/step_0007.vtu", "cracks/.step_0001.tmp.vtp", "frames/.step_0001.tmp.vtu")
-    ]
+    names = ("frames/step_0007.vtu", "cracks/.step_0001.tmp.vtp", "frames/.step_0001.tmp.vtu")
+    stale = [tmp_path / name for name in names]
     pictures = [tmp_path / "render" / "sigma_1" / name for name in ("step_0000.png", "animation.gif")]
     for path in (*stale, *pictures):
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -114,9 +119,7 @@ def test_a_finished_run_goes_on_for_more_steps(copy: Path, tmp_path: Path) -> No
 
 
 def test_what_has_no_part_in_results_may_change(done: Path) -> None:
-    other = case("growth.steps=9", "title=Another", "source=none", "output.figures=true")
-    found = find_resumption(other, done)
-    assert found is not None
+    found = found_in(done, "growth.steps=9", "title=Another", "source=none", "output.figures=true")
     assert (found.finished, found.checkpoint.step, found.remarks) == (None, 2, ())
 
 
@@ -132,61 +135,44 @@ def test_a_changed_case_is_refused_with_what_has_changed(copy: Path, capsys: pyt
     assert contents(copy) == before
 
 
-def test_another_case_is_refused(done: Path) -> None:
-    with pytest.raises(ResumeError, match="name: compression30 then, compression45 now"):
-        find_resumption(case("growth.steps=2", name="compression45"), done)
-
-
-def test_fewer_steps_than_are_done_are_refused(done: Path) -> None:
-    with pytest.raises(ResumeError, match="has 2 steps already, 1 are asked for"):
-        find_resumption(case("growth.steps=1"), done)
-
-
-def test_load_factors_to_come_may_change_and_those_before_not(tmp_path: Path) -> None:
-    assert run(tmp_path / "short", *HISTORY, name="cyclic_friction") == 0
-    changed = [*HISTORY[:-1], "loading.history=[0.6, 1.0, 0.2]"]
-    with pytest.raises(ResumeError, match=r"loading\.history"):
-        find_resumption(case(*changed, name="cyclic_friction"), tmp_path / "short")
-    longer = [*HISTORY[:-1], "loading.history=[0.5, 1.0, 0.2]"]
-    assert run(tmp_path / "short", *longer, name="cyclic_friction", resume=True) == 0
-    assert run(tmp_path / "at once", *longer, name="cyclic_friction") == 0
-    assert contents(tmp_path / "short") == contents(tmp_path / "at once")
-
-
-STAGES = (
-    "numerics.spacing=10", "output.frames=none", "output.figures=false", "loading.history=null",
-    *(f"loads.{number}.name=shear" for number in range(2, 6)),
-)  # fmt: skip
+HISTORY, STAGES = "loading.history=[{}]", "loading={{stages: [{}]}}"
 FACTORS = "{factor: 0.5}, {name: more, factor: 1}"
 NAMED = "{loads: {shear: 0.5}}, {name: more, loads: {shear: 1}}"
 
 
-def staged(stages: str) -> tuple[str, ...]:
-    return (*STAGES, f"loading={{stages: [{stages}]}}")
+def cyclic(loading: str) -> list[str]:
+    """Settings of a coarse scene without growth and its loading; four of its loads have a name in stages."""
+    named = ["loading.history=null", *(f"loads.{number}.name=shear" for number in range(2, 6))]
+    return ["numerics.spacing=10", *(named if "stages" in loading else []), loading]
 
 
-@pytest.mark.parametrize(("so_far", "more"), [(FACTORS, "{factor: 0.2}"), (NAMED, "{loads: {shear: 0.2}}")])
-def test_stages_to_come_may_change(tmp_path: Path, so_far: str, more: str) -> None:
-    assert run(tmp_path / "short", *staged(so_far), name="cyclic_friction") == 0
-    longer = staged(f"{so_far}, {more}")
-    assert run(tmp_path / "short", *longer, name="cyclic_friction", resume=True) == 0
-    assert run(tmp_path / "at once", *longer, name="cyclic_friction") == 0
+@pytest.mark.parametrize(("name", "settings", "words"), [
+    ("compression45", ["growth.steps=2"], "name: compression30 then, compression45 now"),
+    ("compression30", ["growth.steps=1"], "has 2 steps already, 1 are asked for"),
+    ("cyclic_friction", cyclic(HISTORY.format("0.5, 1.0")), "the case is not that of the run"),  # it had no history
+])  # fmt: skip
+def test_another_case_and_fewer_steps_are_refused(name: str, settings: list[str], words: str, done: Path) -> None:
+    with pytest.raises(ResumeError, match=words):
+        find_resumption(case(*settings, name=name), done)
+
+
+@pytest.mark.parametrize(("kind", "so_far", "more", "changed"), [
+    (HISTORY, "0.5, 1.0", "0.2", ["0.6, 1.0, 0.2"]),
+    # nor may a later stage name a load of theirs that had no name in stages: it would be off in them
+    (STAGES, FACTORS, "{factor: 0.2}", [FACTORS.replace("0.5", "0.6"), f"{FACTORS}, {{loads: {{shear: 0.5}}}}"]),
+    (STAGES, NAMED, "{loads: {shear: 0.2}}", []),
+])  # fmt: skip
+def test_loads_to_come_may_change_and_those_before_not(
+    kind: str, so_far: str, more: str, changed: list[str], tmp_path: Path
+) -> None:
+    name, longer = "cyclic_friction", cyclic(kind.format(f"{so_far}, {more}"))
+    assert run(tmp_path / "short", *cyclic(kind.format(so_far)), name=name) == 0
+    for other in changed:
+        with pytest.raises(ResumeError, match=r"loading\.(history|stages)"):
+            find_resumption(case(*cyclic(kind.format(other)), name=name), tmp_path / "short")
+    assert run(tmp_path / "short", *longer, name=name, resume=True) == 0
+    assert run(tmp_path / "at once", *longer, name=name) == 0
     assert contents(tmp_path / "short") == contents(tmp_path / "at once")
-
-
-def test_stages_before_may_not_change(tmp_path: Path) -> None:
-    """Nor may a later one name a load of theirs that had no name in stages: it would be off in them."""
-    assert run(tmp_path, *staged(FACTORS), name="cyclic_friction") == 0
-    for changed in (FACTORS.replace("0.5", "0.6"), f"{FACTORS}, {{loads: {{shear: 0.5}}}}"):
-        with pytest.raises(ResumeError, match=r"loading\.stages"):
-            find_resumption(case(*staged(changed), name="cyclic_friction"), tmp_path)
-
-
-def test_load_factors_where_there_were_none_are_a_changed_case(tmp_path: Path) -> None:
-    assert run(tmp_path, "growth.steps=0", "loading=critical") == 0
-    with pytest.raises(ResumeError, match="the case is not that of the run") as caught:
-        find_resumption(case(*HISTORY, name="cyclic_friction"), tmp_path)
-    assert "  loading: critical then, not given now" in str(caught.value)
 
 
 def test_an_empty_folder_is_begun_with(tmp_path: Path) -> None:
@@ -207,14 +193,12 @@ def test_a_damaged_checkpoint_is_told_and_the_one_before_it_taken(copy: Path, da
     data = path.read_bytes()
     place = data.index(b"compression30")
     flipped = data[:place] + b"C" + data[place + 1 :]
-    path.write_bytes(
-        {"cut": data[: len(data) // 2], "flipped": flipped, "empty": b"", "other": b"step,crack\n"}[damage]
-    )
-    found = find_resumption(case("growth.steps=3"), copy)
-    assert found is not None
+    damaged = {"cut": data[: len(data) // 2], "flipped": flipped, "empty": b"", "other": b"step,crack\n"}
+    path.write_bytes(damaged[damage])
+    found = found_in(copy, "growth.steps=3")
     assert found.checkpoint.step == 1
-    assert len(found.remarks) == 1
-    assert "step_0002.npz is damaged" in found.remarks[0]
+    (remark,) = found.remarks
+    assert "step_0002.npz is damaged" in remark
     assert run(copy, "growth.steps=3", resume=True) == 0
     assert any("is damaged" in text for text in json.loads((copy / "summary.json").read_text())["warnings"])
 
@@ -222,20 +206,17 @@ def test_a_damaged_checkpoint_is_told_and_the_one_before_it_taken(copy: Path, da
 def test_tables_that_were_changed_do_not_fit(copy: Path) -> None:
     for name in ("tips.csv", "contact.csv"):
         (copy / name).write_bytes((copy / name).read_bytes().replace(b"\n1,", b"\n7,"))
-    found = find_resumption(case("growth.steps=3"), copy)
-    assert found is not None
+    found = found_in(copy, "growth.steps=3")
     assert found.checkpoint.step == 1  # which counts on step 0 alone
     assert found.remarks == ("the checkpoint of step 2 does not fit tips.csv, contact.csv",)
     (copy / "tips.csv").unlink()
     with pytest.raises(ResumeError, match=r"nothing to go on from.*step 2.*step 1 does not fit tips\.csv"):
-        find_resumption(case("growth.steps=3"), copy)
+        found_in(copy, "growth.steps=3")
 
 
 def test_another_version_goes_on_with_a_warning(copy: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(resume_module, "__version__", "99.0")
-    found = find_resumption(case("growth.steps=3"), copy)
-    assert found is not None
-    assert "gone on with by 99.0" in found.remarks[0]
+    assert "gone on with by 99.0" in found_in(copy, "growth.steps=3").remarks[0]
 
 
 def test_another_format_is_refused(copy: Path) -> None:

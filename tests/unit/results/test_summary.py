@@ -1,81 +1,126 @@
-"""summary.json: how the run ended, and its worst checks with their steps."""
+"""What is told of a run: a line a step, its warnings, and in summary.json its end, worst checks and errors."""
 
 from __future__ import annotations
 
 import json
+import math
 import subprocess
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
 
 from crackgrow import __version__
-from crackgrow.results.summary import Tally, git_state, summarize, summary_text
+from crackgrow.case.model import Case, Stage, Stages
+from crackgrow.results.gathered import MOST_PLACES, Gathered
+from crackgrow.results.log import Progress, step_line, told_line
+from crackgrow.results.summary import K_error, K_spread, Tally, error_line, git_state, summarize, summary_text
 from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.result import RunEnd
-from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
+from crackgrow.run.result import RunEnd, StartResult, StepResult
+from tests.unit.results.synthetic import make_case, make_end, make_result
 
 
-def test_summary_of_a_run() -> None:
+def written(tally: Tally, end: RunEnd) -> dict[str, Any]:
+    """The summary as it reads back."""
+    text = summary_text(summarize(make_case(), Tally.of(tally.record()), end, 12.5, 100.0))
+    summary: dict[str, Any] = json.loads(text)
+    return summary
+
+
+def with_tips(step: int, *changes: dict[str, Any]) -> StepResult:
+    """A step with one tip for each of `changes`: K = (3, -4), of size 5, with room enough."""
+    K = {"K_I": 3.0, "K_II": -4.0, "K_I_error": 0.4, "K_II_error": 0.1, "K_I_spread": 0.02, "K_II_spread": 0.08}
+    tip = replace(make_result(step).tips[1], **K, K_note="")
+    return make_result(step, tips=tuple(replace(tip, **change) for change in changes))
+
+
+def test_the_summary_of_a_run() -> None:
+    """A check that is nan is the worst one, and null in JSON."""
     tally = Tally()
-    for step in range(3):
-        tally.add(make_result(step, cautions=(Caution(Cause.NOTE, "thin cell"),) if step == 2 else ()))
+    for step, residual in enumerate((1e-12, math.nan, 2e-12)):
+        cautions = (Caution(Cause.NOTE, "thin cell"),) if step else ()
+        tally.add(make_result(step, residual=residual, cautions=cautions))
     tally.add_seconds("output", 1.0)
-    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 12.5, 100.0)))
-    assert (summary["case"], summary["title"], summary["version"]) == ("block", "A block with a crack", __version__)
-    assert (summary["status"], summary["stop_reason"]) == ("completed", "2 growth steps done")
-    assert (summary["steps_done"], summary["n_solves"]) == (2, 3)
-    assert summary["n_dofs"] == {"first": 400, "last": 416}
+    summary = written(tally, make_end(2))
+    wanted = {
+        "case": "block", "title": "A block with a crack", "version": __version__, "status": "completed",
+        "stop_reason": "2 growth steps done", "steps_done": 2, "n_solves": 3, "n_dofs": {"first": 400, "last": 416},
+        "warnings": ["steps 1 to 2: thin cell"], "events": [], "peak_memory_mb": 100.0,
+    }  # fmt: skip
+    assert {name: summary[name] for name in wanted} == wanted
     assert summary["wall_seconds"]["total"] == 12.5
     assert summary["wall_seconds"]["by_phase"]["contact"] == 1.2
     assert summary["wall_seconds"]["by_phase"]["output"] == 1.188  # 3 x 0.0625 + 1, in ms
-    assert summary["worst_checks"]["penetration"] == {"value": 2e-15, "step": 1}
-    assert summary["worst_checks"]["residual"] == {"value": 1e-12, "step": 0}
-    assert summary["worst_checks"]["energy_error"] == {"value": 1e-6, "step": 0}
-    assert summary["warnings"] == ["step 2: thin cell"]
+    worst = {"penetration": (2e-15, 1), "residual": (None, 1), "energy_error": (1e-6, 0), "overlap": (2e-9, 0)}
+    for check, (value, step) in worst.items():
+        assert summary["worst_checks"][check] == {"value": value, "step": step}
     (record,) = summary["cautions"]
-    assert (record["cause"], record["words"], record["steps"]) == ("note", "thin cell", [[2, 2]])
-    assert summary["events"] == []
-    assert summary["peak_memory_mb"] > 10
-    assert "git_commit" in summary
+    assert (record["cause"], record["words"], record["steps"]) == ("note", "thin cell", [[1, 2]])
 
 
-def test_nan_check_is_the_worst_and_null_in_json() -> None:
-    tally = Tally()
-    for step, residual in enumerate([1.0, float("nan"), 2.0]):
-        tally.add(make_result(step, residual=residual))
-    summary = json.loads(summary_text(summarize(make_case(), tally, make_end(2), 1.0, 100.0)))
-    assert summary["worst_checks"]["residual"] == {"value": None, "step": 1}
+CROWDED = {"K_note": "the disc is small", "K_I": 9.0, "K_II": -12.0, "K_I_spread": 1.0, "K_II_error": 0.9}
+STUCK = {"sticks": True, "K_I": 9e9, "K_I_error": 9e9, "K_I_spread": 9e9}
+NOTHING = {"K_I": 3e-3, "K_II": -4e-3, "K_radius": 0.1}
 
 
-def test_events_of_the_steps_and_of_an_unsolved_advance_are_listed() -> None:
-    tally = Tally()
-    tally.add(make_result(0))
-    tally.add(make_result(1, events=(make_event(1),)))
-    last = make_event(2, kind="break_through", tip="start", met="the outline of body 'rock'")
-    end = replace(make_end(2), status="broke_through", events=(last,))
-    first, second = json.loads(summary_text(summarize(make_case(), tally, end, 1.0, 100.0)))["events"]
-    x, y = make_event(1).point
-    assert first == {
-        "step": 1,
-        "kind": "coalescence",
-        "crack": "flaw",
-        "tip": "end",
-        "x": x,
-        "y": y,
-        "met": "crack 'b, the second'",
-    }
-    assert (second["step"], second["kind"], second["tip"]) == (2, "break_through", "start")
+@pytest.mark.parametrize(("tips", "stress", "spread", "error"), [
+    ([{}], 0.0, 1.6, 8.0),
+    ([{}, CROWDED], 0.0, 1.6, 6.0),  # the spread is that of tips with room, by their own largest K
+    ([CROWDED], 0.0, math.nan, 6.0),
+    ([{}, {"K_I": 6.0, "K_II": -8.0, "K_I_spread": 0.4}], 0.0, 4.0, 4.0),
+    ([], 0.0, math.nan, math.nan),
+    ([{"K_I": 0.0, "K_II": 0.0}], 0.0, math.nan, math.nan),
+    ([{"K_I": math.nan}], 0.0, math.nan, math.nan),
+    ([STUCK], 0.0, math.nan, math.nan),
+    ([STUCK, {}], 0.0, 1.6, 8.0),
+    # 10 Pa make 10 sqrt(0.1 pi) = 5.6 Pa sqrt(m) of a crack with a half length of a tenth of a metre
+    ([NOTHING], 10.0, math.nan, math.nan),
+    ([NOTHING, {"K_radius": 0.1}], 10.0, 1.6, 8.0),
+    ([NOTHING], 1.0, 1600.0, 8000.0),
+])  # fmt: skip
+def test_errors_of_K_are_relative_to_the_largest_K_of_the_step(
+    tips: list[dict[str, Any]], stress: float, spread: float, error: float
+) -> None:
+    result = replace(with_tips(0, *tips), stress=stress)
+    assert (K_spread(result), K_error(result)) == pytest.approx((spread, error), rel=1e-12, nan_ok=True)
 
 
-def test_summary_of_a_run_without_a_step() -> None:
-    summary = json.loads(summary_text(summarize(make_case(), Tally(), RunEnd("failed", "no support", ()), 1.0, 100.0)))
-    assert (summary["status"], summary["steps_done"], summary["n_dofs"]) == ("failed", 0, None)
+def test_errors_are_those_of_the_worst_step_and_told_in_one_line() -> None:
+    """Directions count at tips that grow."""
+    tally, end = Tally(), replace(make_end(2), norm_error=2.25)
+    for step, size in enumerate((2.0, 3.0, 1.0)):
+        K = {"K_I_error": 0.2 * size, "K_II_spread": 0.04 * size, "K_error_expected": 0.05 * size}
+        grows, waits = {"advanced": True, "kink_error_deg": size}, {"advanced": False, "kink_error_deg": 90.0}
+        result = replace(with_tips(step, grows | K, waits), load_factor_error=4.0 * size, goal_error=0.5 * size)
+        tally.add(replace(result, norm_error=1.5 if step == 0 else math.nan))
+    found = written(tally, end)["error_estimate"]
+    assert found.pop("energy_norm_percent") == {"first": 1.5, "last": 2.25}
+    assert found == pytest.approx({
+        "K_percent_at_most": 12.0, "K_percent_expected": 3.0, "K_spread_percent": 2.4, "kink_degrees_at_most": 3.0,
+        "load_factor_percent_at_most": 12.0, "goal_percent_at_most": 1.5,
+    })  # fmt: skip
+    assert error_line(tally, end) == (
+        "estimated error: 2.2 % of the energy norm, K by an expected 3 %, at most 12 % of the largest, directions of "
+        "growth by 3 degrees, critical load factors by 12 %, numerics.goal by at most 1.5 % of its largest value"
+    )
+
+
+def test_what_is_unknown_is_null_and_not_told() -> None:
+    tally, end = Tally(), make_end(0)
+    tally.add(with_tips(0))
+    found = written(tally, end)["error_estimate"]
+    assert found.pop("energy_norm_percent") == {"first": None, "last": None}
+    assert set(found.values()) == {None}
+    assert error_line(tally, end) == ""
+    tally.add(with_tips(1, {}))
+    assert error_line(tally, end) == "estimated error: K by at most 8 % of the largest"
 
 
 def git(folder: Path, *words: str) -> str:
-    identity = ["-c", "user.name=a", "-c", "user.email=a@b"]
-    return subprocess.run(
-        ["git", "-C", str(folder), *identity, *words], check=True, capture_output=True, text=True
-    ).stdout.strip()
+    command = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b", *words]
+    return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
 
 
 def test_git_state_is_that_of_the_top_of_a_checkout(tmp_path: Path) -> None:
@@ -92,3 +137,100 @@ def test_git_state_is_that_of_the_top_of_a_checkout(tmp_path: Path) -> None:
     assert git_state(tmp_path / "inner") == (None, None)
     (tmp_path / "a").write_text("2")
     assert git_state(tmp_path) == (commit, True)
+
+
+GROWS = ", criticality 1.2, grows at K 1.67 MPa sqrt(m), "
+STILL = ", criticality 0.2, no tip advanced, "
+START = "most critical start at (0 m, -20 mm) (tension), criticality 0.871"
+
+
+@pytest.mark.parametrize(("step", "tips", "told"), [
+    (1, [0, 1], {GROWS}),
+    (1, [0], {STILL, START}),
+    (2, [0], {START}),  # the last step: no tip was to advance
+    (1, [], {START}),
+])  # fmt: skip
+def test_a_step_tells_how_critical_its_tips_are_or_the_place_where_a_crack_may_start(
+    step: int, tips: list[int], told: set[str]
+) -> None:
+    result = make_result(step, start=StartResult(np.array([8e-17, -0.02]), "tension", 0.8712))
+    result = replace(result, tips=tuple(result.tips[number] for number in tips))
+    line = told_line(result, make_case(), 0.0)
+    assert {words for words in (GROWS, STILL, START) if words in line} == told
+    assert ("criticality" in line.replace(START, "")) == bool(tips)
+    logged = step_line(result, 3)
+    assert {words for words in (GROWS, START) if words in logged} == told - {STILL}
+
+
+def said_of(case: Case, *results: StepResult) -> list[list[str]]:
+    """Parts of the lines of the steps."""
+    said: list[str] = []
+    progress = Progress(case, lambda text, end: said.append(text), width=None)
+    for result in results:
+        progress.show(result)
+    return [text.split(", ") for text in said if text.startswith("step")]
+
+
+def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
+    tip = replace(make_result(0).tips[1], K_II=0.0)
+    lines = said_of(make_case(), *(make_result(0, tips=(replace(tip, K_I=K),)) for K in (114.0, 1.1e6, 0.9e6)))
+    told = [part.partition("K_I ")[2] for line in lines for part in line if " K_I " in part]
+    assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
+
+
+def test_a_stage_is_told_by_its_name() -> None:
+    stages = Stages(Stage("", 0.0, (), ()), tuple(Stage(name, 1.0, (), ()) for name in ("at rest", "excavated")))
+    results = (make_result(0, load_factor=factor) for factor in (1.0, 2.0, 1.5))
+    lines = said_of(replace(make_case(), loading=stages), *results)
+    assert [line[1] for line in lines] == ["stage 'at rest'", "stage 'excavated'", "load factor 1.5"]
+
+
+def overlap(name: str, percent: float) -> Caution:
+    return Caution(Cause.OVERLAP, f"'{name}' overlaps by {percent:g} %", f"'{name}'", percent)
+
+
+CLOSE = Caution(Cause.RIPPLE, "close", "tip")
+
+
+@pytest.mark.parametrize(("cautions", "sentences"), [
+    (  # a cause tells its worst place and lists the others
+        {step: [overlap("a", 5), overlap("b", 30 if step == 7 else 6), *[overlap("c", 1)] * (step == 14)]
+         for step in range(3, 15)},
+        ["steps 3 to 14, worst 7: 'b' overlaps by 30 %; likewise 'a', 'c'"],
+    ),
+    (  # the important ones come first
+        {0: [Caution(Cause.LEFT_OUT, "left out"), Caution(Cause.SAWING, "saw")],
+         1: [Caution(Cause.UNBALANCED, "unbalanced")]},
+        ["step 1: unbalanced", "step 0: saw", "step 0: left out"],
+    ),
+    ({step: [CLOSE] for step in (0, 2, 3, 4, 9)}, ["steps 0, 2 to 4, 9: close"]),
+    (  # notes that differ in numbers alone are one
+        {1: [Caution(Cause.NOTE, "left K_II at 0.12 of K"), Caution(Cause.NOTE, "another method")],
+         2: [Caution(Cause.NOTE, "left K_II at 3e-05 of K")]},
+        ["steps 1 to 2: left K_II at 0.12 of K", "step 1: another method"],
+    ),
+])  # fmt: skip
+def test_a_cause_of_warnings_is_one_sentence(cautions: dict[int, list[Caution]], sentences: list[str]) -> None:
+    gathered = Gathered()
+    for step, each in cautions.items():
+        gathered.add(step, each)
+    assert gathered.sentences() == sentences
+    assert gathered.sentences(with_steps=False) == [text.split(": ", 1)[1] for text in sentences]
+
+
+def test_of_many_places_some_are_named() -> None:
+    gathered = Gathered()
+    gathered.add(0, [overlap(f"f{k}", 100.0 - k) for k in range(MOST_PLACES + 4)])
+    assert [text.endswith("'f6', 3 more") for text in gathered.sentences()] == [True]
+
+
+def test_only_what_is_new_is_news_and_records_bring_it_all_back() -> None:
+    gathered = Gathered()
+    assert gathered.add(0, [overlap("a", 5.0), Caution(Cause.JUMP, "no room", "tip", math.inf)]) == [
+        "'a' overlaps by 5 %", "no room"
+    ]  # fmt: skip
+    again = Gathered.of(json.loads(json.dumps(gathered.records())))
+    for each in (gathered, again):
+        assert each.add(1, [overlap("a", 9.0), overlap("b", 1.0)]) == ["'b' overlaps by 1 %"]
+    assert again.sentences() == gathered.sentences()
+    assert again.records() == gathered.records()

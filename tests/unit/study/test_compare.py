@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from crackgrow import cli
-from crackgrow.case.dump import read_settings
 from crackgrow.errors import CaseError
-from crackgrow.study.compare import compare_paths
+from crackgrow.study.compare import Comparison, compare_paths
 from crackgrow.study.comparison_text import CSV_COLUMNS, comparison_csv, comparison_text
 from crackgrow.study.path_files import read_paths
 
@@ -23,9 +24,15 @@ LONGER: list[Vertex] = [*STRAIGHT, (11, 0, 5)]
 BENT: list[Vertex] = [*STRAIGHT[:4], (7, 0.3, 1), (9, 0, 3)]
 
 
+SHIFTED: list[Vertex] = [(-9, 0.1, 4), (-7, 0, 2), *STRAIGHT[2:]]
+LIFTED: list[Vertex] = [(x, y + 0.5, step) for x, y, step in STRAIGHT]
+FINE: list[Vertex] = [*STRAIGHT[:4], *((5 + 0.4 * i, 0.0, i) for i in range(1, 11))]
+OFF: list[Vertex] = [*STRAIGHT[:4], (7, 0.3, 1), (9, 0.6, 3), (11, 0.9, 5)]
+
+
 def folder(path: Path, settings: str | None = None, **cracks: list[Vertex]) -> Path:
     """A result folder with these cracks."""
-    path.mkdir()
+    path.mkdir(exist_ok=True)
     rows = ["crack,vertex,x,y,step"]
     for name, vertices in cracks.items():
         rows += [f"{name},{i},{x * 1e-3!r},{y * 1e-3!r},{step}" for i, (x, y, step) in enumerate(vertices)]
@@ -33,6 +40,11 @@ def folder(path: Path, settings: str | None = None, **cracks: list[Vertex]) -> P
     if settings is not None:
         (path / "case.yaml").write_text(settings)
     return path
+
+
+def compared(where: Path, a: list[Vertex], b: list[Vertex], **options: Any) -> Comparison:
+    """Two paths of one flaw."""
+    return compare_paths(folder(where / "a", flaw=a), folder(where / "b", flaw=b), **options)
 
 
 def table(path: Path, text: str) -> Path:
@@ -46,74 +58,64 @@ def faults(*args: object, **options: object) -> list[str]:
     return [str(fault) for fault in caught.value.faults]
 
 
-def test_equal_paths_are_no_distance_apart(tmp_path: Path) -> None:
-    result = compare_paths(folder(tmp_path / "a", flaw=BENT), folder(tmp_path / "b", flaw=BENT), tolerance=0)
-    assert [(pair.name, pair.deviation.largest, pair.end_distance) for pair in result.pairs] == [
-        ("flaw given", 0.0, 0.0),
-        ("flaw start", 0.0, 0.0),
-        ("flaw end", 0.0, 0.0),
-    ]
-    assert result.agrees
+@pytest.mark.parametrize(("a", "b", "apart", "ends"), [
+    (BENT, BENT, (0, 0, 0), (0, 0, 0)),
+    (STRAIGHT, FINE, (0, 0, 0), (0, 0, 0)),  # shorter steps along the same line
+    (STRAIGHT, BENT, (0, 0, 0.3), (0, 0, 0)),
+    (STRAIGHT, SHIFTED, (0, 0.1, 0), (0, 0.1, 0)),
+    (STRAIGHT, LIFTED, (0.5, 0.5, 0.5), (0.5, 0.5, 0.5)),
+    (STRAIGHT, LONGER, (0, 0, 2), (0, 0, 2)),
+    (STRAIGHT, STRAIGHT[2:], (0, 4, 0), (0, 4, 0)),  # a tip that has grown in one only
+])  # fmt: skip
+def test_distances_of_the_given_crack_and_of_its_tips(
+    a: list[Vertex], b: list[Vertex], apart: tuple[float, ...], ends: tuple[float, ...], tmp_path: Path
+) -> None:
+    """In mm, whichever is the first."""
+    for result in (compared(tmp_path, a, b), compared(tmp_path, b, a)):
+        assert [pair.name for pair in result.pairs] == ["flaw given", "flaw start", "flaw end"]
+        assert [1e3 * pair.deviation.hausdorff for pair in result.pairs] == pytest.approx(apart, rel=1e-3, abs=1e-5)
+        assert [1e3 * pair.deviation.frechet for pair in result.pairs] == pytest.approx(apart, rel=1e-3, abs=1e-5)
+        assert [1e3 * (pair.end_distance or 0.0) for pair in result.pairs] == pytest.approx(ends, abs=1e-9)
+    for tolerance in (0.05, 0.4):
+        result = compared(tmp_path, a, b, tolerance=f"{tolerance} mm")
+        beyond = [part for part, far in zip(("given", "start", "end"), apart, strict=True) if far > tolerance]
+        assert [pair.part for pair in result.beyond] == beyond
+        assert result.agrees == (not beyond)
 
 
-def test_tip_that_turns_off_is_found_with_its_place(tmp_path: Path) -> None:
-    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=BENT))
-    given, start, end = result.pairs
-    assert (given.deviation.largest, start.deviation.largest) == (0.0, 0.0)
-    assert end.deviation.hausdorff == pytest.approx(0.3e-3, rel=1e-3)
-    assert end.deviation.frechet == pytest.approx(0.3e-3, rel=1e-3)
+def test_the_largest_distance_has_its_place_length_and_step_in_both(tmp_path: Path) -> None:
+    end = compared(tmp_path, STRAIGHT, BENT).pairs[2]
     in_a, in_b = end.deviation.in_a, end.deviation.in_b
     assert in_b.point == pytest.approx([7e-3, 0.3e-3])
     assert in_a.point == pytest.approx([7e-3, 0.0], abs=1e-8)
     assert (in_a.s, in_b.s) == (pytest.approx(2e-3), pytest.approx((2**2 + 0.3**2) ** 0.5 * 1e-3))
     assert (in_a.step, in_b.step) == (1, 1)
-    assert end.end_distance == 0.0
     assert end.length_b - end.length_a == pytest.approx(2 * ((2**2 + 0.3**2) ** 0.5 - 2) * 1e-3)
+    start = compared(tmp_path, STRAIGHT, SHIFTED).pairs[1]  # wings are measured from their root
+    assert (start.deviation.in_b.step, start.deviation.in_a.s) == (4, pytest.approx(4e-3))
 
 
-def test_wings_are_measured_from_their_root(tmp_path: Path) -> None:
-    shifted: list[Vertex] = [(-9, 0.1, 4), (-7, 0, 2), *STRAIGHT[2:]]
-    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=shifted))
-    start = result.pairs[1]
-    assert start.deviation.hausdorff == pytest.approx(0.1e-3)
-    assert start.deviation.in_b.step == 4
-    assert start.deviation.in_a.s == pytest.approx(4e-3)
-    assert start.end_distance == pytest.approx(0.1e-3)
-
-
-def test_shorter_steps_along_the_same_line_are_the_same_path(tmp_path: Path) -> None:
-    fine: list[Vertex] = [*STRAIGHT[:4], *((5 + 0.4 * i, 0.0, i) for i in range(1, 11))]
-    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=fine), tolerance=1e-9)
-    assert result.agrees
-
-
-def test_given_cracks_that_differ_count(tmp_path: Path) -> None:
-    lifted: list[Vertex] = [(x, y + 0.5, step) for x, y, step in STRAIGHT]
-    result = compare_paths(
-        folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=lifted), tolerance="0.4 mm"
-    )
-    assert [pair.deviation.hausdorff for pair in result.pairs] == pytest.approx([0.5e-3] * 3)
-    assert [pair.deviation.frechet for pair in result.pairs] == pytest.approx([0.5e-3] * 3)
-    assert [pair.part for pair in result.beyond] == ["given", "start", "end"]
-
-
-def test_same_path_but_further_is_told_from_another_path(tmp_path: Path) -> None:
-    a = folder(tmp_path / "a", flaw=STRAIGHT)
-    further = compare_paths(a, folder(tmp_path / "b", flaw=LONGER), tolerance="0.1 mm")
-    end = further.pairs[2]
-    assert end.deviation.hausdorff == pytest.approx(2e-3)
-    assert end.common is not None
-    assert (end.common.length_a, end.common.length_b) == pytest.approx((4e-3, 4e-3), abs=1e-8)
-    assert end.common.deviation.largest == pytest.approx(0.0, abs=1e-8)
+@pytest.mark.parametrize(("other", "size", "told"), [
+    (LONGER, 0.0, "flaw end: B has grown 2.000 mm further; over the common part, 4.000 mm of A"),
+    (LONGER, 0.0, ": the same path so far"),
+    (OFF, 0.6e-3, ": another path"),
+])  # fmt: skip
+def test_same_path_but_further_is_told_from_another_path(
+    other: list[Vertex], size: float, told: str, tmp_path: Path
+) -> None:
+    further = compared(tmp_path, STRAIGHT, other, tolerance="0.1 mm")
+    common = further.pairs[2].common
+    assert common is not None
+    assert common.length_a == pytest.approx(4e-3, abs=1e-8)
+    assert common.deviation.hausdorff == pytest.approx(size, rel=0.02, abs=1e-8)
+    assert told in comparison_text(further)
     assert not further.agrees
-    assert "flaw end: B has grown 2.000 mm further; over the common part, 4.000 mm of A" in comparison_text(further)
-    assert ": the same path so far" in comparison_text(further)
-    off = [*STRAIGHT[:4], (7, 0.3, 1), (9, 0.6, 3), (11, 0.9, 5)]
-    other = compare_paths(a, folder(tmp_path / "c", flaw=off), tolerance="0.1 mm")
-    assert ": another path" in comparison_text(other)
-    end = other.pairs[2]
-    assert end.common is not None
-    assert end.common.deviation.hausdorff == pytest.approx(0.6e-3, rel=0.02)
+
+
+def test_a_tip_that_has_not_grown_has_nothing_in_common(tmp_path: Path) -> None:
+    result = compared(tmp_path, STRAIGHT, STRAIGHT[2:])
+    assert (result.pairs[1].length_b, result.pairs[1].common) == (0.0, None)
+    assert "flaw start: A has grown 4.000 mm further, the other not at all" in comparison_text(result)
 
 
 def test_cracks_that_a_run_started_are_compared_from_their_first_segment(tmp_path: Path) -> None:
@@ -130,15 +132,6 @@ def test_cracks_that_a_run_started_are_compared_from_their_first_segment(tmp_pat
     assert pairs["new2 start"].length_a == pytest.approx(2e-3)
 
 
-def test_tip_that_has_grown_in_one_only(tmp_path: Path) -> None:
-    still = STRAIGHT[2:]
-    result = compare_paths(folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=still))
-    start = result.pairs[1]
-    assert (start.length_b, start.common) == (0.0, None)
-    assert (start.deviation.hausdorff, start.deviation.frechet) == pytest.approx((4e-3, 4e-3))
-    assert "flaw start: A has grown 4.000 mm further, the other not at all" in comparison_text(result)
-
-
 def test_crack_in_one_only_is_beyond_any_tolerance(tmp_path: Path) -> None:
     a = folder(tmp_path / "a", flaw=STRAIGHT, joint=[(0, 5, 0), (1, 5, 0)])
     b = folder(tmp_path / "b", flaw=STRAIGHT)
@@ -151,25 +144,21 @@ def test_crack_in_one_only_is_beyond_any_tolerance(tmp_path: Path) -> None:
 
 
 def test_one_tip_can_be_chosen(tmp_path: Path) -> None:
-    a, b = folder(tmp_path / "a", flaw=STRAIGHT), folder(tmp_path / "b", flaw=BENT)
-    assert [pair.part for pair in compare_paths(a, b, tip="start").pairs] == ["start"]
-    assert compare_paths(a, b, tip="start", tolerance="0.1 mm").agrees
-    assert not compare_paths(a, b, tip="end", tolerance="0.1 mm").agrees
+    assert [pair.part for pair in compared(tmp_path, STRAIGHT, BENT, tip="start").pairs] == ["start"]
+    assert compared(tmp_path, STRAIGHT, BENT, tip="start", tolerance="0.1 mm").agrees
+    assert not compared(tmp_path, STRAIGHT, BENT, tip="end", tolerance="0.1 mm").agrees
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "x,y\n0.006,0.0001\n0.008,0.0001\n",
-        "x_mm,y_mm\n6,0.1\n8,0.1\n",
-        "y_mm;x_cm\n0.1;0.6\n0.1;0.8\n",
-        "X [mm]\tY [mm]\n6\t0.1\n8\t0.1\n",
-        "# digitised from figure 5\n\nx,y_um\n0.006,100\n\n0.008,100\n",
-        "x_mm,y_mm\n8,0.1\n6,0.1\n",
-        "\ufeffcrack,vertex,x_mm,y_mm,comment\nflaw,0,6,0.1,first\nflaw,1,8,0.1,last\n",
-        "x,y\n6 mm,0.1 mm\n8 mm,0.1 mm\n",
-    ],
-)
+@pytest.mark.parametrize("text", [
+    "x,y\n0.006,0.0001\n0.008,0.0001\n",
+    "x_mm,y_mm\n6,0.1\n8,0.1\n",
+    "y_mm;x_cm\n0.1;0.6\n0.1;0.8\n",
+    "X [mm]\tY [mm]\n6\t0.1\n8\t0.1\n",
+    "# digitised from figure 5\n\nx,y_um\n0.006,100\n\n0.008,100\n",
+    "x_mm,y_mm\n8,0.1\n6,0.1\n",
+    "\ufeffcrack,vertex,x_mm,y_mm,comment\nflaw,0,6,0.1,first\nflaw,1,8,0.1,last\n",
+    "x,y\n6 mm,0.1 mm\n8 mm,0.1 mm\n",
+])  # fmt: skip
 @pytest.mark.parametrize("tip", [None, "end"])
 def test_reference_of_a_part_is_compared_where_it_is(tmp_path: Path, text: str, tip: str | None) -> None:
     run, reference = folder(tmp_path / "run", flaw=STRAIGHT), table(tmp_path / "paper.csv", text)
@@ -187,11 +176,15 @@ def test_reference_of_a_part_is_compared_where_it_is(tmp_path: Path, text: str, 
     assert turned.deviation.in_a.step is None
 
 
-def test_reference_beyond_the_tip_is_cut_there(tmp_path: Path) -> None:
-    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n6,0\n30,0\n")
+@pytest.mark.parametrize(("x", "told"), [
+    ("6,30", "flaw path: compared 3.000 mm of A, from (6.000, 0.000) to (9.000, 0.000)"),  # cut at the tip
+    ("19,29", "beyond the tolerance of 0.001 mm: flaw path (28.000 mm)"),  # as a whole, from the start, -9, to 19
+])  # fmt: skip
+def test_reference_beyond_the_tip_is_cut_there_and_one_elsewhere_is_not(x: str, told: str, tmp_path: Path) -> None:
+    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n{},0\n{},0\n".format(*x.split(",")))
     result = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference, tolerance="1 um")
-    assert result.agrees
-    assert "flaw path: compared 3.000 mm of A, from (6.000, 0.000) to (9.000, 0.000)" in comparison_text(result)
+    assert told in comparison_text(result)
+    assert result.agrees == told.startswith("flaw path")
 
 
 def test_reference_of_one_of_two_wings_side_by_side(tmp_path: Path) -> None:
@@ -202,11 +195,11 @@ def test_reference_of_one_of_two_wings_side_by_side(tmp_path: Path) -> None:
         assert pair.deviation.largest == pytest.approx(0.1e-3)
 
 
-def test_reference_elsewhere_is_compared_as_a_whole(tmp_path: Path) -> None:
-    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n19,0\n29,0\n")
-    result = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference, tolerance="1 mm")
-    assert result.pairs[0].deviation.hausdorff == pytest.approx(28e-3)  # from the start, -9, to 19
-    assert not result.agrees
+def test_places_beside_a_reference_that_is_drawn_backwards(tmp_path: Path) -> None:
+    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n8,0.1\n6,0.3\n")
+    (pair,) = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference).pairs
+    assert pair.deviation.in_a.point == pytest.approx([6e-3, 0.0], abs=1e-8)
+    assert pair.deviation.in_b.point == pytest.approx([6e-3, 0.3e-3], abs=1e-8)
 
 
 def test_two_files_without_steps(tmp_path: Path) -> None:
@@ -249,45 +242,32 @@ def test_case_files_that_differ_are_told(tmp_path: Path) -> None:
     assert faults(a, b)[0].startswith(f"{b / 'case.yaml'}:3: is no YAML")
 
 
-def test_settings_are_flat() -> None:
-    assert read_settings("a: {b: 1, c: {}}\nd: [x, {e: null}]\n") == {
-        "a.b": "1",
-        "a.c": "{}",
-        "d.0": "x",
-        "d.1.e": "None",
-    }
-    assert read_settings("") == {"": "None"}
-
-
 HEADER = "crack,vertex,x,y,step\n"
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ("", ":1: is empty; a CSV of crack paths has columns x and y"),
-        ("# nothing\n\n", ":1: is empty"),
-        (HEADER, ":1: has no cracks, only a header"),
-        ("1,2\n3,4\n", ":1: has no column for x, it has 1, 2; a CSV of crack paths"),
-        ("x,z\n1,2\n3,4\n", ":1: has no column for y, it has x, z"),
-        ("x_inch,y\n1,2\n3,4\n", ":1: x_inch: has no known unit of length; allowed are x, x_m, x_cm, x_mm, x_um, x_km"),
-        ("x,y\n1,2\n3\n", ":3: has 1 values, the header has 2"),
-        ("x,y\n1,2\nnan,4\n", ":3: x: 'nan' is not finite; allowed is a length, in m where it has no unit"),
-        ("x,y\n1,inf\n3,4\n", ":2: y: 'inf' is not finite"),
-        ("x_mm,y\n1,2\n,4\n", ":3: x_mm: '' is neither a number nor a number with a unit; allowed is a length, in mm"),
-        ("x,y\n1,2\n3 inch,4\n", ":3: x: '3 inch' has an unknown unit"),
-        ("x,y\n1,2\n3 MPa,4\n", ":3: x: '3 MPa' has a unit of stress"),
-        ("x,y\n1,2\n1e99,4\n", ":3: x: '1e99' is too large"),
-        ("x,y\n1,2\n1,2\n", ":2: has 1 different points; allowed are 2 to 2000 a crack"),
-        (HEADER + "flaw,0,0,0,0\n", ":2: crack flaw: has 1 different points"),
-        (HEADER + "flaw,0,0,0,0\nflaw,0,1,0,0\n", ":3: vertex: '0' comes after 0; allowed are numbers that rise"),
-        (HEADER + "flaw,a,0,0,0\nflaw,1,1,0,0\n", ":2: vertex: 'a' is not a number"),
-        (HEADER + "flaw,0,0,0,-1\nflaw,1,1,0,0\n", ":2: step: '-1' is no step; allowed are 0"),
-        (HEADER + "flaw,0,0,0,1\nflaw,1,1,0,2\n", ":2: crack flaw: its vertices of step 0"),
-        (HEADER + "flaw,0,0,0,0\nflaw,1,1,0,2\nflaw,2,2,0,0\n", ":2: crack flaw: its vertices of step 0"),
-        ('x,y\n1,2\n"3,4\n', ":3: has 1 values, the header has 2"),
-    ],
-)
+@pytest.mark.parametrize(("text", "message"), [
+    ("", ":1: is empty; a CSV of crack paths has columns x and y"),
+    ("# nothing\n\n", ":1: is empty"),
+    (HEADER, ":1: has no cracks, only a header"),
+    ("1,2\n3,4\n", ":1: has no column for x, it has 1, 2; a CSV of crack paths"),
+    ("x,z\n1,2\n3,4\n", ":1: has no column for y, it has x, z"),
+    ("x_inch,y\n1,2\n3,4\n", ":1: x_inch: has no known unit of length; allowed are x, x_m, x_cm, x_mm, x_um, x_km"),
+    ("x,y\n1,2\n3\n", ":3: has 1 values, the header has 2"),
+    ("x,y\n1,2\nnan,4\n", ":3: x: 'nan' is not finite; allowed is a length, in m where it has no unit"),
+    ("x,y\n1,inf\n3,4\n", ":2: y: 'inf' is not finite"),
+    ("x_mm,y\n1,2\n,4\n", ":3: x_mm: '' is neither a number nor a number with a unit; allowed is a length, in mm"),
+    ("x,y\n1,2\n3 inch,4\n", ":3: x: '3 inch' has an unknown unit"),
+    ("x,y\n1,2\n3 MPa,4\n", ":3: x: '3 MPa' has a unit of stress"),
+    ("x,y\n1,2\n1e99,4\n", ":3: x: '1e99' is too large"),
+    ("x,y\n1,2\n1,2\n", ":2: has 1 different points; allowed are 2 to 2000 a crack"),
+    (HEADER + "flaw,0,0,0,0\n", ":2: crack flaw: has 1 different points"),
+    (HEADER + "flaw,0,0,0,0\nflaw,0,1,0,0\n", ":3: vertex: '0' comes after 0; allowed are numbers that rise"),
+    (HEADER + "flaw,a,0,0,0\nflaw,1,1,0,0\n", ":2: vertex: 'a' is not a number"),
+    (HEADER + "flaw,0,0,0,-1\nflaw,1,1,0,0\n", ":2: step: '-1' is no step; allowed are 0"),
+    (HEADER + "flaw,0,0,0,1\nflaw,1,1,0,2\n", ":2: crack flaw: its vertices of step 0"),
+    (HEADER + "flaw,0,0,0,0\nflaw,1,1,0,2\nflaw,2,2,0,0\n", ":2: crack flaw: its vertices of step 0"),
+    ('x,y\n1,2\n"3,4\n', ":3: has 1 values, the header has 2"),
+])  # fmt: skip
 def test_faults_of_a_csv_name_file_and_line(tmp_path: Path, text: str, message: str) -> None:
     path = table(tmp_path / "bad.csv", text)
     found = faults(path, folder(tmp_path / "b", flaw=STRAIGHT))
@@ -363,15 +343,14 @@ def test_csv_is_written_where_asked(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "cannot write" in capsys.readouterr().err
 
 
-@pytest.mark.parametrize("columns", ["x", "x,y,z", "x,"])
-def test_columns_are_two(columns: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as caught:
-        cli.main(["compare", "a", "b", "--columns", columns])
-    assert caught.value.code == 2
-    assert "two column names are wanted" in capsys.readouterr().err
-
-
-def test_help_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        cli.main(["compare", "--help"])
-    assert capsys.readouterr().out.count("\n  crackgrow compare outputs/") == 2
+@pytest.mark.parametrize(("tolerance", "code"), [("0.4 mm", 0), ("0.2 mm", 4)])
+def test_all_of_it_is_told_as_json(
+    tolerance: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a, b = (str(folder(tmp_path / name, flaw=path)) for name, path in (("a", STRAIGHT), ("b", BENT)))
+    assert cli.main(["compare", a, b, "--tolerance", tolerance, "--json"]) == code
+    found = json.loads(capsys.readouterr().out)
+    assert (found["a"]["source"], found["agrees"]) == (a, code == 0)
+    assert max(part["hausdorff"] for part in found["parts"]) == pytest.approx(0.3e-3, rel=1e-3)
+    assert [part["beyond"] for part in found["parts"]] == [False, False, code == 4]
+    assert found["only_in_a"] == found["only_in_b"] == []

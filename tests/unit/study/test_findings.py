@@ -33,7 +33,7 @@ def folder(made: Path, K: Callable[[float, int], float], order: Order, bend: flo
 
     Of an `order` what is no tip is a crack that starts.
     """
-    made.mkdir()
+    made.mkdir(parents=True)
     grown = {"start": 0, "end": 0}
     steps, tips, events = [], [], []
     for step in range(len(order) + 1):
@@ -109,18 +109,17 @@ def test_K_tends_to_its_limit_and_every_setting_has_its_error(tmp_path: Path) ->
     assert not replace(found, plan=replace(found.plan, tolerance=0.02)).good_enough
 
 
-def test_states_are_told_apart_by_how_often_tips_have_grown_not_by_their_step(tmp_path: Path) -> None:
-    """One run grows the tips in the other order: its step between is no state of the others."""
-    found = study(tmp_path, orders={"fine": ("start", "end")})
-    assert sorted({quantity.step for quantity in found.quantities}) == [0, 2]
+@pytest.mark.parametrize(("order", "steps"), [
+    (("start", "end"), [0, 2]),  # the tips in the other order: the step between is no state of the other runs
+    (("end", "new1"), [0, 1]),  # a state in which a crack has started is another one
+])  # fmt: skip
+def test_states_are_told_apart_by_how_often_tips_have_grown_not_by_their_step(
+    order: tuple[str, str], steps: list[int], tmp_path: Path
+) -> None:
+    found = study(tmp_path, orders={"fine": order})
+    assert sorted({quantity.step for quantity in found.quantities}) == steps
     assert found.left_out == 2
     assert "2 more states" in told(found)
-
-
-def test_a_state_in_which_a_crack_has_started_is_another_one(tmp_path: Path) -> None:
-    found = study(tmp_path, orders={"fine": ("end", "new1")})
-    assert sorted({quantity.step for quantity in found.quantities}) == [0, 1]
-    assert found.left_out == 2
 
 
 def test_a_verdict_names_the_coarsest_setting_that_is_good_enough(tmp_path: Path) -> None:
@@ -134,27 +133,20 @@ def test_a_verdict_names_the_coarsest_setting_that_is_good_enough(tmp_path: Path
 def test_what_moves_the_path_more_is_told(tmp_path: Path) -> None:
     cells = told(study(tmp_path, bends={"own": 1e-4, HALF: 1e-4}))
     assert "finer cells would move the path by 0.1 mm, a shorter increment by 0 mm" in cells
-    more = tmp_path / "more"
-    more.mkdir()
-    increments = told(study(more, bends={"own": 1e-4, "fine": 1e-4, HALF: 3e-4}))
+    increments = told(study(tmp_path / "more", bends={"own": 1e-4, "fine": 1e-4, HALF: 3e-4}))
     assert "a shorter increment would move the path by 0.2 mm, finer cells by 0 mm" in increments
 
 
 def test_a_path_that_moves_by_more_than_twice_the_tolerance_is_not_good_enough(tmp_path: Path) -> None:
     """Of 2 mm that the end grows; K is within the tolerance in both."""
-    near, far = tmp_path / "near", tmp_path / "far"
-    near.mkdir()
-    far.mkdir()
-    found = study(near, bends={"own": 1.8e-4, HALF: 1.8e-4})
+    found = study(tmp_path / "near", bends={"own": 1.8e-4, HALF: 1.8e-4})
     assert found.path_of_cells is not None
     assert found.path_of_cells.share == pytest.approx(0.09, rel=5e-3)
     assert found.good_enough
     assert "good enough: " in told(found)
     assert "finer cells would move the path by 9 % of what has grown, within 10 %" in told(found)
-    for bends in ({"own": 2.5e-4, HALF: 2.5e-4}, {"own": 0.0, HALF: 2.5e-4}):
-        folder = far / str(len(list(far.iterdir())))
-        folder.mkdir()
-        other = study(folder, bends=bends)
+    for name, bends in (("cells", {"own": 2.5e-4, HALF: 2.5e-4}), ("increment", {"own": 0.0, HALF: 2.5e-4})):
+        other = study(tmp_path / name, bends=bends)
         assert not other.good_enough
         assert other.error("own") == found.error("own")
         assert "not good enough for paths" in told(other)

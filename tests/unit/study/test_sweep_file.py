@@ -9,6 +9,7 @@ import pytest
 
 from crackgrow.case.model import PointSupport
 from crackgrow.errors import CaseError
+from crackgrow.study.plan import LONGEST, folder_names
 from crackgrow.study.sweep import combinations, plan_sweep, short_names
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
 
@@ -34,20 +35,20 @@ def faults(folder: Path, text: str) -> list[str]:
     return [str(fault).removeprefix(f"{folder}/") for fault in caught.value.faults]
 
 
-def test_grid_takes_every_combination_the_first_parameter_slowest(tmp_path: Path):
-    file = read(tmp_path, f"parameters: {{{ANGLE}: [20, 30], {FRICTION}: {{from: 0, to: 0.3, n: 4}}}}")
-    expected = [(angle, friction) for angle in ("20", "30") for friction in ("0", "0.1", "0.2", "0.3")]
-    assert combinations(file) == expected
-
-
-def test_zip_takes_first_with_first(tmp_path: Path):
-    file = read(tmp_path, f"design: zip\nparameters: {{{ANGLE}: [20, 30, 20], {FRICTION}: [0.3, 0.2, 0.1]}}")
-    assert combinations(file) == [("20", "0.3"), ("30", "0.2"), ("20", "0.1")]
-
-
-def test_range_on_a_logarithmic_scale_has_equal_ratios_and_keeps_its_unit(tmp_path: Path):
-    file = read(tmp_path, "parameters: {numerics.spacing: {from: 1 mm, to: 8 mm, n: 4, scale: log}}")
-    assert combinations(file) == [("1 mm",), ("2 mm",), ("4 mm",), ("8 mm",)]
+@pytest.mark.parametrize(("text", "expected"), [
+    # every combination, the first parameter slowest
+    (f"parameters: {{{ANGLE}: [20, 30], {FRICTION}: {{from: 0, to: 0.3, n: 4}}}}",
+     [(angle, friction) for angle in ("20", "30") for friction in ("0", "0.1", "0.2", "0.3")]),
+    (f"design: zip\nparameters: {{{ANGLE}: [20, 30, 20], {FRICTION}: [0.3, 0.2, 0.1]}}",
+     [("20", "0.3"), ("30", "0.2"), ("20", "0.1")]),
+    # equal ratios, with the unit
+    ("parameters: {numerics.spacing: {from: 1 mm, to: 8 mm, n: 4, scale: log}}",
+     [("1 mm",), ("2 mm",), ("4 mm",), ("8 mm",)]),
+])  # fmt: skip
+def test_combinations_of_a_grid_of_pairs_and_of_a_logarithmic_range(
+    text: str, expected: list[tuple[str, ...]], tmp_path: Path
+):
+    assert combinations(read(tmp_path, text)) == expected
 
 
 def test_latin_hypercube_meets_every_part_of_every_range_once(tmp_path: Path):
@@ -122,37 +123,33 @@ output: {{frames: never}}
     assert told[5].endswith("did you mean 'design'?")
 
 
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        (f"parameters: {{{ANGLE}: [30, 30]}}", "has the value 30 twice"),
-        (f"parameters: {{{ANGLE}: {{from: 1, to: 2}}}}", "missing: the number of values from 1 to 2"),
-        (f"design: zip\nparameters: {{{ANGLE}: [1, 2], {FRICTION}: [0]}}", f"{ANGLE}: 2, {FRICTION}: 1"),
-        (f"samples: 3\nparameters: {{{ANGLE}: [30]}}", "is for design: latin_hypercube; this is a grid"),
-        (f"design: latin_hypercube\nparameters: {{{ANGLE}: [30]}}", "missing: a Latin hypercube needs"),
-        (f"parameters: {{{ANGLE}: [30]}}\nset: {{{ANGLE}: 40}}", "is a parameter too"),
-        (f"parameters: {{{ANGLE}: {{from: 1, to: 60, n: 10001}}}}", "this makes 10001 runs; at most 10000"),
-        ("parameters: {}", "parameters: a mapping given"),
-    ],
-)
+@pytest.mark.parametrize(("text", "message"), [
+    (f"parameters: {{{ANGLE}: [30, 30]}}", "has the value 30 twice"),
+    (f"parameters: {{{ANGLE}: {{from: 1, to: 2}}}}", "missing: the number of values from 1 to 2"),
+    (f"design: zip\nparameters: {{{ANGLE}: [1, 2], {FRICTION}: [0]}}", f"{ANGLE}: 2, {FRICTION}: 1"),
+    (f"samples: 3\nparameters: {{{ANGLE}: [30]}}", "is for design: latin_hypercube; this is a grid"),
+    (f"design: latin_hypercube\nparameters: {{{ANGLE}: [30]}}", "missing: a Latin hypercube needs"),
+    (f"parameters: {{{ANGLE}: [30]}}\nset: {{{ANGLE}: 40}}", "is a parameter too"),
+    (f"parameters: {{{ANGLE}: {{from: 1, to: 60, n: 10001}}}}", "this makes 10001 runs; at most 10000"),
+    ("parameters: {}", "parameters: a mapping given"),
+    # keys that no combination can set
+    (f"parameters:\n  {ANGLE}: [20, 30]\n  cracks.flaw.contact.fricton: [0, 0.1]\n",
+     "study.yaml:4: cracks.flaw.contact.fricton: unknown key"),
+    (f"parameters: {{{ANGLE}: [20]}}\nreference: {{numerics.spacng: 2}}",
+     "study.yaml:3: numerics.spacng: unknown key"),
+    (f"parameters: {{{ANGLE}: [30]}}\nresponses: [steps, flaw.end.K_III_first]",
+     "study.yaml:3: responses.1: 'flaw.end.K_III_first' is no column"),
+])  # fmt: skip
 def test_what_makes_no_sense_is_refused(tmp_path: Path, text: str, message: str):
-    told = faults(tmp_path, text)
-    assert len(told) == 1
-    assert message in told[0]
+    (told,) = faults(tmp_path, text)
+    assert message in told
 
 
 def test_missing_base_case_suggests_a_near_name(tmp_path: Path):
     path = written(tmp_path, f"parameters: {{{ANGLE}: [30]}}", base=CASES / "compresion30.yaml")
-    with pytest.raises(
-        CaseError, match=r"study.yaml:1: base: there is no case file .*did you mean 'compression30.yaml'"
-    ):
+    words = r"study.yaml:1: base: there is no case file .*did you mean 'compression30.yaml'"
+    with pytest.raises(CaseError, match=words):
         plan_sweep(path)
-
-
-def test_key_that_no_combination_can_set_is_a_fault_of_the_file(tmp_path: Path):
-    told = faults(tmp_path, f"parameters:\n  {ANGLE}: [20, 30]\n  cracks.flaw.contact.fricton: [0, 0.1]\n")
-    assert len(told) == 1
-    assert told[0].startswith("study.yaml:4: cracks.flaw.contact.fricton: unknown key")
 
 
 def test_refused_combinations_are_part_of_the_plan_with_their_reason(tmp_path: Path):
@@ -168,12 +165,6 @@ def test_sweep_of_which_every_combination_is_refused_tells_all_reasons(tmp_path:
     assert all(line.startswith("study.yaml:2: ") for line in told)
 
 
-def test_response_that_is_no_column_is_refused(tmp_path: Path):
-    told = faults(tmp_path, f"parameters: {{{ANGLE}: [30]}}\nresponses: [steps, flaw.end.K_III_first]")
-    assert len(told) == 1
-    assert told[0].startswith("study.yaml:3: responses.1: 'flaw.end.K_III_first' is no column")
-
-
 def test_names_are_as_short_as_they_can_be(tmp_path: Path):
     keys = ("cracks.a.path.angle", "cracks.b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
     assert short_names(keys) == ("a.path.angle", "b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
@@ -185,16 +176,13 @@ def test_names_are_as_short_as_they_can_be(tmp_path: Path):
 
 
 def test_each_run_is_held_against_the_same_one_with_finer_values(tmp_path: Path):
-    """One reference for each friction, none for what is no case, and keys of it that no case has are faults."""
+    """One reference for each friction, none for what is no case."""
     text = f"parameters: {{numerics.spacing: [4, 3], {FRICTION}: [0, -1, 0.3]}}\nreference: {{numerics.spacing: 2}}"
     plan = plan_sweep(written(tmp_path, text), tmp_path)
     assert [run.name for run in plan.runs[6:]] == ["reference spacing=2 friction=0", "reference spacing=2 friction=0.3"]
     assert [run.reference for run in plan.runs] == [6, None, 7, 6, None, 7, None, None]
     assert [run.case.numerics.spacing for run in plan.runs if run.case] == [4e-3, 4e-3, 3e-3, 3e-3, 2e-3, 2e-3]
     assert plan.asked == plan.runs[:6]
-    told = faults(tmp_path, f"parameters: {{{ANGLE}: [20]}}\nreference: {{numerics.spacng: 2}}")
-    assert len(told) == 1
-    assert told[0].startswith("study.yaml:3: numerics.spacng: unknown key")
 
 
 def test_more_values_leave_the_folders_of_runs_as_they_are(tmp_path: Path):
@@ -210,3 +198,24 @@ def test_shipped_sweep_has_24_runs_that_are_cases():
     assert len(plan.runs) == len({run.folder for run in plan.runs}) == 24
     assert all(run.case is not None and run.case.growth is not None for run in plan.runs)
     assert all(run.case.numerics.auto_rule is not None for run in plan.runs if run.case)
+
+
+def test_letters_are_those_that_every_file_system_takes():
+    assert folder_names(["angle=30 traction=[0, -1e8]/x", "a=2 mm"]) == ["angle=30_traction=_0_-1e8_x", "a=2_mm"]
+
+
+def test_runs_that_look_the_same_have_folders_of_their_own():
+    assert folder_names(["a=[1]", "a=(1)", "a={1}", "A=[1]"]) == ["a=_1", "a=_1_2", "a=_1_3", "A=_1_4"]
+
+
+def test_long_names_that_differ_at_their_end_only_are_told_apart_wherever_they_stand():
+    one, other = f"{'a' * 200}=1", f"{'a' * 200}=2"
+    folders = folder_names([one, other])
+    assert len(set(folders)) == 2
+    assert all(len(folder) == LONGEST for folder in folders)
+    assert folder_names([other, one]) == folders[::-1]
+
+
+def test_letters_of_several_bytes_count_as_such() -> None:
+    (folder,) = folder_names(["\u0444" * 200])
+    assert LONGEST - 1 <= len(folder.encode()) <= LONGEST

@@ -9,10 +9,8 @@ import signal
 import subprocess
 import sys
 import threading
-import time
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import dask
 import pytest
@@ -27,9 +25,8 @@ from crackgrow.study.plan import Study
 from crackgrow.study.sweep import plan_sweep, sweep
 from crackgrow.study.table import Row, Values
 from crackgrow.study.workers import ClusterError
-from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, ROOT, process_of
+from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, process_of
 
-SHIPPED = "cases/sweeps/angle_friction.yaml"
 SHORT = "growth.steps: 1"
 
 
@@ -127,26 +124,22 @@ def test_exit_code_tells_whether_any_run_is_done(
     assert cli.main(["sweep", str(written(tmp_path, "[0]")), "--out", str(tmp_path)]) == code
 
 
-@pytest.mark.parametrize("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"])
-def test_a_scheduler_s_address_without_a_port_is_refused_at_once(scheduler: str, tmp_path: Path, capsys) -> None:
-    out = tmp_path / "out"
-    assert cli.main(["sweep", str(written(tmp_path)), "--scheduler", scheduler, "--out", str(out)]) == 2
-    assert f"--scheduler: '{scheduler}' is no address of a scheduler; wanted: such as tcp://" in capsys.readouterr().err
+NO_ADDRESS = "--scheduler: '{}' is no address of a scheduler; wanted: such as tcp://"
+
+
+@pytest.mark.parametrize(("option", "values", "told"), [
+    ("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"], NO_ADDRESS),
+    ("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"], "--memory: '{}' is "),
+    ("timeout", ["0", "-5", "nan", "inf"], "--timeout: "),
+])  # fmt: skip
+def test_options_that_no_machine_can_meet_are_refused_at_once(
+    option: str, values: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path, out = written(tmp_path), tmp_path / "out"
+    for value in values:
+        assert cli.main(["sweep", str(path), f"--{option}={value}", "--out", str(out)]) == 2
+        assert told.format(value) in capsys.readouterr().err
     assert not out.exists()
-
-
-@pytest.mark.parametrize("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"])
-def test_a_memory_that_no_machine_has_is_refused(memory: str, tmp_path: Path, capsys) -> None:
-    out = tmp_path / "out"
-    assert cli.main(["sweep", str(written(tmp_path)), f"--memory={memory}", "--out", str(out)]) == 2
-    assert f"--memory: '{memory}' is " in capsys.readouterr().err
-    assert not out.exists()
-
-
-@pytest.mark.parametrize("timeout", ["0", "-5", "nan", "inf"])
-def test_a_time_that_no_run_can_take_is_refused(timeout: str, tmp_path: Path, capsys) -> None:
-    assert cli.main(["sweep", str(written(tmp_path)), f"--timeout={timeout}", "--out", str(tmp_path / "out")]) == 2
-    assert "--timeout: " in capsys.readouterr().err
 
 
 def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
@@ -162,13 +155,6 @@ def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
     assert with_flaw.startswith(f"{without}; the most critical is at ")
     assert rows[0].run.folder.name == "cracks=none"
     assert (tmp_path / "out" / "sweep.png").is_file()
-
-
-def test_workers_are_not_asked_for_beside_a_scheduler(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as stopped:
-        cli.main(["sweep", str(written(tmp_path)), "--workers", "2", "--scheduler", "tcp://127.0.0.1:9"])
-    assert stopped.value.code == 2
-    assert "--scheduler: not allowed with argument --workers" in capsys.readouterr().err
 
 
 def test_memory_that_the_system_does_not_bound_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -219,44 +205,6 @@ def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path
         killer.join()
     assert [row.values["status"] for row in rows] == ["completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
-
-
-def test_sweep_that_is_left_ends_its_runs_at_once(tmp_path: Path) -> None:
-    rows = sweep(plan_sweep(written(tmp_path, "[-1, 0, 0.1]", LASTING), tmp_path), workers=2)
-    next(rows)
-    began = time.monotonic()
-    rows.close()  # type: ignore[attr-defined]
-    assert time.monotonic() - began < PATIENCE / 2
-
-
-def test_recipe_for_slurm_needs_no_more_of_its_cluster_than_an_address(
-    address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    """The script of the README, with the workers of this machine in place of SLURM's."""
-
-    class Cluster:
-        scheduler_address = address
-
-        def __init__(self, **settings: object) -> None:
-            assert settings["cores"] == settings["processes"] == 1
-
-        def __enter__(self) -> Cluster:
-            return self
-
-        def __exit__(self, *_: object) -> None:
-            pass
-
-        def scale(self, jobs: int) -> None:
-            assert jobs > 0
-
-    scripts = (ROOT / "cases/sweeps/README.md").read_text(encoding="utf-8").split("```text\n")[1:]
-    script = next(text for text in scripts if "SLURMCluster" in text).split("```")[0]
-    monkeypatch.setitem(sys.modules, "dask_jobqueue", SimpleNamespace(SLURMCluster=Cluster))
-    monkeypatch.chdir(tmp_path)
-    assert script.count(SHIPPED) == 1
-    exec(script.replace(SHIPPED, str(written(tmp_path, "[0.3]"))), {"__name__": "__main__"})
-    assert capsys.readouterr().out == "friction=0.3 completed\n"
-    assert (tmp_path / "outputs" / "study" / "sweep.csv").exists()
 
 
 def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -92,15 +92,15 @@ def test_overview_takes_words_as_values_and_runs_that_are_missing(table: Table, 
     assert responses_of(table, [table.row(run) for run in table.study.runs]) == chosen
 
 
-def test_overview_has_units() -> None:
-    for name, shown in (
-        ("flaw.end.K_I_last", (1e-6, "MPa sqrt(m)")),
-        ("flaw.start.y", (1e3, "mm")),
-        ("path_hausdorff", (1e3, "mm")),
-        ("n_dofs", (1.0, "")),
-        ("seconds", (1.0, "s")),
-    ):
-        assert shown_as(name, (1e3, "mm")) == shown
+@pytest.mark.parametrize(("name", "shown"), [
+    ("flaw.end.K_I_last", (1e-6, "MPa sqrt(m)")),
+    ("flaw.start.y", (1e3, "mm")),
+    ("path_hausdorff", (1e3, "mm")),
+    ("n_dofs", (1.0, "")),
+    ("seconds", (1.0, "s")),
+])  # fmt: skip
+def test_overview_has_units(name: str, shown: tuple[float, str]) -> None:
+    assert shown_as(name, (1e3, "mm")) == shown
 
 
 @pytest.mark.parametrize("more", ["", "responses: [n_dofs]"])

@@ -1,0 +1,287 @@
+"""The words of the command line: what is mistyped gets a hint, what is asked is explained, listed, completed, begun."""
+
+from __future__ import annotations
+
+import json
+import os
+import pty
+import resource
+import shlex
+import signal
+import subprocess
+from pathlib import Path
+
+import pytest
+from jsonschema import Draft7Validator
+
+from crackgrow import cli, grow, load_case
+from crackgrow.cli.command_line import command_line
+from crackgrow.cli.parser import GROUPS
+from crackgrow.cli.start import SCHEMA_FILE, template_text, templates
+from crackgrow.cli.tools import SHELLS, completion_script
+from tests.yaml12 import read_yaml12
+
+CASE = str(Path(__file__).parents[2] / "cases" / "compression30.yaml")
+NOTHING_NEAR = "--help` has all options"
+
+REFUSED = [
+    ("rnu a.yaml", "did you mean run?"),
+    ("chek", "did you mean check?"),
+    ("run a.yaml --ressume", "did you mean --resume?\n`crackgrow run --help`"),
+    ("run --hlep", "CASE.yaml; unknown: --hlep; did you mean --help?"),
+    ("run a.yaml --spacing 3", "did you mean --set numerics.spacing=3?"),
+    ("run a.yaml --steps=4", "did you mean --set growth.steps=4?"),
+    ("check a.yaml --set growth.steps 4", "did you mean --set growth.steps=4?"),
+    ("new a --template tensio", "did you mean tension?"),
+    ("compare a b --tip strat", "did you mean start?"),
+    ("frobnicate", NOTHING_NEAR),
+    ("run a.yaml --frobnicate", NOTHING_NEAR),
+    ("run a.yaml more", NOTHING_NEAR),
+    ("", NOTHING_NEAR),
+    # of earlier versions
+    ("converge", "'converge' is gone: `crackgrow trade` tells whether a setting is good enough"),
+    ("trade a.yaml --axis spacing=3,2", "--axis spacing=3,2; it is gone: `crackgrow sweep`"),
+    ("trade a.yaml --reference out", "`reference` of a sweep file"),
+    ("trade a.yaml --no-increments", "it is gone: --increments none"),
+    # values of options
+    ("run a.yaml --out ''", "an empty name; the current folder is '.'"),
+    ("sweep sweep.yaml --out=", "an empty name; the current folder is '.'"),
+    ("report ''", "an empty name; the current folder is '.'"),
+    ("sweep a.yaml --workers 2 --scheduler tcp://127.0.0.1:9", "--scheduler: not allowed with argument --workers"),
+    ("compare a b --columns x", "two column names are wanted"),
+    ("compare a b --columns x,y,z", "two column names are wanted"),
+    ("compare a b --columns x,", "two column names are wanted"),
+    ("export a --to stl", "'stl' is none of msh, inp, vtk, xdmf, geojson, dxf"),
+    ("export a --to msh --step last", "'last': the number of a step is wanted, from 0 on"),
+    ("export a", "the following arguments are required: --to"),
+    ("render a --warp much", "'much': auto, or a number from 0 on is wanted"),
+    ("render a --warp -1", "'-1': auto, or a number from 0 on is wanted"),
+    ("render a --warp nan", "'nan': auto, or a number from 0 on is wanted"),
+    ("render a --steps 3-1", "'3-1': a step such as 4, or a span such as 4-10 is wanted"),
+    ("render a --steps 1 x", "'x': a step such as 4"),
+    ("render a --size 99x300", "'99x300': WIDTHxHEIGHT in pixels, each from 100 to 8000, is wanted"),
+    ("render a --size 300", "'300': WIDTHxHEIGHT"),
+    ("render a --gif --mp4", "not allowed with argument"),
+]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize(("words", "told"), REFUSED)
+def test_mistyped_words_end_with_2_and_a_hint(words: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(shlex.split(words))
+    assert ended.value.code == 2
+    err = capsys.readouterr().err
+    assert told in err
+    assert "did you mean" in told or "did you mean" not in err
+
+
+def test_help_lists_commands_by_group_and_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
+    with pytest.raises(SystemExit) as ended:
+        cli.main(["--help"])
+    assert ended.value.code == 0
+    lines = capsys.readouterr().out.splitlines()
+    first = [lines.index(f"{group}:") for group in GROUPS]
+    assert first == sorted(first)
+    for place, names in zip(first, GROUPS.values(), strict=True):
+        assert [line.split()[0] for line in lines[place + 1 : place + 1 + len(names)]] == list(names)
+    for name in ("run", "check", "compare", "sweep", "trade", "new", "schema", "completion"):
+        with pytest.raises(SystemExit):
+            cli.main([name, "--help"])
+        assert "examples:" in capsys.readouterr().out, name
+
+
+def explained(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
+    assert cli.main(["explain", name] if name else ["explain"]) == 0
+    return capsys.readouterr().out.splitlines()
+
+
+def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
+    assert explained("growth.tip_stress.radius", capsys) == [
+        "growth.tip_stress.radius",
+        "  meaning  Shepard averaging radius, a material length",
+        "  type     length",
+        "  unit     m, cm, mm, um, km; bare: that of units.length",
+        "  default  required",
+        "  allowed  > 0",
+    ]
+
+
+@pytest.mark.parametrize(("name", "heads"), [
+    ("cracks.my_own.contact.friction", ["cracks.NAME.contact.friction"]),
+    # once, though cracks, interfaces and foundations have it, too; and of lines of a map by an attribute
+    ("friction", ["laws.NAME.friction", "laws.NAME.wear.friction", "cracks.NAME.contact_by.NAME.NAME.friction"]),
+    ("interfaces.0.contact.friction", ["interfaces.N.contact.friction"]),
+    ("output", ["output", "output.frames", "output.fields", "output.figures", "output.report"]),
+    ("paths.csv", ["paths.csv", "crack", "vertex", "x", "y", "step"]),
+    ("kink_deg", ["kink_deg"]),
+    ("loading.critical", ["loading: critical"]),
+    ("in_turn", ["growth.advance: in_turn"]),
+    ("bonded", ["interfaces.N.contact: bonded"]),
+    ("", ["keys of a case", "files of a run"]),
+])  # fmt: skip
+def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixture[str]) -> None:
+    found = [line for line in explained(name, capsys) if not line.startswith(" ")]
+    assert found[: len(heads)] == heads
+    assert name == "output" or len(found) == len(heads)
+
+
+@pytest.mark.parametrize("columns", [50, 140])
+@pytest.mark.parametrize("name", ["", "growth.criterion", "tips.csv"])
+def test_lines_are_as_long_as_the_terminal_is_wide_and_lose_no_word(
+    name: str, columns: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "10000")
+    whole = explained(name, capsys)
+    monkeypatch.setenv("COLUMNS", str(columns))
+    wrapped = explained(name, capsys)
+    assert max(map(len, wrapped)) <= columns < max(map(len, whole))
+    assert not name or " ".join(wrapped).split() == " ".join(whole).split()
+
+
+def test_an_unknown_name_is_a_fault_with_what_may_be_meant(capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["explain", "frction"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert "did you mean friction" in err
+
+
+def test_cases_are_listed_with_their_titles_and_templates_where_there_are_none(
+    capsys: pytest.CaptureFixture[str], folder: Path
+) -> None:
+    assert cli.main(["list"]) == 0
+    out = capsys.readouterr().out
+    assert out.startswith("templates: ")
+    assert "  foundation  " in out
+    (folder / "one.yaml").write_text('# a note\ntitle: "A plate: with a crack"\nplane: strain\n')
+    (folder / "two.yaml").write_text("# what it is\nplane: strain\n")
+    (folder / "three.yaml").write_bytes(b"title: \xff\n")
+    assert cli.main(["list", str(folder)]) == 0
+    lines = [line.split(maxsplit=1) for line in capsys.readouterr().out.splitlines()[1:4]]
+    assert lines == [[str(folder / "one.yaml"), "A plate: with a crack"],
+                     [str(folder / "three.yaml"), "(cannot be read)"],
+                     [str(folder / "two.yaml"), "what it is"]]  # fmt: skip
+    assert cli.main(["list", "nowhere"]) == 2
+    assert capsys.readouterr().err == "nowhere: is no folder\n"
+
+
+@pytest.mark.parametrize("template", sorted(templates()))
+def test_every_template_passes_check_and_solves_without_a_warning(
+    template: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["new", "mine", "--template", template]) == 0
+    text = (folder / "mine.yaml").read_text(encoding="utf-8")
+    assert text == template_text(template)
+    assert sum("#" in line for line in text.splitlines()) > 0.6 * len([line for line in text.splitlines() if line])
+    assert cli.main(["check", "mine.yaml"]) == 0
+    assert "crackgrow check mine.yaml" in capsys.readouterr().out
+    assert next(grow(load_case("mine.yaml"))).warnings == ()
+
+
+def test_a_case_goes_among_the_cases_and_names_the_schema_there(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "cases").mkdir()
+    assert cli.main(["schema", "--out", f"cases/{SCHEMA_FILE}"]) == 0
+    assert cli.main(["schema"]) == 0
+    assert capsys.readouterr().out == (folder / "cases" / SCHEMA_FILE).read_text(encoding="utf-8")
+    assert cli.main(["new", "my slope"]) == 0  # the next commands can be pasted
+    told = "next: crackgrow check 'cases/my slope.yaml', then crackgrow run 'cases/my slope.yaml'"
+    assert told in capsys.readouterr().out
+    text = (folder / "cases" / "my slope.yaml").read_text(encoding="utf-8")
+    assert text.startswith(f"# yaml-language-server: $schema={SCHEMA_FILE}\n")
+    schema = json.loads((folder / "cases" / SCHEMA_FILE).read_text(encoding="utf-8"))
+    assert schema["title"] == "crackgrow case"
+    assert Draft7Validator(schema).is_valid(read_yaml12(text))
+
+
+@pytest.mark.parametrize(("name", "file"), [("a.b", "a.b.yaml"), ("x/y.yml", "x/y.yml"), ("x/y", "x/y.yaml")])
+def test_where_a_case_goes(name: str, file: str, folder: Path) -> None:
+    assert cli.main(["new", name]) == 0
+    assert (folder / file).is_file()
+
+
+@pytest.mark.parametrize(("name", "told"), [
+    ("", "'': is no name of a case; allowed are those such as my_slope\n"),
+    (".", "'.': is no name of a case; allowed are those such as my_slope\n"),
+    ("/", "'/': is no name of a case; allowed are those such as my_slope\n"),
+    ("mine", "mine.yaml: exists already, and is left as it is\n"),
+    ("mine.yaml/inner", "cannot be written"),
+    ("a\0b", ""),
+])  # fmt: skip
+def test_a_case_that_cannot_be_written_is_refused_and_nothing_is_overwritten(
+    name: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (folder / "mine.yaml").write_text("precious")
+    assert cli.main(["new", name]) == 2
+    assert told in capsys.readouterr().err
+    assert [path.name for path in folder.iterdir()] == ["mine.yaml"]
+    assert (folder / "mine.yaml").read_text() == "precious"
+
+
+def test_half_a_case_is_not_left_behind(folder: Path) -> None:
+    room = 1000  # bytes, less than the case
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # else the process ends
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
+    try:
+        assert cli.main(["new", "mine"]) == 2
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert list(folder.iterdir()) == []
+
+
+@pytest.fixture
+def script(folder: Path) -> Path:
+    """The script for bash, beside some files that could be meant."""
+    (folder / "cases").mkdir()
+    for name in ("one.yaml", "my rock.yml", "notes.txt"):
+        (folder / "cases" / name).write_text("")
+    (folder / "script").write_text(completion_script(command_line(), "bash"))
+    return folder / "script"
+
+
+@pytest.mark.parametrize(("line", "offered"), [
+    ("crackgrow ch", {"check"}),
+    ("crackgrow --v", {"--version"}),
+    ("crackgrow check --p", {"--picture"}),
+    ("crackgrow run ca", {"cases"}),
+    ("crackgrow run cases/", {"cases/one.yaml", "cases/my rock.yml"}),
+    ("crackgrow run x.yaml --out cases/my", {"cases/my rock.yml"}),
+    ("crackgrow new x --template t", {"tension"}),
+    ("crackgrow compare cases/n", {"cases/notes.txt"}),
+])  # fmt: skip
+def test_bash_completes(line: str, offered: set[str], script: Path) -> None:
+    ask = f"source ./script; COMP_WORDS=({line}); COMP_CWORD={len(line.split()) - 1}; _shtab_crackgrow; "
+    ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
+    done = subprocess.run(["bash", "-c", ask], cwd=script.parent, capture_output=True, text=True, check=True)
+    assert set(done.stdout.splitlines()) == offered
+
+
+def test_bash_escapes_spaces_in_names_as_they_are_typed(script: Path) -> None:
+    script.with_name("shown").write_text("crackgrow() { printf '<%s>' \"$@\"; echo ' shown'; }\n")
+    typed = b". ./script; . ./shown\ncrackgrow run cases/my\t\nexit\n"
+    controller, terminal = pty.openpty()
+    command = ["timeout", "--foreground", "--signal=KILL", "20", "bash", "--norc", "--noprofile", "-i"]
+    with subprocess.Popen(command, cwd=script.parent, stdin=terminal, stdout=terminal, stderr=terminal):
+        os.close(terminal)
+        os.write(controller, typed)
+        seen = b""
+        while b"> shown" not in seen:
+            seen += os.read(controller, 4096)  # an error where bash has ended
+    os.close(controller)
+    assert b"<run><cases/my rock.yml> shown" in seen
+
+
+@pytest.mark.parametrize("shell", SHELLS)
+def test_every_command_and_option_is_in_the_script_of_a_shell(shell: str) -> None:
+    text = completion_script(command_line(), shell)
+    for word in ("run", "check", "compare", "new", "schema", "completion", "resume", "picture", "template", "version"):
+        assert word in text
