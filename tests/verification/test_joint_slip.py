@@ -102,7 +102,7 @@ supports:
   - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
   - {on: {body: top, edge: top}, displacement: {x: 1}}
 loads: [{on: {body: top, edge: top}, traction: [0, -2], held: true}]
-output: {frames: none, figures: false}
+output: {frames: none, figures: false, points: {middle: {at: [0, 50]}}}
 """
 
 

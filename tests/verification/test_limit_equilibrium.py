@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import re
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +13,7 @@ import pytest
 from scipy.optimize import brentq
 
 from crackgrow.case import Case
+from crackgrow.cli import main
 from crackgrow.errors import CaseError, FreePieceError, SolveError
 from tests.verification.rows.limits import INCLINE, LIMIT, WEIGHT, safety_of
 from tests.verification.solutions import Solved, case_of, solve_case
@@ -31,6 +34,16 @@ def test_block_on_an_incline(friction: float) -> None:
     last = steps[-1].contact
     ratio = np.abs(last.tangential_traction).sum() / np.abs(last.normal_traction).sum()
     assert ratio == pytest.approx(np.tan(np.pi / 6.0), rel=1e-3)
+
+
+def test_the_factor_of_safety_is_in_the_summary(tmp_path: Path) -> None:
+    path = tmp_path / "scene.yaml"
+    path.write_text(INCLINE.replace("LAW", "friction: 0.8, cohesion: 0"), encoding="utf-8")
+    assert main(["run", str(path), "--out", str(tmp_path / "out"), "--quiet"]) == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text(encoding="utf-8"))
+    assert summary["status"] == "completed"
+    assert summary["safety"]["factor"] == pytest.approx(0.8 / np.tan(np.pi / 6.0), rel=2e-3)
+    assert summary["safety"]["mechanism"] in summary["stop_reason"]
 
 
 FLAT = """

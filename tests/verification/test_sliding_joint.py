@@ -47,6 +47,7 @@ loads:
   - {{on: {{body: top, edge: 1}}, pressure: 2 MPa, held: true}}
   - {{on: {{body: top, edge: 3}}, pressure: 2 MPa, held: true}}
 numerics: {{spacing: 0.03}}
+output: {{points: {{joint: {{at: [0, 0], interface: [low, top]}}}}}}
 """
 FORTH_AND_BACK = (0.1, 0.2, 0.3, 0.25, 0.4, 0.5, 0.45, 0.4, 0.3, 0.5, 1.0, 0.9, 0.5, 0.8)
 
