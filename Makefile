@@ -19,7 +19,7 @@ help:
 	@echo "make test-physics              those that solve scenes, without the slow ones: some minutes"
 	@echo "make test-all                  all tests"
 	@echo "make browser                   the report in Chromium (needs chromium and chromedriver)"
-	@echo "make verify                    references and exact solutions: a table and pictures in outputs/verification"
+	@echo "make verify                    references and exact solutions: a table in outputs/verification"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint, test and test-physics"
 	@echo "make bench [ARGS=--quick]      speed beside an earlier commit, run in one go: tests/benchmarks/bench.csv"

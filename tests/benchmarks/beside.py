@@ -21,7 +21,7 @@ from typing import Final
 
 import numpy as np
 
-from tests.benchmarks.paths import ROOT
+from tests.benchmarks.tables import ROOT
 
 AGAINST: Final = "473cd78"
 """The commit that speed is held against: the last one before steps became slower on the same cells."""

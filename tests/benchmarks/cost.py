@@ -11,7 +11,6 @@ import os
 import subprocess
 import sys
 import tempfile
-from pathlib import Path
 
 import numpy as np
 from scipy.optimize import nnls
@@ -21,7 +20,8 @@ from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import MEMORY_TERMS, TERMS, cost_of, terms_of
 from crackgrow.plan.sizes import sizes_of
-from tests.benchmarks.paths import ROOT
+from tests.benchmarks.tables import HERE, ROOT, renew_table
+from tests.benchmarks.tables import table as markdown
 
 Scene = tuple[str, tuple[str, ...]]
 
@@ -72,24 +72,15 @@ def main() -> None:
     for k, value in enumerate(("seconds", "memory")):  # none negative, of least relative error
         A, b = np.array([both[k] for both in terms]), np.array([both[k] for both in found])
         table[value] = [float(f"{constant:.3g}") for constant in nnls(A / b[:, None], np.ones(len(b)))[0]]
-    write(ROOT / "crackgrow" / "plan" / "cost.json", json.dumps(table, indent=1))
-    lines = [
-        "What runs are told to take and take, start, files and report included: `python -m tests.benchmarks.cost`.\n",
-        "| run | unknowns | told, s of CPU | taken | ratio | told, MiB | taken | ratio |",
-        "|---|---|---|---|---|---|---|---|",
-    ]
+    (ROOT / "crackgrow" / "plan" / "cost.json").write_text(f"{json.dumps(table, indent=1)}\n", encoding="utf-8")
+    lines = []
     for (name, settings), case, (seconds, memory) in zip(scenes, cases, found, strict=True):
         told = cost_of(case)
-        of_time = f"{told.seconds:.3g} | {seconds:.3g} | {told.seconds / seconds:.2f}"
-        of_memory = f"{told.memory:.0f} | {memory:.0f} | {told.memory / memory:.2f}"
-        lines.append(f"| {' '.join((name, *settings))} | {told.n_dofs} | {of_time} | {of_memory} |")
-    write(ROOT / "tests" / "benchmarks" / "cost.md", "\n".join(lines))
-
-
-def write(path: Path, text: str) -> None:
-    """Write a file and show it."""
-    path.write_text(f"{text}\n", encoding="utf-8")
-    print(text)
+        of_time = (f"{told.seconds:.3g}", f"{seconds:.3g}", f"{told.seconds / seconds:.2f}")
+        of_memory = (f"{told.memory:.0f}", f"{memory:.0f}", f"{told.memory / memory:.2f}")
+        lines.append((" ".join((name, *settings)), str(told.n_dofs), *of_time, *of_memory))
+    head = ("run", "unknowns", "told, s of CPU", "taken", "ratio", "told, MiB", "taken", "ratio")
+    renew_table(HERE / "cost.md", markdown(head, lines))
 
 
 if __name__ == "__main__":

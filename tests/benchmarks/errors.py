@@ -36,8 +36,7 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import make_scene
 from crackgrow.run.strength_reduction import strength_reduction
 from crackgrow.run.target import quantities
-from tests.benchmarks.paths import HERE
-from tests.benchmarks.tables import table
+from tests.benchmarks.tables import HERE, table
 from tests.benchmarks.target_scenes import SCENES, Known
 from tests.scenes import plate
 from tests.stability.growing_scenes import growing_scene
@@ -117,8 +116,8 @@ def wings(seed: int, count: int = 40) -> Iterator[tuple[str, dict[str, Any]]]:
 
 def all_scenes(seeds: Sequence[int], n_growing: int) -> Iterator[tuple[str, Callable[[], Entry]]]:
     """All scenes by name."""
-    for name, entry in SCENES.items():
-        yield name, partial(_known, entry.make)
+    for name, make in SCENES.items():
+        yield name, partial(_known, make)
     for name in SHIPPED:
         yield name, partial(Entry, partial(_shipped, name))
     made = [each for seed in seeds for each in wings(seed)]

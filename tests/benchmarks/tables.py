@@ -1,4 +1,4 @@
-"""Tables, as Markdown and as files."""
+"""Where benchmarks read and write, and their tables."""
 
 from __future__ import annotations
 
@@ -7,19 +7,24 @@ import math
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+HERE = Path(__file__).parent
+ROOT = HERE.parents[1]
+
 
 def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     """A Markdown table."""
     return "".join(f"| {' | '.join(line)} |\n" for line in (header, ["---"] * len(header), *rows))
 
 
-def milliseconds(seconds: float) -> str:
-    """Three digits, or nothing where nothing was measured."""
-    return number(1e3 * seconds)
+def renew_table(path: Path, text: str) -> None:
+    """Put a Markdown table in the place of the one of a document."""
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    old = [number for number, line in enumerate(lines) if line.startswith("|")]
+    path.write_text("".join([*lines[: old[0]], text, *lines[old[-1] + 1 :]]), encoding="utf-8")
 
 
 def number(value: float) -> str:
-    """Three digits without an exponent, or nothing."""
+    """Three digits without an exponent, or nothing where nothing was measured."""
     if math.isnan(value):
         return ""
     return f"{value:.3g}" if 0.001 <= abs(value) < 1000.0 else f"{value:.0f}"

@@ -2,9 +2,9 @@
 
     python -m tests.experiments.flaw_pairs [--angles A ...] [--frictions F ...]
 
-Solves the pairs that outputs/experiments/flaw_pairs does not have (some minutes each), and writes flaw_pairs.md and
-flaw_pairs.png beside this file. The load rises by STEP as soon as nothing grows any more, up to the strength of the
-rock, or until the flaws are linked.
+Solves the pairs that outputs/experiments/flaw_pairs does not have (some minutes each), and renews the table of
+flaw_pairs.md and flaw_pairs.png beside this file. The load rises by STEP as soon as nothing grows any more, up to the
+strength of the rock, or until the flaws are linked.
 """
 
 from __future__ import annotations
@@ -29,6 +29,7 @@ from scipy.sparse.csgraph import dijkstra
 from crackgrow.case.model import Case
 from crackgrow.run import grow
 from crackgrow.run.result import Checkpoint, CrackPath, Event, StepResult
+from tests.benchmarks.tables import renew_table, table
 
 HERE = Path(__file__).parent
 KEPT = HERE.parents[1] / "outputs" / "experiments" / "flaw_pairs"
@@ -87,44 +88,6 @@ def scene(angle: float, friction: float, load: float) -> Case:
     text = SCENE.format(angle=angle, friction=friction, lower=lower, upper=upper, down=-load, up=load)
     return Case.from_dict(yaml.safe_load(text), "flaw_pair")
 
-
-HEAD = """# Pairs of flaws
-
-Made by `python -m tests.experiments.flaw_pairs`. Two closed flaws of 12 mm at 45 degrees, their inner tips 20 mm apart
-in a direction at the bridge angle to x, in a specimen of 60 x 120 mm, as in the tests of Wong and Chau (1998) on a
-rock-like material. One set of values for all pairs, that of the tests: E 0.33 GPa, Poisson's ratio 0.19, tension
-0.35 MPa, K_Ic 0.0443 MPa sqrt(m), and of the compressive strength of 2.09 MPa cohesion 0.58 MPa at 32 degrees. Wings by
-`max_hoop_stress`, shear cracks by Mohr-Coulomb from the ends of the flaws (`initiation: ends`); increments and
-`link_distance` of 3 and 1.5 mm, automatic cells (`draft`). The load rises by 0.05 MPa where nothing grows any more, up
-to the compressive strength; loads are in MPa.
-
-S, W, M: shear, tension or both have made the shortest way along cracks from one flaw to the other, when there first is
-one, by the modes of its segments. `none`: there is none before cracks have cut the specimen, or up to the strength. In
-the picture black flaws, blue tension, red shear. The modes of the tests are as they are quoted for friction 0.6, not
-read from the paper (`-`: not known). A shear crack can start only beside a wing: wings come first by that rule, and at
-lower loads, too, where friction is 0.6.
-
-"""
-
-TAIL = """
-
-![The pairs](flaw_pairs.png)
-
-S and M come out, W does not: four of six at friction 0.6. A shear crack that has started runs through the specimen
-at that load, far below the strength of whole rock, while wings are 3 to 9 mm long: their K_I falls as they grow, and
-20 mm of wing take 2.8 MPa. At 105 and 120 degrees the shear cracks pass the other flaw; at friction 0.7 none starts
-there up to the strength.
-
-Other laws for shear, run by hand at friction 0.6, change little: on cells that resolve the averaging length no pair
-links in mode W, with the largest shear stress or the largest share of the strength deciding, over 10.2 or 2.55 mm,
-and all modes are the same at `standard`. Nor does a toughness in shear of 2 to 3 K_Ic (Rao 1999) bring it: at the tip
-of a shear crack K_II reaches what a wing needs, 0.87 K_Ic, before it reaches K_IIc, so that shear cracks end after an
-increment or two and go on as wings, and S is lost; and it does not hold up starts, as the wing has taken the
-singularity away. So the program judges starts by the strength over the length of K_Ic, and K_IIc is for tips.
-
-By wings alone, at critical loads, only the pair at 105 degrees links, at 2.8 MPa, more than the rock bears: a wing of a
-closed flaw takes more load the longer it gets, until it feels the other flaw.
-"""
 
 Piece = tuple[str, str, int]
 """What a segment was made by: its crack, the end that advanced (`start` or `end`), and the step."""
@@ -274,20 +237,14 @@ def draw(found: Mapping[tuple[int, float], dict[str, Any]]) -> Figure:
     return figure
 
 
-def table(found: Mapping[tuple[int, float], dict[str, Any]]) -> str:
-    """The table in Markdown."""
-    lines = [
-        "| bridge | friction | tests | found | first wing | first shear crack | link |",
-        "|---|---|---|---|---|---|---|",
-    ]
+def lines(found: Mapping[tuple[int, float], dict[str, Any]]) -> Iterator[tuple[str, ...]]:
+    """The rows of the table."""
     for (angle, friction), one in found.items():
         loads = [f"{one['first'][mode]:.2f}" if mode in one["first"] else "-" for mode in ("tension", "shear")]
         known = MEASURED[angle] if friction == FRICTIONS[0] else "-"
         hit = "" if one["mode"] in known.split(" or ") or known == "-" else " (missed)"
         at = "-" if one["mode"] == "none" else f"{one['load']:.2f}"
-        values = [angle, friction, known, f"{one['mode']}{hit}", *loads, at]
-        lines.append(f"| {' | '.join(map(str, values))} |")
-    return "\n".join(lines)
+        yield str(angle), str(friction), known, f"{one['mode']}{hit}", *loads, at
 
 
 def main() -> None:
@@ -304,7 +261,8 @@ def main() -> None:
             )
     keys = [(angle, friction) for friction in FRICTIONS for angle in MEASURED]
     found = {key: solved(*key) for key in keys if (KEPT / f"{key[0]}_{key[1]}.json").exists()}
-    (HERE / "flaw_pairs.md").write_text(HEAD + table(found) + TAIL, encoding="utf-8")
+    head = ("bridge", "friction", "tests", "found", "first wing", "first shear crack", "link")
+    renew_table(HERE / "flaw_pairs.md", table(head, lines(found)))
     draw(found).savefig(HERE / "flaw_pairs.png", dpi=110)
 
 

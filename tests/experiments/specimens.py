@@ -2,7 +2,7 @@
 
     python -m tests.experiments.specimens
 
-Writes specimens.md and specimens.png beside this file (four minutes).
+Renews the table of specimens.md and specimens.png beside this file (four minutes).
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from matplotlib.figure import Figure
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.run.result import CrackPath
+from tests.benchmarks.tables import renew_table, table
 from tests.whole_run import whole_run
 
 HERE = Path(__file__).parent
@@ -203,19 +204,6 @@ def _mm(crack: CrackPath) -> Floats:
     return np.asarray(1e3 * crack.points)
 
 
-HEAD = """# Specimens with tensile cracks
-
-Made by `python -m tests.experiments.specimens`: `max_hoop_stress` with a toughness, at the critical load of each
-increment, cells of `draft`. What was measured is as it is quoted in the literature, not read from the reports (`-`: not
-known to us). What pairs of flaws do in compression is in [flaw_pairs.md](flaw_pairs.md).
-
-The sheets and beams are of acrylic glass, the shear beam is of concrete. Lens: between the tips of two cracks that have
-passed each other; the measured slenderness holds for all distances and several materials. Near 5 inch the notch of the
-beam with three holes decides on the hole: at 5 inch the crack ends in the lower one, at 5.15 it passes beside it.
-
-"""
-
-
 def draw(found: dict[str, tuple[CrackPath, ...]]) -> Figure:
     """Outlines and cracks of the specimens that are cut or meet a hole."""
     shown = [one for one in SPECIMENS if not one.name.startswith("slanted")]
@@ -241,14 +229,12 @@ def draw(found: dict[str, tuple[CrackPath, ...]]) -> Figure:
 
 def main() -> None:
     """Solve all specimens, and write the table and the picture."""
-    found = {}
-    lines = ["| specimen | what | measured | found |", "|---|---|---|---|"]
+    found, lines = {}, []
     for one in SPECIMENS:
         found[one.name] = whole_run(case_of(one))[1].cracks
-        lines.append(f"| {one.name} | {one.asked} | {one.measured} | {one.told(found[one.name])} |")
-        print(lines[-1], flush=True)
-    text = HEAD + "\n".join(lines) + "\n\n![The specimens](specimens.png)\n"
-    (HERE / "specimens.md").write_text(text, encoding="utf-8")
+        lines.append((one.name, one.asked, one.measured, one.told(found[one.name])))
+        print(*lines[-1], flush=True)
+    renew_table(HERE / "specimens.md", table(("specimen", "what", "measured", "found"), lines))
     draw(found).savefig(HERE / "specimens.png", dpi=90)
 
 

@@ -84,7 +84,7 @@ def _of_step(name: str, result: StepResult, extent: float) -> Iterator[tuple[Key
 
 def of_target_scene(name: str, accuracy: str) -> Rows:
     """K of a scene of the targets, by a name or for a target."""
-    case = crackgrow.Case.from_dict({**SCENES[name].make().case, "numerics": {"accuracy": accuracy}})
+    case = crackgrow.Case.from_dict({**SCENES[name]().case, "numerics": {"accuracy": accuracy}})
     tips = crackgrow.solve(case).tips
     return {
         (f"{name}, {accuracy}", "0", f"{row['crack']} {row['tip']}", quantity): float(row[quantity])

@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-import math
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
-
-Kind = Literal["exact", "independent code", "published", "itself"]
-"""Where a reference comes from; `itself`: another discretization of the same program, or a goal for a rate."""
 
 Measure = Literal["relative", "absolute", "at most", "at least"]
 """How the error is taken: (value - reference)/reference, value - reference, or how far the bound is passed."""
@@ -17,50 +13,46 @@ Measure = Literal["relative", "absolute", "at most", "at least"]
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """What is compared, with what, and how far apart the two may be."""
+    """What is compared, with what, and how far apart the two may be; a reference of zero: the value is an error."""
 
-    case: str  # the case file, or what stands in for one
+    scene: str  # the case file or what stands in for one, and what is set there
     quantity: str  # with its unit in brackets
+    value: Callable[[], float]  # solves, or finds solved, what it needs
     reference: float
-    kind: Kind
     source: str  # file, paper or formula
     tolerance: float
-    value: Callable[[], float]  # solves, or finds solved, what it needs
-    error: Measure = "relative"
-    known: str = ""  # why a row misses its tolerance: it is shown as missed, but does not fail the table
+    measure: Measure = "relative"
+    slow: bool = False  # takes a minute or more
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """A row with its result; nan where the value could not be computed."""
+    """A row with its value and its error; what was raised in place of them makes the row fail, not the whole table."""
 
-    case: str
-    quantity: str
-    reference: float
-    kind: str
-    source: str
+    row: Row
     value: float
     error: float
-    error_is: str
-    tolerance: float
-    within: bool
-    known: str
-    failure: str  # what was raised instead of a value
+    failure: str
     seconds: float
 
     @property
-    def failed(self) -> bool:
-        """Whether the table fails because of this row."""
-        return not self.within and (not self.known or math.isnan(self.error))
+    def within(self) -> bool:
+        """Whether the error is within its tolerance."""
+        return abs(self.error) <= self.row.tolerance  # False for nan
 
     @property
-    def verdict(self) -> str:
-        """What the table says under `pass`."""
-        return "NO" if self.failed else "yes" if self.within else "missed, known"
+    def share(self) -> float:
+        """The error over its tolerance; for bounds that may not be passed 0 or infinite."""
+        return abs(self.error) / self.row.tolerance if self.row.tolerance else (0.0 if self.within else float("inf"))
+
+
+def gone() -> float:
+    """What stands for the value's function in an outcome: processes cannot hand on all functions."""
+    return float("nan")
 
 
 def evaluate(row: Row) -> Outcome:
-    """Compute a row; whatever it raises makes it fail, not the whole table."""
+    """Compute a row."""
     started = time.perf_counter()
     value, error, failure = float("nan"), float("nan"), ""
     try:
@@ -68,20 +60,15 @@ def evaluate(row: Row) -> Outcome:
         error = error_of(row, value)
     except Exception as fault:
         failure = f"{type(fault).__name__}: {fault}"
-    within = abs(error) <= row.tolerance  # False for nan
-    seconds = time.perf_counter() - started
-    return Outcome(
-        row.case, row.quantity, row.reference, row.kind, row.source, value, error, row.error, row.tolerance, within,
-        row.known, failure, seconds,
-    )  # fmt: skip
+    return Outcome(replace(row, value=gone), value, error, failure, time.perf_counter() - started)
 
 
 def error_of(row: Row, value: float) -> float:
     """Signed error of a value in the row's measure."""
     difference = value - row.reference
-    match row.error:
+    match row.measure:
         case "relative":
-            return difference / abs(row.reference)
+            return difference / abs(row.reference) if row.reference else difference
         case "absolute":
             return difference
         case "at most":

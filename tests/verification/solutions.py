@@ -1,18 +1,20 @@
-"""Solved configurations for the verification rows, each solved once in a process."""
+"""Cases, solved configurations and references for the verification, each case solved once in a process."""
 
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+import json
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
-from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.case import load_case
+from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -31,6 +33,8 @@ from tests.solving import last_factor, solve_step
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases"
 REFERENCES = Path(__file__).parent / "references"
+
+QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 
 Floats = NDArray[np.float64]
 
@@ -79,13 +83,18 @@ def solved(name: str, *settings: str) -> Solved:
     return solve_case(load_case(CASES / f"{name}.yaml", settings))
 
 
+def case_of(scene: str | Mapping[str, Any], *settings: str, **words: object) -> Case:
+    """A case from its text, in which words stand for values, or from a document; without pictures."""
+    text = scene if isinstance(scene, str) else json.dumps(scene)
+    for word, value in words.items():
+        text = text.replace(word, str(value))
+    return read_case(text, "scene", "scene", [*QUIET, *settings])
+
+
 @cache
 def solved_text(text: str, *settings: str) -> Solved:
     """A case given as text."""
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "text.yaml"
-        path.write_text(text, encoding="utf-8")
-        return solve_case(load_case(path, settings))
+    return solve_case(case_of(text, *settings))
 
 
 def solve_case(case: Case) -> Solved:

@@ -12,15 +12,14 @@ with c and mu at the slip that has been, and the energies by quadrature over tha
 from __future__ import annotations
 
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from crackgrow.case import load_case
 from crackgrow.run.result import StepResult
-from tests.whole_run import whole_run
+from tests.verification.solutions import case_of
+from tests.whole_run import seen, whole_run
 
 WIDTH, HEIGHT, CLOSURE, LATERAL = 0.1, 0.2, 1e-3, 2e6  # m, m, m, Pa
 SIN, COS = np.sin(np.deg2rad(55.0)), np.cos(np.deg2rad(55.0))
@@ -48,7 +47,7 @@ loads:
   - {{on: {{body: top, edge: 1}}, pressure: 2 MPa, held: true}}
   - {{on: {{body: top, edge: 3}}, pressure: 2 MPa, held: true}}
 numerics: {{spacing: 0.03}}
-output: {{frames: none, figures: false, points: {{joint: {{at: [0, 0], interface: [low, top]}}}}}}
+output: {{points: {{joint: {{at: [0, 0], interface: [low, top]}}}}}}
 """
 FORTH_AND_BACK = (0.1, 0.2, 0.3, 0.25, 0.4, 0.5, 0.45, 0.4, 0.3, 0.5, 1.0, 0.9, 0.5, 0.8)
 
@@ -66,11 +65,8 @@ class Joint:
 
     @property
     def law(self) -> dict[str, object]:
-        return {
-            "weakening_length": self.weakening,
-            "dilation_angle": float(np.rad2deg(np.arctan(self.dilation))),
-            "cohesion_after_slip": "kept" if self.kept else "lost",
-        }
+        angle, kept = float(np.rad2deg(np.arctan(self.dilation))), "kept" if self.kept else "lost"
+        return {"weakening_length": self.weakening, "dilation_angle": angle, "cohesion_after_slip": kept}
 
     def closure(self, q: float, slip: float) -> float:
         return (A * q - B * LATERAL) * HEIGHT + slip * SIN - self.dilation * abs(slip) * COS
@@ -106,27 +102,22 @@ class Joint:
         return float(self.sliding(way, self.lost))
 
 
-def steps(folder: Path, joint: Joint, factors: tuple[float, ...]) -> list[StepResult]:
-    path = folder / "joint.yaml"
-    path.write_text(SPECIMEN, encoding="utf-8")
+def steps(joint: Joint, factors: tuple[float, ...]) -> list[StepResult]:
     law = [f"interfaces.0.contact.{key}={value}" for key, value in joint.law.items()]
-    return whole_run(load_case(path, [f"loading.history={list(factors)}", *law]))[0]
+    return whole_run(case_of(SPECIMEN, f"loading.history={list(factors)}", *law))[0]
 
 
 def axial(result: StepResult) -> float:
     """Pa, of the upper platen at the end of a step."""
-    assert result.history is not None
-    return -float(result.history.values[-1, result.history.columns.index("supports.2.force_y")]) / WIDTH
+    return -float(seen([result], "supports.2.force_y")[-1]) / WIDTH
 
 
 @pytest.mark.parametrize("kept", [False, True])
 @pytest.mark.parametrize("dilation", [0.0, 0.14])
 @pytest.mark.parametrize("weakening", [4e-4, 2e-3])
-def test_it_slides_forth_and_back_as_the_closed_form_does(
-    weakening: float, dilation: float, kept: bool, tmp_path: Path
-) -> None:
+def test_it_slides_forth_and_back_as_the_closed_form_does(weakening: float, dilation: float, kept: bool) -> None:
     joint = Joint(weakening, dilation, kept)
-    found = steps(tmp_path, joint, FORTH_AND_BACK)
+    found = steps(joint, FORTH_AND_BACK)
     assert len(found) == len(FORTH_AND_BACK)
     for before, factor, result in zip((0.0, *FORTH_AND_BACK), FORTH_AND_BACK, found, strict=False):
         for d in CLOSURE * np.linspace(before, factor, 50)[1:]:
@@ -141,12 +132,10 @@ def test_it_slides_forth_and_back_as_the_closed_form_does(
 
 @pytest.mark.parametrize("dilation", [0.0, 0.14])
 @pytest.mark.parametrize("weakening", [1e-4, 1e-5, 1e-7])
-def test_a_sudden_slip_releases_what_the_weakening_joint_does_not_take(
-    weakening: float, dilation: float, tmp_path: Path
-) -> None:
+def test_a_sudden_slip_releases_what_the_weakening_joint_does_not_take(weakening: float, dilation: float) -> None:
     """Strength falls faster with slip than the specimen unloads: at the peak it slides at once to the residual law."""
     joint = Joint(weakening, dilation)
-    (last,) = steps(tmp_path, joint, (0.3,))
+    (last,) = steps(joint, (0.3,))
     peak, residual = joint.sliding(1, 0.0), joint.sliding(1, 1.0)
     onset = joint.closure(peak, 0.0)
     jump, end = ((d - joint.closure(residual, 0.0)) / (SIN - dilation * COS) for d in (onset, 0.3 * CLOSURE))

@@ -14,7 +14,6 @@ import pytest
 
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.arrays import Floats
-from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
@@ -28,7 +27,8 @@ from crackgrow.run.result import STICK, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
-from tests.whole_run import whole_run
+from tests.verification.solutions import case_of
+from tests.whole_run import seen, whole_run
 
 SIGMA_H, SIGMA_V = -10e6, -20e6
 
@@ -43,33 +43,24 @@ bodies:
   core: {shape: {disk: {center: [0, 0], radius: 2}}, material: {young: YOUNG, poisson: 0.25}}
 interfaces: [{between: [rock, core], contact: CONTACT}]
 CRACKS
-supports:
-  - {on: {body: rock, edge: bottom}, displacement: {y: 0}}
-  - {on: {body: rock, edge: top}, displacement: {y: 0}}
-  - {on: {body: rock, edge: left}, displacement: {x: 0}}
-  - {on: {body: rock, edge: right}, displacement: {x: 0}}
+supports: [{outline: rollers}]
 loads:
   - {body: rock, stress: [-10, -20, 0]}
   - {body: core, stress: [-10, -20, 0]}
 loading: LOADING
 numerics: {spacing: SPACING}
-output: {frames: none, figures: false}
 """
 ONE_STAGE = "{stages: [{name: rest}, {name: open, excavate: core}]}"
 TWO_HALVES = "{stages: [{}, {excavate: core, release: 0.5}, {release: 1}]}"
 
 
-def tunnel(folder: Path, loading: str, **changes: str) -> Case:
-    text = TUNNEL.replace("LOADING", loading)
+def tunnel(loading: str, *settings: str, **words: str) -> Case:
+    """The tunnel with words of its text replaced; `{}`: with the hole from the start."""
+    text = TUNNEL if loading != "{}" else "\n".join(line for line in TUNNEL.splitlines() if "core" not in line)
     defaults = {"WIDTH": "24", "YOUNG": "20000", "CONTACT": "bonded", "CRACKS": "", "SPACING": "1"}
-    for key, value in {**defaults, **changes}.items():
-        text = text.replace(key, value)
-    if loading == "{}":
-        lines = text.splitlines()
-        text = "\n".join(line for line in lines if "core" not in line)
-    path = folder / "tunnel.yaml"
-    path.write_text(text, encoding="utf-8")
-    return load_case(path)
+    for word, value in words.items():
+        text = text.replace(word, value)
+    return case_of(text, *settings, LOADING=loading, **defaults)
 
 
 def steps_of(case: Case) -> list[tuple[StepResult, StepSolution]]:
@@ -83,9 +74,9 @@ def stress_in(solution: StepSolution, places: np.ndarray, body: int = 0) -> np.n
     return stress_at(cover, solution.materials, solution.outcome.u, points, elements)
 
 
-def test_wall_of_a_tunnel_that_is_taken_out_has_the_stress_of_kirsch(tmp_path: Path) -> None:
+def test_wall_of_a_tunnel_that_is_taken_out_has_the_stress_of_kirsch() -> None:
     """At `standard`, with `spacing: auto`, in a box of 20 radii each way."""
-    (_, before), (_, after) = steps_of(tunnel(tmp_path, ONE_STAGE, WIDTH="80", SPACING="auto"))
+    (_, before), (_, after) = steps_of(tunnel(ONE_STAGE, WIDTH="80", SPACING="auto"))
     wall = np.array([[2.0, 0.0], [0.0, 2.0]]) * (1.0 + 1e-4)
     found = stress_in(after, wall)
     assert found[0, 1] == pytest.approx(3.0 * SIGMA_V - SIGMA_H, rel=0.01)
@@ -95,12 +86,12 @@ def test_wall_of_a_tunnel_that_is_taken_out_has_the_stress_of_kirsch(tmp_path: P
 
 
 @pytest.mark.parametrize("core", [{}, {"YOUNG": "3000"}, {"CONTACT": "{friction: 3, cohesion: 0}"}], ids=str)
-def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(tmp_path: Path, core: dict[str, str]) -> None:
+def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(core: dict[str, str]) -> None:
     """Where nothing slides, whatever the core was made of and however many stages it takes."""
-    (_, expected), *_ = steps_of(tunnel(tmp_path, "{}"))
+    (_, expected), *_ = steps_of(tunnel("{}"))
     size = np.abs(expected.outcome.u).max()
     for loading in (ONE_STAGE, TWO_HALVES):
-        *_, (_, last) = steps_of(tunnel(tmp_path, loading, **core))
+        *_, (_, last) = steps_of(tunnel(loading, **core))
         np.testing.assert_allclose(last.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
 
 
@@ -112,26 +103,22 @@ def test_K_has_an_error_where_the_rock_moves_and_none_at_rest() -> None:
     assert np.isfinite(moved).all()
 
 
-def test_a_lining_presses_on_the_wall_from_its_stage_on(tmp_path: Path) -> None:
+def test_a_lining_presses_on_the_wall_from_its_stage_on() -> None:
     """A traction with a name of its own on an edge that is a boundary with the core until then."""
     rock = "  - {body: rock, stress"
     lining = f"  - {{on: {{body: rock, edge: hole0}}, traction: [x/2, y/2], name: lining}}\n{rock}"
     loading = "{stages: [{}, {excavate: core}, {loads: {lining: 3}}]}"
-    *_, (_, found) = steps_of(tunnel(tmp_path, loading, **{rock: lining}))
-    (_, expected), *_ = steps_of(tunnel(tmp_path, "{}", **{rock: lining.replace("x/2, y/2", "3*x/2, 3*y/2")}))
+    *_, (_, found) = steps_of(tunnel(loading, **{rock: lining}))
+    (_, expected), *_ = steps_of(tunnel("{}", **{rock: lining.replace("x/2, y/2", "3*x/2, 3*y/2")}))
     size = np.abs(expected.outcome.u).max()
     np.testing.assert_allclose(found.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
 
 
-def test_half_released_is_half_way(tmp_path: Path) -> None:
-    (_, rest), (_, half), (_, all_) = steps_of(tunnel(tmp_path, TWO_HALVES))
+def test_half_released_is_half_way() -> None:
+    (_, rest), (_, half), (_, all_) = steps_of(tunnel(TWO_HALVES))
     places = np.array([[2.5, 0.3], [3.0, 3.0], [-1.0, 4.0]])
     at = [stress_in(solution, places) for solution in (rest, half, all_)]
     np.testing.assert_allclose(at[1], 0.5 * (at[0] + at[2]), rtol=0, atol=1e-9 * abs(SIGMA_V))
-
-
-def slips(solution: StepSolution) -> np.ndarray:
-    return np.asarray(solution.outcome.points.slip)
 
 
 TWO_DRIFTS = """
@@ -148,18 +135,13 @@ bodies:
   right: {shape: {rectangle: {center: [3, 0], width: 3, height: 3}}, material: {young: 20000, poisson: 0.25}}
 interfaces: [{between: [rock, left], contact: bonded}, {between: [right, rock], contact: bonded}]
 cracks: {joint: {path: {points: [[-1.2, -6], [1, 6]]}, contact: {friction: FRICTION, cohesion: 0}}}
-supports:
-  - {on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}
-  - {on: {body: rock, edge: top}, displacement: {x: 0, y: 0}}
-  - {on: {body: rock, edge: left}, displacement: {x: 0, y: 0}}
-  - {on: {body: rock, edge: right}, displacement: {x: 0, y: 0}}
+supports: [{outline: fixed}]
 loads:
   - {body: rock, stress: [-8, -16, 0]}
   - {body: left, stress: [-8, -16, 0]}
   - {body: right, stress: [-8, -16, 0]}
 loading: {stages: [{}, STAGES]}
 numerics: {spacing: 1}
-output: {frames: none, figures: false}
 """
 ORDERS = (
     "{excavate: left}, {excavate: right}",
@@ -171,14 +153,9 @@ ORDERS = (
 
 
 @pytest.mark.parametrize(("friction", "slides"), [("5", False), ("0.25", True)])
-def test_the_order_of_excavation_matters_where_a_joint_slides(tmp_path: Path, friction: str, slides: bool) -> None:
+def test_the_order_of_excavation_matters_where_a_joint_slides(friction: str, slides: bool) -> None:
     """And to rounding not where it holds: elasticity has no memory, friction has."""
-    path = tmp_path / "drifts.yaml"
-    last = []
-    for order in ORDERS:
-        text = TWO_DRIFTS.replace("STAGES", order).replace("FRICTION", friction)
-        path.write_text(text, encoding="utf-8")
-        last.append(steps_of(load_case(path))[-1])
+    last = [steps_of(case_of(TWO_DRIFTS, STAGES=order, FRICTION=friction))[-1] for order in ORDERS]
     found = [solution.outcome.u for _, solution in last]
     size = np.abs(found[0]).max()
     np.testing.assert_allclose(found[3], found[2], rtol=0, atol=1e-8 * size)  # the same way, with stops
@@ -202,7 +179,7 @@ loads:
   - {on: {body: top, edge: top}, traction: [0, -4e4], name: house}
 loading: {stages: [{}, {loads: {house: 1}}, {excavate: top, release: 0.25}, {release: 1}]}
 numerics: {spacing: 0.4}
-output: {frames: none, figures: false, points: {head: {body: low, at: [0, 2]}, roof: {at: [0, 5]}}}
+output: {points: {head: {body: low, at: [0, 2]}, roof: {at: [0, 5]}}}
 """
 ON_ROLLERS = "[{on: {body: low, edge: bottom}, displacement: {y: 0}}, {at: [0, 0], displacement: {x: 0}}]"
 ON_ROCK = "[{on: {body: low, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]"
@@ -216,16 +193,13 @@ ON_ROCK = "[{on: {body: low, edge: bottom}, contact: {friction: 0.5, cohesion: 0
         ("{friction: 0.5, cohesion: 0}", ON_ROCK),
     ],
 )
-def test_a_column_rebounds_when_its_upper_part_is_taken_away(tmp_path: Path, contact: str, supports: str) -> None:
+def test_a_column_rebounds_when_its_upper_part_is_taken_away(contact: str, supports: str) -> None:
     """Uniform strain: head = -(q h + w h^2 / 2) / E with q the pressure on it; energies of the column exactly."""
-    path = tmp_path / "column.yaml"
-    path.write_text(COLUMN.replace("CONTACT", contact).replace("SUPPORTS", supports), encoding="utf-8")
-    results, _ = whole_run(load_case(path))
+    results, _ = whole_run(case_of(COLUMN, CONTACT=contact, SUPPORTS=supports))
     own, E, h = 2e4, 1e9, 2.0
     pressures = [9e4, 13e4, 0.75 * 13e4, 0.0]
-    heads = [result.history.values[-1][result.history.columns.index("head.u_y")] for result in results]
+    heads, roofs = ([seen([result], f"{point}.u_y")[-1] for result in results] for point in ("head", "roof"))
     np.testing.assert_allclose(heads, [-(q * h + 0.5 * own * h**2) / E for q in pressures], rtol=1e-6)
-    roofs = [result.history.values[-1][result.history.columns.index("roof.u_y")] for result in results]
     assert np.isfinite(roofs[:2]).all()
     assert np.isnan(roofs[2:]).all()
     stored = [2.0 * (q**2 * h + q * own * h**2 + own**2 * h**3 / 3.0) / (2.0 * E) for q in pressures]
@@ -238,11 +212,12 @@ def test_a_column_rebounds_when_its_upper_part_is_taken_away(tmp_path: Path, con
 
 def test_stages_of_factors_are_a_history() -> None:
     """The same loads in the same turn; the configuration is made anew in each stage."""
-    settings = ["numerics.spacing=10", "output.frames=none", "output.figures=false"]
-    cyclic = Path(__file__).parents[2] / "cases" / "cyclic_friction.yaml"
     factors = [0.4, 1, -0.3, 0.6]
-    in_turn, _ = whole_run(load_case(cyclic, [*settings, f"loading.history={factors}"]))
-    staged, _ = whole_run(load_case(cyclic, [*settings, f"loading={{stages: {[{'factor': f} for f in factors]}}}"]))
+    loadings = (f"loading.history={factors}", f"loading={{stages: {[{'factor': f} for f in factors]}}}")
+    in_turn, staged = (
+        whole_run(shipped_case("cyclic_friction", ["numerics.spacing=10", "output.frames=none", loading]))[0]
+        for loading in loadings
+    )
     for expected, found in zip(in_turn, staged, strict=True):
         size = np.abs(expected.contact.slip).max()
         np.testing.assert_allclose(found.contact.slip, expected.contact.slip, rtol=0, atol=1e-9 * size)
@@ -251,10 +226,7 @@ def test_stages_of_factors_are_a_history() -> None:
     assert [result.load_factor for result in staged] == [1.0, 2.0, 3.0, 4.0]
 
 
-def test_given_displacements_follow_the_factor(tmp_path: Path) -> None:
-    path = tmp_path / "press.yaml"
-    path.write_text(
-        """
+PRESS = """
 title: a block is pressed and let go
 plane: stress
 bodies: {rock: {shape: {rectangle: {center: [0, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0}}}
@@ -264,11 +236,11 @@ supports:
 loads: [{on: {edge: right}, traction: [0, 0]}]
 loading: {stages: [{factor: 2}, {factor: -0.5}]}
 numerics: {spacing: 0.25}
-output: {frames: none, figures: false}
-""",
-        encoding="utf-8",
-    )
-    results, _ = whole_run(load_case(path))
+"""
+
+
+def test_given_displacements_follow_the_factor() -> None:
+    results, _ = whole_run(case_of(PRESS))
     forces = [next(r.force[1] for r in result.reactions if r.where == "supports.1") for result in results]
     np.testing.assert_allclose(forces, [-2e6, 0.5e6], rtol=1e-9)
     np.testing.assert_allclose([result.energy.work for result in results], [2e3, 2e3 - 1.875e3], rtol=1e-9)
@@ -293,16 +265,14 @@ loads:
 loading: {stages: [{}, {excavate: plug, release: 0.4}, {release: 1}]}
 growth: {steps: 8, increment: 2, advance: all, criterion: max_hoop_stress, direction: explicit}
 numerics: {spacing: 4}
-output: {frames: none, figures: false, points: {mouth: {crack: flaw, at: [-6, 0]}}}
+output: {points: {mouth: {crack: flaw, at: [-6, 0]}}}
 """
 
 
-def test_a_crack_grows_at_the_end_of_all_stages(tmp_path: Path) -> None:
+def test_a_crack_grows_at_the_end_of_all_stages() -> None:
     """As beside a hole that has always been there; it ends at its wall."""
-    staged, plain = tmp_path / "staged.yaml", tmp_path / "plain.yaml"
-    staged.write_text(GROWN, encoding="utf-8")
-    plain.write_text("\n".join(x for x in GROWN.splitlines() if "plug" not in x), encoding="utf-8")
-    (found, end), (expected, like) = (whole_run(load_case(path)) for path in (staged, plain))
+    plain = "\n".join(line for line in GROWN.splitlines() if "plug" not in line)
+    (found, end), (expected, like) = (whole_run(case_of(text)) for text in (GROWN, plain))
     assert len(found) == len(expected) > 3
     np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
     assert [event.kind for result in found for event in result.events] == ["hole"]
@@ -335,14 +305,12 @@ loads:
   - {at: [-2, 5], force: [0, -1e4], body: left, held: true}
 loading: {stages: [{}, {loads: {water: 1}}, {excavate: right, release: 0.5}, {excavate: left}]}
 numerics: {spacing: 0.5}
-output: {frames: none, figures: false, points: {gap: {interface: [left, right], at: [0, 3]}}}
+output: {points: {gap: {interface: [left, right], at: [0, 3]}}}
 """
 
 
 def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) -> None:
-    path = tmp_path / "benches.yaml"
-    path.write_text(BENCHES, encoding="utf-8")
-    results, _ = whole_run(load_case(path))
+    results, _ = whole_run(case_of(BENCHES))
     low, bench, load = 8 * 2 * 2e4, 4 * 3 * 3e4, 1e4
     forces = [{reaction.where: np.array(reaction.force) for reaction in result.reactions} for result in results]
     assert all(list(found) == list(forces[0]) for found in forces)  # those that are gone stay in the tables
@@ -352,10 +320,9 @@ def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) ->
         np.testing.assert_allclose(up, [0.0, weight], rtol=0, atol=1e-6 * weight)
     for name in ("supports.2", "supports.3", "low/right", "left/right"):
         assert not np.any([found[name] for found in forces[2:]])
-    slip = results[0].history.columns.index("gap.slip")
-    assert np.isnan([result.history.values[-1][slip] for result in results[2:]]).all()
+    assert np.isnan([seen([result], "gap.slip")[-1] for result in results[2:]]).all()
     assert max(result.energy.error for result in results) < 1e-6
-    draw_load_curve(tmp_path / "curve.png", load_case(path), [load_point(result) for result in results])
+    draw_load_curve(tmp_path / "curve.png", case_of(BENCHES), [load_point(result) for result in results])
 
 
 SQUARE = {"disk: {center: [0, 0], radius: 2}": "rectangle: {center: [0, 0], width: 4, height: 4}"}
@@ -367,14 +334,13 @@ JUDGED = (
 
 
 @pytest.mark.parametrize("accuracy", ["draft", "0.1"])
-def test_a_crack_that_starts_after_stages_is_as_one_that_was_given(accuracy: str, tmp_path: Path) -> None:
+def test_a_crack_that_starts_after_stages_is_as_one_that_was_given(accuracy: str) -> None:
     """Its cells are those of all rock, though some is gone."""
-    given = "  b: {path: {points: [[-3, 1], [-5, 2]]}, contact: {friction: 0.1, cohesion: 0}}"
-    cracks = (
-        f"cracks:\n  a: {{path: {{points: [[3, 1], [5.5, 2.2]]}}, contact: {{friction: 0.1, cohesion: 0}}}}\n{given}"
-    )
-    tunnel(tmp_path, ONE_STAGE, SPACING=f"1, accuracy: {accuracy}", CRACKS=cracks, **SQUARE)
-    case = load_case(tmp_path / "tunnel.yaml", [JUDGED[0].replace("steps: 0", "steps: 1"), JUDGED[1]])
+    law = "contact: {friction: 0.1, cohesion: 0}"
+    paths = {"a": "[[3, 1], [5.5, 2.2]]", "b": "[[-3, 1], [-5, 2]]"}
+    cracks = "\n  ".join(["cracks:", *(f"{name}: {{path: {{points: {path}}}, {law}}}" for name, path in paths.items())])
+    growth = (JUDGED[0].replace("steps: 0", "steps: 1"), JUDGED[1])
+    case = tunnel(ONE_STAGE, *growth, SPACING=f"1, accuracy: {accuracy}", CRACKS=cracks, **SQUARE)
     both = tuple(map(GrowingCrack.given, case.cracks))
     started = replace(both[1], steps=np.ones(2, dtype=np.int64))
     alone = make_scene(replace(case, cracks=case.cracks[:1]))
@@ -382,8 +348,8 @@ def test_a_crack_that_starts_after_stages_is_as_one_that_was_given(accuracy: str
     assert [tip.K for tip in load(alone, (both[0], started)).tips] == known
 
 
-def aimed(folder: Path, accuracy: float | str, loading: str = ONE_STAGE) -> Case:
-    return tunnel(folder, loading, SPACING=f"auto, accuracy: {accuracy}", CRACKS=SLIPPERY)
+def aimed(accuracy: float | str, loading: str = ONE_STAGE, *settings: str) -> Case:
+    return tunnel(loading, *settings, SPACING=f"auto, accuracy: {accuracy}", CRACKS=SLIPPERY)
 
 
 def K_of(step: StepResult) -> Floats:
@@ -391,12 +357,12 @@ def K_of(step: StepResult) -> Floats:
     return np.array([(tip.K_I, tip.K_II) for tip in step.tips])
 
 
-def test_a_target_holds_at_the_end_of_stages(tmp_path: Path) -> None:
+def test_a_target_holds_at_the_end_of_stages() -> None:
     """Without friction K is what it would be had the hole always been there. With growth the last stage is judged."""
-    exact = K_of(next(grow(aimed(tmp_path, "fine", "{}"))))
-    case, target = aimed(tmp_path, 0.03), 0.03
+    exact = K_of(next(grow(aimed("fine", "{}"))))
+    case, target = aimed(0.03), 0.03
     steps = list(grow(case))
-    judged = next(grow(load_case(tmp_path / "tunnel.yaml", JUDGED)))
+    judged = next(grow(aimed(0.03, ONE_STAGE, *JUDGED)))
     for step in (*steps, judged):
         estimates = [max(tip.K_I_error, tip.K_II_error) / BOUND for tip in step.tips]
         assert max(estimates) <= target * np.hypot(*K_of(step).T).max()
@@ -422,14 +388,11 @@ loads:
   - {on: {body: two, edge: top}, traction: [2e5, -1e6]}
 loading: {stages: [{name: all}, {name: one goes, excavate: one}]}
 numerics: {spacing: 0.5}
-output: {frames: none, figures: false}
 """
 
 
-def test_the_foundation_of_a_block_that_stays_carries_it_by_its_own_name(tmp_path: Path) -> None:
-    path = tmp_path / "blocks.yaml"
-    path.write_text(BLOCKS, encoding="utf-8")
-    steps, _ = whole_run(load_case(path))
+def test_the_foundation_of_a_block_that_stays_carries_it_by_its_own_name() -> None:
+    steps, _ = whole_run(case_of(BLOCKS))
     forces = [{reaction.where: reaction.force for reaction in step.reactions} for step in steps]
     assert [list(each) for each in forces] == [["one.bottom", "two.bottom"]] * 2
     np.testing.assert_allclose(forces[0]["one.bottom"], [0.0, 2e6], atol=1.0)
@@ -450,7 +413,6 @@ loads:
   - {on: {edge: top}, traction: [0, -20], held: HELD}
   - {on: {edge: bottom}, traction: [0, 20], held: HELD}
 LOADING
-output: {frames: none, figures: false}
 """
 LET_GO = "  - {on: {edge: top}, traction: [0, 20]}\n  - {on: {edge: bottom}, traction: [0, -20]}\n"
 
@@ -463,11 +425,9 @@ LET_GO = "  - {on: {edge: top}, traction: [0, 20]}\n  - {on: {edge: bottom}, tra
         ("true", f"{LET_GO}loading: {{history: [0.7, 1]}}"),
     ],
 )
-def test_rock_that_all_loads_have_left_is_at_rest(held: str, loading: str, tmp_path: Path) -> None:
+def test_rock_that_all_loads_have_left_is_at_rest(held: str, loading: str) -> None:
     """Friction without cohesion lets faces slide back with the loads. What is left of the loads is round-off alone."""
-    path = tmp_path / "pressed.yaml"
-    path.write_text(PRESSED.replace("HELD", held).replace("LOADING", loading), encoding="utf-8")
-    *_, last = grow(load_case(path))
+    *_, last = grow(case_of(PRESSED, HELD=held, LOADING=loading))
     assert np.abs(last.contact.slip).max() < 1e-20
     assert max(abs(tip.K_II) for tip in last.tips) < 1e-6
 
@@ -493,21 +453,18 @@ supports: [{on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}]
 loads: [{on: {body: up, edge: top}, traction: [0, -7], name: press}]
 loading: {stages: STAGES}
 numerics: {spacing: 6}
-output: {frames: none, figures: false}
 """
 
 
 @pytest.mark.parametrize("dilation", [0, 4])
 @pytest.mark.parametrize("way", [(0.7, 0.0, 1.0), (0.0, 0.3, 0.0, 1.0), (0.9, 0.7, 0.3, 0.0, 0.6, 0.0, 1.0)])
-def test_bonds_hold_through_stages_without_load(way: tuple[float, ...], dilation: int, tmp_path: Path) -> None:
+def test_bonds_hold_through_stages_without_load(way: tuple[float, ...], dilation: int) -> None:
     """Nothing slips at full load. Without load tractions are round-off: bonds broke by it, and faces slipped after."""
     law = f"{{friction: 0.6, cohesion: 0.35, residual_friction: 0.2, dilation_angle: {dilation}}}"
-    path = tmp_path / "pressed.yaml"
 
     def at_last(factors: tuple[float, ...]) -> StepResult:
         stages = [{"loads": {"press": factor}} for factor in factors]
-        path.write_text(BONDED_BY_COHESION.replace("LAW", law).replace("STAGES", str(stages)), encoding="utf-8")
-        *_, last = grow(load_case(path))
+        *_, last = grow(case_of(BONDED_BY_COHESION, LAW=law, STAGES=stages))
         return last
 
     last, straight = at_last(way), at_last((1.0,))

@@ -1,6 +1,6 @@
-"""The verification table: every row computed, printed, written and judged. Exit code 1 if a row fails.
+"""The verification table: every row computed and written, the worst of each quantity printed. Exit code 1: a row fails.
 
-python -m tests.verification.verify [--out DIR] [--only SUBJECT ...] [--jobs N] [--no-pictures]
+python -m tests.verification.verify [--out DIR] [--only SUBJECT ...] [--jobs N]
 """
 
 from __future__ import annotations
@@ -8,145 +8,74 @@ from __future__ import annotations
 import argparse
 import csv
 import importlib
-import io
 import os
 import sys
 import time
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
-from dataclasses import asdict
 from pathlib import Path
 
 from tests.verification.row import Outcome, Row, evaluate
 
-SUBJECTS = (
-    "interface",
-    "block",
-    "closed_crack",
-    "closed_kink",
-    "history",
-    "wide_plate",
-    "open_crack",
-    "t_stress",
-    "interacting",
-    "branched",
-    "convergence",
-    "patch",
-    "path",
-    "confined",
-    "automatic_cells",
-)
-"""Modules of tests.verification.rows, in the table's order; a solved case is kept within its subject."""
+SUBJECTS = ("tips", "faces", "fields", "limits", "paths")
+"""Modules of tests.verification.rows; a solved case is kept within its subject."""
 
-LONGEST_FIRST = ("automatic_cells", "confined", "wide_plate", "convergence", "open_crack", "path", "history", "block")
-HEADER = ("case", "quantity", "reference", "its kind", "value", "error", "tolerance", "pass")
-FAILED = 1
+COLUMNS = ("scene", "quantity", "value", "reference", "measure", "error", "tolerance", "pass", "source", "failure",
+           "seconds")  # fmt: skip
 
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Compute and write the table; returns the exit code."""
-    arguments = _parser().parse_args(argv)
-    started = time.perf_counter()
-    subjects = [s for s in SUBJECTS if not arguments.only or s in arguments.only]
-    first = [s for s in LONGEST_FIRST if s in subjects]
-    order = [*first, *(s for s in subjects if s not in first)]
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    with ProcessPoolExecutor(arguments.jobs) as pool:
-        pending = {subject: pool.submit(outcomes_of, subject) for subject in order}
-        drawn = None if arguments.no_pictures else pool.submit(draw, arguments.out)
-        outcomes = [outcome for subject in subjects for outcome in pending[subject].result()]
-        if drawn is not None:
-            drawn.result()
-    code = report(outcomes, arguments.out)
-    print(f"{len(outcomes)} rows in {time.perf_counter() - started:.0f} s, {arguments.out}/table.md")
-    return code
+def rows_of(subject: str) -> list[Row]:
+    """The rows of a subject."""
+    rows: list[Row] = importlib.import_module(f"tests.verification.rows.{subject}").ROWS
+    return rows
 
 
 def outcomes_of(subject: str) -> list[Outcome]:
     """All rows of a subject, computed."""
-    rows: list[Row] = importlib.import_module(f"tests.verification.rows.{subject}").ROWS
-    return [evaluate(row) for row in rows]
+    return [evaluate(row) for row in rows_of(subject)]
 
 
-def draw(folder: Path) -> None:
-    """Draw the picture."""
-    from tests.verification.pictures import draw_confined_wings  # only now: it loads matplotlib
-
-    draw_confined_wings(folder / "confined_wings.png")
-
-
-def report(outcomes: Sequence[Outcome], folder: Path) -> int:
-    """Print and write the table; 1 if a row failed, else 0."""
-    table = markdown(outcomes)
-    (folder / "table.md").write_text(table, encoding="utf-8")
-    (folder / "table.csv").write_text(comma_separated(outcomes), encoding="utf-8")
-    print(table)
-    for outcome in outcomes:
-        if outcome.failed:
-            print(f"NO: {outcome.case}, {outcome.quantity}: {outcome.failure or f'source: {outcome.source}'}")
-        if outcome.within and outcome.known:
-            print(f"{outcome.case}, {outcome.quantity}: passes by now, take its `known` away")
-    return FAILED if any(outcome.failed for outcome in outcomes) else 0
+def write(outcomes: Sequence[Outcome], path: Path) -> None:
+    """The whole table as CSV."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file, lineterminator="\n")
+        writer.writerow(COLUMNS)
+        for found in outcomes:
+            row, judged = found.row, "yes" if found.within else "NO"
+            writer.writerow([row.scene, row.quantity, found.value, row.reference, row.measure, found.error,
+                             row.tolerance, judged, row.source, found.failure, f"{found.seconds:.2f}"])  # fmt: skip
 
 
-def markdown(outcomes: Iterable[Outcome]) -> str:
-    """The table for reading; why a known row is missed stands below it."""
-    lines = ["| " + " | ".join(HEADER) + " |", "|" + "---|" * len(HEADER)]
-    notes: dict[str, int] = {}
-    for outcome in outcomes:
-        verdict = outcome.verdict
-        if not outcome.within and not outcome.failed:
-            verdict = f"missed ({notes.setdefault(outcome.known, len(notes) + 1)})"
-        lines.append("| " + " | ".join([*_cells(outcome), verdict]) + " |")
-    lines += ["", *(f"({number}) {note}." for note, number in notes.items())]
-    return "\n".join(lines).rstrip() + "\n"
+def worst(outcomes: Sequence[Outcome]) -> str:
+    """Of each quantity how many rows there are, and the one that comes closest to its tolerance."""
+    lines = ["| quantity | rows | worst | value | reference | error | tolerance |", "|" + "---|" * 7]
+    for quantity in dict.fromkeys(found.row.quantity for found in outcomes):
+        mine = [found for found in outcomes if found.row.quantity == quantity]
+        found = max(mine, key=lambda outcome: outcome.share)
+        numbers = (found.value, found.row.reference, found.error, found.row.tolerance)
+        cells = [quantity, str(len(mine)), found.row.scene, *(f"{number:.4g}" for number in numbers)]
+        lines.append(f"| {' | '.join(cells)} |")
+    return "\n".join(lines)
 
 
-def comma_separated(outcomes: Iterable[Outcome]) -> str:
-    """The table for programs: all that is known of a row."""
-    file = io.StringIO()
-    writer = csv.writer(file, lineterminator="\n")
-    columns = (
-        "case", "quantity", "reference", "kind", "value", "error", "error_is", "tolerance", "pass", "source", "known",
-        "failure", "seconds",
-    )  # fmt: skip
-    writer.writerow(columns)
-    for outcome in outcomes:
-        fields = {**asdict(outcome), "pass": outcome.verdict, "seconds": f"{outcome.seconds:.2f}"}
-        writer.writerow([fields[column] for column in columns])
-    return file.getvalue()
-
-
-def _cells(outcome: Outcome) -> list[str]:
-    bound = {"at least": ">= ", "at most": "<= "}.get(outcome.error_is, "")
-    if outcome.error_is == "at most" and outcome.reference == 0.0:  # the value is an error itself
-        return [
-            outcome.case, outcome.quantity, f"0 ({outcome.source})", outcome.kind, _size(outcome.value),
-            _size(outcome.value), _size(outcome.tolerance),
-        ]  # fmt: skip
-    relative = outcome.error_is == "relative"
-    return [
-        outcome.case, outcome.quantity, f"{bound}{outcome.reference:.6g} ({outcome.source})", outcome.kind,
-        f"{outcome.value:.6g}", _percent(outcome.error) if relative else f"{outcome.error:.3g}",
-        _percent(outcome.tolerance) if relative else f"{outcome.tolerance:.3g}",
-    ]  # fmt: skip
-
-
-def _percent(value: float) -> str:
-    return f"{100.0 * value:.2g} %"
-
-
-def _size(value: float) -> str:
-    return f"{value:.2g}"
-
-
-def _parser() -> argparse.ArgumentParser:
+def main(argv: Sequence[str] | None = None) -> int:
+    """Compute, write and print; returns the exit code."""
     parser = argparse.ArgumentParser(prog="verify", description="Compute the verification table.")
     parser.add_argument("--out", type=Path, default=Path("outputs/verification"), metavar="DIR")
-    parser.add_argument("--only", nargs="+", choices=SUBJECTS, metavar="SUBJECT", help=", ".join(SUBJECTS))
+    parser.add_argument("--only", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), metavar="SUBJECT")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), metavar="N", help="processes")
-    parser.add_argument("--no-pictures", action="store_true", help="the table alone")
-    return parser
+    asked = parser.parse_args(argv)
+    started = time.perf_counter()
+    asked.out.mkdir(parents=True, exist_ok=True)
+    with ProcessPoolExecutor(asked.jobs) as pool:
+        outcomes = [found for each in pool.map(outcomes_of, asked.only) for found in each]
+    write(outcomes, asked.out / "table.csv")
+    print(worst(outcomes))
+    missed = [found for found in outcomes if not found.within]
+    for found in missed:
+        print(f"NO: {found.row.scene}, {found.row.quantity}: {found.failure or found.row.source}")
+    print(f"{len(outcomes)} rows in {time.perf_counter() - started:.0f} s: {asked.out}/table.csv")
+    return 1 if missed else 0
 
 
 if __name__ == "__main__":

@@ -1,0 +1,169 @@
+"""Fields without a tip: patch tests, Kirsch's plate with a hole, Lame's ring."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+
+import numpy as np
+
+import crackgrow
+from tests.verification.row import Row
+from tests.verification.solutions import Floats, Solved, case_of, rate, solved, solved_text
+
+SUPPORTS = (1.5, 2.0, 2.5)
+HEAD = """
+title: a field that is known
+units: {length: mm, stress: MPa}
+plane: strain
+"""
+ROCK = "material: {young: 10000, poisson: 0.25}"
+COMPLIANCE = np.array([[0.9375, -0.3125], [-0.3125, 0.9375]]) / 1e10  # 1/Pa, plane strain: xx, yy
+
+HELD = '  - {{on: {{body: rock, edge: "{}"}}, displacement: {{x: "0.001*x+0.002*y+0.01", y: "-0.003*x+0.004*y"}}}}'
+CUT = f"""{HEAD}
+bodies: {{rock: {{shape: {{polygon: [[0, 0], [17.3, 1.1], [21.7, 13.9], [9.1, 19.3], [-3.7, 11.9]]}}, {ROCK}}}}}
+supports:
+""" + "\n".join(HELD.format(edge) for edge in range(5))
+
+ALONG = f"""{HEAD}
+bodies: {{rock: {{shape: {{rectangle: {{center: [0, 0], width: 31, height: 19}}}}, {ROCK}}}}}
+cracks: {{flaw: {{path: {{points: [[-9.3, 1.7], [8.9, 1.7]]}}, contact: none}}}}
+supports: [{{at: [-15.5, -9.5], displacement: {{x: 0, y: 0}}}}, {{at: [15.5, -9.5], displacement: {{y: 0}}}}]
+loads:
+  - {{on: {{body: rock, edge: right}}, traction: [100, 0]}}
+  - {{on: {{body: rock, edge: left}}, traction: [-100, 0]}}
+"""
+
+INTERFACE = f"""{HEAD}
+bodies:
+  upper: {{shape: {{polygon: [[0, 10], [30, 14], [30, 25], [0, 25]]}}, {ROCK}}}
+  lower: {{shape: {{polygon: [[0, 0], [30, 0], [30, 14], [0, 10]]}}, {ROCK}}}
+interfaces: [{{between: [upper, lower], contact: {{friction: 0.5, cohesion: 0}}}}]
+supports: [{{on: {{body: lower, edge: "0"}}, displacement: {{y: 0}}}}, {{at: [0, 0], displacement: {{x: 0}}}}]
+loads: [{{on: {{body: upper, edge: "2"}}, traction: [0, -100]}}]
+"""
+
+
+def linear(points: Floats) -> Floats:
+    """The displacement (n, 2) m that the edges of the five-sided body are given."""
+    return points @ np.array([[1e-3, -3e-3], [2e-3, 4e-3]]) + [1e-5, 0.0]
+
+
+def uniform(stress: tuple[float, float], low: tuple[float, float], points: Floats) -> Floats:
+    """Displacement (n, 2) m under normal stresses xx and yy (Pa), zero at `low`, sides stay parallel to the axes."""
+    return (points - low) * (COMPLIANCE @ stress)
+
+
+def patch(solve: Callable[[], Solved], exact: Callable[[Floats], Floats]) -> float:
+    """Largest error of the displacement at the output mesh's nodes, relative to the largest displacement."""
+    frame = solve().result.frame
+    assert frame is not None
+    wanted = exact(frame.points)
+    return float(np.abs(frame.displacement - wanted).max() / np.abs(wanted).max())
+
+
+def _patches() -> Iterator[Row]:
+    tension, pressed = partial(uniform, (100e6, 0.0), (-15.5e-3, -9.5e-3)), partial(uniform, (0.0, -100e6), (0.0, 0.0))
+    for name, text, spacing, exact in (
+        ("five-sided body, cut tiles", CUT, 2.3, linear),
+        ("tension along an open crack", ALONG, 1.5, tension),
+        ("pressure through a slanting interface that sticks", INTERFACE, 2.3, pressed),
+    ):
+        for support in (1.5, 2.0):
+            solve = partial(solved_text, text, f"numerics.spacing={spacing}", f"numerics.support={support}")
+            value = partial(patch, solve, exact)
+            yield Row(f"{name}, support {support}", "u of a patch test", value, 0.0, "linear field", 1e-5)
+    stuck = partial(solved, "compression30", "cracks.flaw.contact.friction=0.6")
+    value = partial(patch, stuck, partial(uniform, (0.0, -100e6), (0.0, -27.5e-3)))
+    yield Row("compression30, stuck by friction 0.6", "u of a patch test", value, 0.0, "linear field", 1e-5)
+
+
+SPACINGS = (6.0, 4.0, 3.0, 2.0)  # mm; from 1.5 mm on, the hole with 360 sides shows: 7e-6
+HOLE, SHEAR_MODULUS, KOLOSOV = 10.0, 4000.0, 2.0  # mm, MPa, 3 - 4 nu
+PLATE = f"""{HEAD}
+bodies:
+  rock:
+    shape: {{rectangle: {{center: [0, 0], width: 60, height: 60}}, holes: [{{disk: {{center: [0, 0], radius: 10}}}}]}}
+    {ROCK}
+supports:
+"""
+
+
+def kirsch() -> tuple[str, str]:
+    """Formulas of u_x and u_y (mm) under a tension of 1 MPa along x, hole free of tractions."""
+    r_sq = "(x**2+y**2)"
+    cos, sin = f"((x**2-y**2)/{r_sq})", f"(2*x*y/{r_sq})"  # of the double angle
+    a_sq, k = HOLE**2, KOLOSOV
+    factor = 1.0 / (4.0 * SHEAR_MODULUS)
+    radial = f"({factor}*({(k - 1) / 2}+{cos}+{a_sq}/{r_sq}*(1+{1 + k}*{cos})-{a_sq**2}/{r_sq}**2*{cos}))"  # over r
+    around = f"({-factor}*(1+{(k - 1) * a_sq}/{r_sq}+{a_sq**2}/{r_sq}**2)*{sin})"
+    return f"{radial}*x-{around}*y", f"{radial}*y+{around}*x"
+
+
+@cache
+def samples() -> tuple[Floats, Floats]:
+    """Places (n, 2) m all over the plate and the exact displacement there (n, 2) m."""
+    points = np.random.default_rng(1).uniform(-0.03, 0.03, (20000, 2))
+    points = points[np.hypot(*points.T) > 1e-3 * HOLE]
+    x, y = 1e3 * points.T
+    return points, 1e-3 * np.stack([eval(formula, {"x": x, "y": y}) for formula in kirsch()], axis=1)
+
+
+def hole_error(spacing: float, support: float) -> float:
+    """Relative L2 error of the displacement of the plate, displacements of its outline prescribed."""
+    x, y = kirsch()
+    line = '  - {{on: {{body: rock, edge: {}}}, displacement: {{x: "{}", y: "{}"}}}}\n'
+    text = PLATE + "".join(line.format(edge, x, y) for edge in ("left", "right", "bottom", "top"))
+    found = solved_text(text, f"numerics.spacing={spacing}", f"numerics.support={support}")
+    points, exact = samples()
+    return float(np.linalg.norm(found.displacement(points) - exact) / np.linalg.norm(exact))
+
+
+def hole_rate(support: float) -> float:
+    """The order of that error."""
+    return rate(SPACINGS, [hole_error(spacing, support) for spacing in SPACINGS])
+
+
+def _holes() -> Iterator[Row]:
+    for support, tolerance in zip(SUPPORTS, (1e-3, 5e-5, 5e-5), strict=True):
+        name = f"plate with a hole, support {support}"
+        value = partial(hole_error, 2.0, support)
+        yield Row(f"{name}, 2 mm", "L2 error of u", value, 0.0, "Kirsch 1898", tolerance)
+        value = partial(hole_rate, support)
+        yield Row(f"{name}, 6 to 2 mm", "order of u", value, 2.0, "Kirsch 1898", 0.0, "at least")
+
+
+RING = f"""{HEAD}
+bodies:
+  rock:
+    shape: {{disk: {{center: [0, 0], radius: 30}}, holes: [{{disk: {{center: [0, 0], radius: 10}}}}]}}
+    {ROCK}
+supports: minimal
+loads: [{{on: {{edge: hole0}}, pressure: INSIDE}}, {{on: {{edge: arc}}, pressure: OUTSIDE}}]
+numerics: {{spacing: auto}}
+"""
+
+
+def ring_error(inside: float, outside: float) -> float:
+    """Largest error of the radial stress and of the mean stress over the pressure: sigma_r, sigma_t = A -+ B / r^2."""
+    solution = crackgrow.solve(case_of(RING, INSIDE=inside, OUTSIDE=outside))
+    a, b = 0.01, 0.03
+    A = 1e6 * (inside * a**2 - outside * b**2) / (b**2 - a**2)
+    B = 1e6 * (inside - outside) * (a * b) ** 2 / (b**2 - a**2)
+    angle, r = (each.ravel() for each in np.meshgrid(np.linspace(0.1, 2.0 * np.pi, 12), (1.002 * a, 0.015, 0.998 * b)))
+    c, s = np.cos(angle), np.sin(angle)
+    xx, yy, xy = solution.stress_at(np.stack([r * c, r * s], axis=1)).T
+    radial = c * c * xx + s * s * yy + 2.0 * c * s * xy
+    return float(max(np.abs(radial - (A - B / r**2)).max(), np.abs(xx + yy - 2.0 * A).max())) / (
+        1e6 * max(inside, outside)
+    )
+
+
+def _rings() -> Iterator[Row]:
+    for inside, outside in ((10.0, 0.0), (0.0, 5.0), (7.0, 7.0)):
+        value, name = partial(ring_error, inside, outside), f"thick ring, {inside:g} MPa inside, {outside:g} outside"
+        yield Row(name, "stress over pressure", value, 0.0, "Lame 1852; Timoshenko, Goodier 1970", 1e-2)
+
+
+ROWS = [*_patches(), *_holes(), *_rings()]

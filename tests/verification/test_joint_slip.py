@@ -1,0 +1,207 @@
+"""Friction, cohesion and dilation that slip takes: linearly, exponentially, by a table; in closed form.
+
+A stiff block on a joint of shear stiffness k moves as one: under a displacement d its slip is s = d - shear / k.
+Weakening (Ida 1972): the shear rises to b_0 = c + mu p, falls by (b_0 - b_r) s / D, and stays at b_r = mu_r p. Wear:
+it is p mu(s), and the block rises by the integral of tan(dilation angle) over all slip, less p / k_n.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.coulomb import ContactLaw
+from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
+from tests.verification.stiff_block import HEIGHT, NORMAL, SHEAR, SOFT, WIDTH, sheared
+from tests.whole_run import seen, steps_of, whole_run
+
+PRESSURE, WEAKENING = 2e6, 2e-3  # Pa, m
+PEAK, RESIDUAL = 0.8 * PRESSURE + 5e5, 0.6 * PRESSURE  # Pa
+FALL = (PEAK - RESIDUAL) / WEAKENING
+WEAK = f"friction: 0.8, residual_friction: 0.6, cohesion: 5e5, weakening_length: 0.002, {SOFT}"
+PLACES = WIDTH * (np.linspace(-0.5, 0.5, 401)[1:] - 0.5 / 400)  # m: midpoints of pieces of the joint
+
+
+def weakening(factors: Sequence[float], law: str = WEAK) -> list[StepResult]:
+    """The block on a joint that weakens, pulled by parts of 3 mm."""
+    return sheared(law, "x: 0.003", f"loading={{history: {list(factors)}}}")
+
+
+def pull(results: Sequence[StepResult]) -> tuple[np.ndarray, np.ndarray]:
+    """Displacement (m) and mean shear (Pa) of the support that pulls, on the way of all steps."""
+    factors = np.concatenate([result.history.load_factor for result in results if result.history is not None])
+    return 0.003 * factors, seen(results, "supports.1.force_x") / WIDTH
+
+
+def shear_along(d: float) -> np.ndarray:
+    """Shear (Pa) at `PLACES` under a displacement d (m) from rest on: the pull at the top presses one side more."""
+    shear = np.zeros(len(PLACES))
+    for _ in range(6):
+        pressure = PRESSURE + 12.0 * HEIGHT * np.mean(shear) * PLACES / WIDTH**2
+        peak, residual = 0.8 * pressure + 5e5, 0.6 * pressure
+        fall = (peak - residual) / WEAKENING
+        slip = (SHEAR * d - peak) / (SHEAR - fall)  # of a point whose shear is b_0 - fall s = k (d - s)
+        shear = np.where(slip < 0.0, SHEAR * d, np.maximum(peak - fall * slip, residual))
+    return shear
+
+
+def test_force_and_dissipation_follow_the_closed_form() -> None:
+    """Residual friction over all of the slip, and the triangle above it over the weakening length."""
+    results = weakening((0.4, 1))
+    d, force = pull(results)
+    assert force[-1] == pytest.approx(RESIDUAL, rel=1e-7)
+    np.testing.assert_allclose(force, [np.mean(shear_along(each)) for each in d], rtol=2e-3)
+    assert np.sum((force < 0.99 * PEAK) & (force > 1.01 * RESIDUAL)) > 20
+    taken = WIDTH * (RESIDUAL * (0.003 - RESIDUAL / SHEAR) + 0.5 * (PEAK - RESIDUAL) * WEAKENING)
+    assert results[-1].energy.dissipated == pytest.approx(taken, rel=1e-3)
+
+
+def test_a_partly_worn_joint_takes_what_the_law_says() -> None:
+    """Forth, back without slip, and on: friction has taken what shear has done on slip, and nothing is released."""
+    factors = (0.1, 0.2, 0.15, 0.5, 0.45, 0.6)
+    d = 0.003 * np.linspace(0.0, 0.6, 1201)
+    shear = np.array([shear_along(each) for each in d])
+    slip = d[:, None] - shear / SHEAR
+    total = WIDTH * np.cumsum(np.mean(0.5 * (shear[1:] + shear[:-1]) * np.diff(slip, axis=0), axis=1))
+    for farthest, result in zip(np.maximum.accumulate(factors), weakening(factors), strict=True):
+        taken = np.interp(0.003 * farthest, d[1:], total)
+        assert result.energy.dissipated == pytest.approx(taken, rel=1e-3)
+        assert abs(result.energy.released) < 1e-8 * taken
+        assert result.energy.error < 1e-8
+
+
+def test_a_joint_remembers_how_much_it_has_lost() -> None:
+    """Pushed back after a part of the weakening length it yields at what is left, and loses on."""
+    there, back = weakening((0.5, -0.05))
+    left = PEAK - FALL * (SHEAR * 0.0015 - PEAK) / (SHEAR - FALL)
+    assert pull([there])[1][-1] == pytest.approx(left, rel=0.01)
+    assert np.abs(pull([back])[1]).max() == pytest.approx(left, rel=0.01)
+    assert abs(pull([back])[1][-1]) < 0.999 * left
+
+
+def test_a_length_next_to_nothing_is_none() -> None:
+    """Beside the elastic slip: the force falls at once."""
+    found = weakening((0.4, 1), WEAK.replace("weakening_length: 0.002", "weakening_length: 1e-7"))
+    assert pull(found)[1][-1] == pytest.approx(RESIDUAL, rel=1e-4)
+
+
+DIRECT_SHEAR = """
+title: two blocks in direct shear
+plane: strain
+units: {length: mm, stress: MPa}
+bodies:
+  low: {shape: {rectangle: {center: [0, -25], width: 200, height: 50}}, material: {young: 10000, poisson: 0.2}}
+  top: {shape: {rectangle: {center: [0, 25], width: 200, height: 50}}, material: {young: 10000, poisson: 0.2}}
+interfaces:
+  - between: [top, low]
+    contact: {friction: 0.8, residual_friction: 0.6, cohesion: 0.5, weakening_length: 0.5}
+supports:
+  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
+  - {on: {body: top, edge: top}, displacement: {x: 1}}
+loads: [{on: {body: top, edge: top}, traction: [0, -2], held: true}]
+output: {frames: none, figures: false, points: {middle: {at: [0, 50]}}}
+"""
+
+
+def test_the_peak_is_a_property_of_the_joint_and_not_of_the_lattice() -> None:
+    found = [steps_of(DIRECT_SHEAR, f"numerics.spacing={h}")[-1] for h in (20, 14, 10)]
+    forces = [seen([result], "supports.1.force_x") for result in found]
+    peaks = np.array([force.max() for force in forces])
+    np.testing.assert_allclose(peaks, peaks.mean(), rtol=0.01)
+    assert np.all(peaks < 0.2 * PEAK)  # its ends have slipped before its middle
+    assert np.all(peaks > 0.2 * RESIDUAL)
+    np.testing.assert_allclose([force[-1] for force in forces], 0.2 * RESIDUAL, rtol=1e-6)
+
+
+def test_slip_takes_tensile_strength_as_it_takes_cohesion() -> None:
+    """Under displacements d and g of a stiff block slip s takes s / D of c and T; it opens where k_n g is what is left.
+
+    With k the shear stiffness k (d - s) = c (1 - s / D) - mu k_n g where it slips.
+    """
+    law = f"friction: 0.8, cohesion: 5e6, tension: 2e6, weakening_length: 0.002, {SOFT}"
+    found = sheared(law, "x: 0.003, y: 1e-6", pressure=0.0)
+    d, shear = pull(found)
+    factor = d / 0.003
+    slip = (1e10 * d - 5e6 + 0.8 * 1e6 * factor) / (1e10 - 5e6 / 0.002)
+    expected = np.where(slip < 0.0, 1e10 * d, 1e10 * (d - slip))
+    opens = factor[np.argmax(2e6 * (1.0 - slip / 0.002) < 1e6 * factor)]
+    before = factor < 0.999 * opens
+    assert np.sum(before) > 20
+    np.testing.assert_allclose(shear[before], expected[before], rtol=1e-3)
+    assert np.abs(shear[factor > 1.001 * opens]).max() < 1e-6 * shear.max()
+    assert 0.5 < opens < 0.55
+
+
+# Wear: `rough_joint_sheared`, whose friction and dilation decay, and a table.
+
+PULLED, DECAY, STEEP = 6e-3, 2e-3, np.tan(np.deg2rad(15.0))
+
+
+def worn(results: Sequence[StepResult], width: float = 0.4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Slip (m), shear stress (Pa) and rise (m), on the way of all steps."""
+    factors = np.concatenate([result.history.load_factor for result in results if result.history is not None])
+    shear = seen(results, "supports.1.force_x") / width
+    return PULLED * factors - shear / SHEAR, shear, seen(results, "joint.u_y") + PRESSURE / NORMAL
+
+
+def test_friction_and_dilation_decay_with_slip_and_faces_close_again_by_what_is_left() -> None:
+    results = whole_run(shipped_case("rough_joint_sheared", ["loading.follow=events"]))[0]
+    slip, shear, rise = worn(results[:2])
+    slides, decayed = slip > 1e-4, np.exp(-slip / DECAY)
+    assert np.sum(slides) > 20
+    np.testing.assert_allclose(shear[slides], (PRESSURE * (0.5 + 0.3 * decayed))[slides], rtol=1e-3)
+    expected = (STEEP * DECAY * (1.0 - decayed))[slides]
+    np.testing.assert_allclose(rise[slides], expected, atol=1e-3 * expected.max())
+    assert max(result.energy.error for result in results) < 1e-7
+    assert abs(results[-1].energy.released) < 1e-8 * results[-1].energy.work
+    back = [each[-1] for each in worn(results[2:])]
+    left = np.exp(-(2.0 * slip[-1] - back[0]) / DECAY)
+    assert back[1] == pytest.approx(-PRESSURE * (0.5 + 0.3 * left), rel=1e-3)
+    assert back[2] == pytest.approx(rise[-1] - STEEP * DECAY * (decayed[-1] - left), rel=1e-3)
+
+
+def test_a_few_increments_come_to_the_same() -> None:
+    """The share that an increment takes, and its mean dilation, are exact for slip one way."""
+    results = whole_run(shipped_case("rough_joint_sheared", ["loading={history: [0.3, 1], follow: 1}"]))[0]
+    slip, shear, rise = (each[-1] for each in worn(results))
+    assert shear == pytest.approx(PRESSURE * (0.5 + 0.3 * np.exp(-slip / DECAY)), rel=1e-3)
+    assert rise == pytest.approx(STEEP * DECAY * (1.0 - np.exp(-slip / DECAY)), rel=1e-3)
+
+
+@pytest.mark.parametrize("follow", ["events", 1])
+def test_a_table_is_followed(follow: str | int) -> None:
+    wear = "wear: {slip: [1 mm, 3 mm], friction: [0.6, 0.5], dilation_angle: [6, 0]}"
+    law = f"friction: 0.8, dilation_angle: 15, {SOFT}, {wear}"
+    results = sheared(law, "x: 0.006", f"loading={{history: [0.25, 0.5, 1], follow: {follow}}}")
+    slip, shear, rise = worn(results, WIDTH)
+    at, places = [0.0, 1e-3, 3e-3], np.linspace(0.0, PULLED, 60001)
+    steep = np.interp(places, at, np.tan(np.deg2rad([15.0, 6.0, 0.0])))
+    risen = np.append(0.0, np.cumsum(0.5 * (steep[1:] + steep[:-1]) * np.diff(places)))
+    slides = slip > 1e-4
+    np.testing.assert_allclose(shear[slides], PRESSURE * np.interp(slip, at, [0.8, 0.6, 0.5])[slides], rtol=1e-3)
+    np.testing.assert_allclose(rise[slides], np.interp(slip, places, risen)[slides], rtol=1e-3)
+    assert follow != "events" or max(result.energy.error for result in results) < 1e-7
+
+
+def test_the_mean_dilation_is_that_of_its_integral() -> None:
+    """By differences: the mean over slip from a share on, times the slip, has the rate of the law as its derivative."""
+    shares, decays = np.array([[0.0, 0.0], [0.4, 1.0], [1.0, 1.0]]), np.array([False, True])
+    one, rows = np.ones((3, 2)), np.array([[0.3, 0.3], [0.1, 0.05], [0.05, 0.05]])
+    law = ContactLaw(
+        np.zeros(2), np.zeros(2), np.full(2, 2.0), decays, shares, one, 0.0 * one, 0.0 * one, rows, *np.ones((3, 2))
+    )
+    first, step = np.full(2, 0.1), 1e-6
+
+    def after(slip: float) -> np.ndarray:
+        return first + law.worn(first, np.full(2, slip))
+
+    def risen(slip: float) -> np.ndarray:
+        return law.dilation_between(first, after(slip)) * slip
+
+    for slip in (1e-3, 0.2, 0.5, 1.0, 1.7, 2.5):
+        rate = (risen(slip + step) - risen(slip - step)) / (2.0 * step)
+        np.testing.assert_allclose(rate, law.dilation_of(after(slip)), rtol=1e-7)
+    np.testing.assert_array_equal(law.dilation_between(first, first), law.dilation_of(first))
