@@ -237,7 +237,9 @@ is 1 / h as large, and so is its friction: the factor is this over h."""
 def leaning(spacing: float, side: float = 1.0, weaker: float = 1.0, **more: Any) -> Case:
     """The pair on an incline of 20 degrees, whose friction is weaker by a factor."""
     friction = (1.2 / weaker, 0.6 / weaker)
-    return case_of({**columns(SIN / COS, spacing, side, friction=friction), **more})
+    bottom = {"body": "base", "edge": 0 if side > 0.0 else 2}
+    held = [{"on": bottom, "displacement": {"x": 0, "y": 0}}]
+    return case_of({**columns(SIN / COS, spacing, side, friction=friction), "supports": held, **more})
 
 
 def test_columns_that_topple_are_named_at_their_limit_equilibrium() -> None:
