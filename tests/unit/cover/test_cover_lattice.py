@@ -9,8 +9,8 @@ import pytest
 import shapely
 
 from crackgrow.cover.lattice import Lattice, place_lattice
-from crackgrow.cover.refinement import MOST_LEVELS, Focus, refined
-from crackgrow.cover.squares import QUANTA, Squares
+from crackgrow.cover.refinement import MOST_LEVELS, Focus, balanced, refined
+from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.errors import GeometryError
 from tests.unit.cover_tables import tile_boxes
 
@@ -64,15 +64,31 @@ def area(squares: Squares) -> int:
 
 
 @pytest.mark.parametrize("levels", LEVELS)
-@pytest.mark.parametrize("rings", [2.0, 3.0])
-def test_no_cell_is_more_than_twice_as_large_as_one_that_it_touches(levels: int, rings: float) -> None:
-    lattice = graded(levels, levels, rings=rings)
-    cells = lattice.cells
-    low, high = boxes(cells)
-    assert area(cells) == QUANTA**2 * np.prod(lattice.shape)
-    assert len(np.unique(cells.at(cells.low))) == cells.n
-    touching = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
-    assert not (touching & (cells.size[:, None] > 2 * cells.size)).any()
+def test_cells_are_divided_until_none_is_more_than_twice_as_large_as_one_that_it_touches(levels: int) -> None:
+    """Of the four quarters of a cell that only balance has divided one touches a cell of half its size or less."""
+    rng = np.random.default_rng(levels)
+    low, size = np.array([(0, 0), (QUANTA, 0), (0, QUANTA), (QUANTA, QUANTA)]), np.full(4, QUANTA)
+    for _ in range(levels):
+        one = np.arange(len(size)) == rng.choice(np.flatnonzero(size == size.min()))
+        quarters = quarters_of(low[one], size[one])
+        low, size = (np.concatenate([a[~one], b]) for a, b in zip((low, size), quarters, strict=True))
+    given = squares_of(low, size)
+    for cells in (balanced(given), *(graded(levels, levels, rings=rings).cells for rings in (2.0, 3.0))):
+        low, high = boxes(cells)
+        assert area(cells) == np.prod(high.max(axis=0))
+        assert len(np.unique(cells.at(cells.low))) == cells.n
+        touching = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
+        assert not (touching & (cells.size[:, None] > 2 * cells.size)).any()
+    cells = balanced(given)
+    was = given.size[given.at(cells.low)]
+    parents = np.unique(
+        np.column_stack([cells.low // (2 * cells.size[:, None]), 2 * cells.size])[cells.size < was], axis=0
+    )
+    for x, y, side in parents:
+        corner = np.array([x, y]) * side
+        near = ((cells.low <= corner + side) & (corner <= boxes(cells)[1])).all(axis=1)
+        inside = ((corner <= cells.low) & (cells.low < corner + side)).all(axis=1)
+        assert (cells.size[near & ~inside] < side // 2).any() or (cells.size[inside] < side // 2).any()
 
 
 def distances(lattice: Lattice, place: np.ndarray) -> np.ndarray:

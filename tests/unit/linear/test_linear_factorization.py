@@ -4,45 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.sparse import block_array, block_diag, csc_array, csr_array, vstack
 from scipy.sparse.linalg import splu
 
 from crackgrow.linear import ConstrainedSystem, symmetric
 from crackgrow.linear import factorization as module
 from crackgrow.linear.factorization import Factorization
-from crackgrow.linear.fronts import fronts_of
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-REACH = 2
-
-
-def boxes_at(nodes: Ints, reach: int = REACH) -> tuple[Ints, Ints]:
-    """Boxes round nodes (n, 2), which overlap where nodes are at most `reach` apart along both axes."""
-    return 2 * nodes - reach, 2 * nodes + reach + 1
-
-
-def lattice(n: int, seed: int, reach: int = REACH) -> tuple[csc_array, Ints]:
-    """A random positive definite matrix of two unknowns per node of an n x n lattice, and its nodes (n n, 2)."""
-    rng = np.random.default_rng(seed)
-    nodes = np.stack(np.meshgrid(np.arange(n), np.arange(n), indexing="ij"), axis=2).reshape(-1, 2)
-    places = np.repeat(nodes, 2, axis=0)
-    near = np.abs(places[:, None] - places).max(axis=2) <= reach
-    dense = np.where(np.triu(near, 1), rng.uniform(-1.0, 1.0, near.shape), 0.0)
-    dense += dense.T
-    np.fill_diagonal(dense, np.abs(dense).sum(axis=1) + rng.uniform(0.01, 1.0, len(dense)))
-    scale = 10.0 ** rng.uniform(-2.0, 2.0, len(dense))
-    return csc_array(dense * np.outer(scale, scale)), nodes
-
-
-def net(n: int, seed: int, ground: float = 0.0) -> tuple[csc_array, Ints]:
-    """Springs between the unknowns of such a lattice, tied to the ground by a part of their stiffness."""
-    matrix, nodes = lattice(n, seed)
-    springs = csc_array(-abs(matrix))
-    springs.setdiag(0.0)
-    springs.setdiag(-springs.sum(axis=1) * (1.0 + ground))
-    return springs, nodes
+from tests.unit.linear.lattices import Floats, Ints, boxes_at, lattice, net
 
 
 def none(n: int) -> csr_array:
@@ -260,19 +228,3 @@ def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_a
     before.compliance(first)
     after, alone = (factorized(changed(matrix, n // 3), nodes, some) for some in (before, None))
     np.testing.assert_array_equal(after.compliance(others[change]), alone.compliance(others[change]))
-
-
-def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
-    """40 x 40 nodes that reach 2 nodes far: two columns of nodes separate, 160 unknowns; L has few entries."""
-    matrix, nodes = lattice(40, 17)
-    fronts = fronts_of(symmetric(matrix), csr_array((0, 3200)), *boxes_at(nodes))
-    own, border = np.diff(fronts.starts), np.diff(fronts.border_start)
-    assert own[-1] == 160
-    assert np.sum(own * (own + border)) < 0.15 * matrix.shape[0] ** 2
-
-
-def test_couplings_beyond_the_boxes_are_refused() -> None:
-    matrix, nodes = lattice(30, 7)
-    wrong = np.random.default_rng(9).permutation(nodes)
-    with pytest.raises(ValueError, match="further apart than couplings reach"):
-        fronts_of(symmetric(matrix), csr_array((0, 1800)), *boxes_at(wrong))
