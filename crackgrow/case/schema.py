@@ -82,7 +82,7 @@ class Mapping:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
-        if self.short and (isinstance(node, Listing) or (isinstance(node, Scalar) and not node.is_null)):
+        if self.short and self._is_short(node):
             node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
@@ -106,6 +106,12 @@ class Mapping:
         if self.at_least_one and not any(key in self.fields for key in node.entries):
             context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
         return values
+
+    def _is_short(self, node: Node) -> bool:
+        """Whether a node stands for the value of the `short` key."""
+        if isinstance(self.fields[self.short].spec, ListOf):
+            return isinstance(node, Listing)
+        return isinstance(node, Scalar) and not node.is_null
 
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""

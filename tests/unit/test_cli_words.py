@@ -107,7 +107,7 @@ def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys
         "growth.tip_stress.radius",
         "  meaning  Shepard averaging radius, a material length",
         "  type     length",
-        "  unit     m, cm, mm, um, km; bare: that of units.length",
+        "  unit     m, cm, mm, um, km, in, ft; bare: that of units.length",
         "  default  required",
         "  allowed  > 0",
     ]

@@ -25,8 +25,9 @@ from crackgrow.arrays import Floats
 NAN = math.nan
 ENDS = ((0, False), (0, True), (1, True))
 HERE = Quantities(
-    ENDS, np.array([[3.0, 0.0], [3.0, 4.0], [1.0, 0.0]]), np.zeros(3), np.zeros(3), np.array([0.1, 0.2, 0.3]),
-    2.0, np.array([[0.0, 2.0]]), np.array([[3.0, 4.0]]), {"K": 0.1, "slip": 1e-9, "reaction": 1e-9},
+    ENDS, np.array([[3.0, 0.0], [3.0, 4.0], [1.0, 0.0]]), np.zeros(3), np.array([5.0, -4.0, 1.0]),
+    np.array([0.0, 0.4, 0.0]), np.zeros(3), np.array([0.1, 0.2, 0.3]), 2.0, np.array([[0.0, 2.0]]),
+    np.array([[3.0, 4.0]]), {"K": 0.1, "slip": 1e-9, "reaction": 1e-9},
 )  # fmt: skip
 GRADING = Grading(nested=True)
 
@@ -35,10 +36,12 @@ def test_the_difference_of_a_crack_is_that_of_its_tip_where_it_is_largest() -> N
     there = replace(
         HERE,
         K=HERE.K + np.array([[0.03, 0.04], [0.0, 0.0], [0.01, 0.0]]),
+        T=HERE.T + np.array([0.1, -0.3, 0.2]),
         kinks=HERE.kinks + np.array([0.0, 0.05, 0.01]),
     )
     errors = errors_of(GRADING, HERE, there)
     assert pytest.approx((0.05, 0.05, 0.01)) == errors.K
+    assert pytest.approx((0.5, 0.5, 0.2)) == errors.T  # its spread of 0.4 and the difference of 0.3, at the second tip
     assert errors.kinks == pytest.approx((0.05, 0.05, 0.01))
     assert (errors.largest, errors.estimate("K")) == (5.0, pytest.approx(0.05 / 5.0))
     assert errors.estimate_by_crack("K", 3) == pytest.approx([0.05 / 5.0, 0.01 / 5.0, 0.0])
@@ -91,7 +94,7 @@ def test_a_tip_that_opens_before_the_first_contact_point_loses_its_shear() -> No
 
 def test_errors_come_back_from_plain_data() -> None:
     grading = Grading(True, False, (2, -1), 1, ((0, 0.5, 0.25),))
-    known = Errors(grading, ENDS[:2], (0.5, NAN), 7.0, (0.1, NAN), {"slip": 0.2, "reaction": NAN}, "why")
+    known = Errors(grading, ENDS[:2], (0.5, NAN), 7.0, (2.0, NAN), (0.1, NAN), {"slip": 0.2, "reaction": NAN}, "why")
     again = errors_of_record(json.loads(json.dumps(record_of(known))))
     assert (again.grading, again.ends, again.largest, again.missed) == (grading, ENDS[:2], 7.0, "why")
     assert (again.K[0], again.kinks[0], again.shares["slip"]) == (0.5, 0.1, 0.2)

@@ -143,6 +143,8 @@ def make_result(step: int, **changes: Any) -> StepResult:
         overlap_share=0.04,
         energy=Energy(work=4.0 + step, strain=3.0, dissipated=0.5, released=0.25 * step, error=1e-6 / (1 + step)),
         load_displacement=1e-5 * (1 + step),
+        mean_stress=(1e6, -2e6 - 1e5 * step, 5e5),
+        mean_strain=(1e-4, -4e-4, 2e-5),
         crack_length=float(s[-1]),
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
         cautions=(),

@@ -142,7 +142,10 @@ def test_words_stay_clear_of_panels_of_the_title_and_of_the_edge(
     size: float, stretch: tuple[float, float], tmp_path: Path, drawn: list[Figure]
 ) -> None:
     case, result, frame = make_case(), make_result(3), make_frame()
-    curve = [LoadPoint(size * (1.0 - 0.1 * k), 1.1e-5 + 4e-7 * k**2, 0.01 + 0.002 * k, {}) for k in range(9)]
+    curve = [
+        LoadPoint(size * (1.0 - 0.1 * k), 1.1e-5 + 4e-7 * k**2, 0.01 + 0.002 * k, (0, 0, 0), (0, 0, 0), {})
+        for k in range(9)
+    ]
     face, at = result.faces[0], result.contact
     faces = tuple(replace(face, crack=name, normal_traction=size * face.normal_traction) for name in "abc")
     parts = {part.name: np.concatenate([np.array(getattr(at, part.name))] * 3) for part in fields(at)}
@@ -174,7 +177,9 @@ def test_a_load_curve_is_in_units_that_suit_its_values_and_its_ticks_do_not_over
     size: float, unit: float, name: str, tmp_path: Path, drawn: list[Figure]
 ) -> None:
     lengths = [size * (1.1e-5 + 4e-7 * k**2) for k in range(9)]
-    curve = [LoadPoint(1.0 - 0.1 * k, length, 0.01 + 0.002 * k, {}) for k, length in enumerate(lengths)]
+    curve = [
+        LoadPoint(1.0 - 0.1 * k, length, 0.01 + 0.002 * k, (0, 0, 0), (0, 0, 0), {}) for k, length in enumerate(lengths)
+    ]
     figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
     (figure,) = drawn
     displacement, growth = figure.axes
@@ -219,7 +224,7 @@ def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(
     factors = np.linspace(1.0, 0.7, len(lengths)).tolist()
     ways = [*np.linspace(1e-5, 2e-5, len(lengths) - 1).tolist(), float("nan")]
     places = zip(factors, ways, lengths, strict=True)
-    curve = [LoadPoint(*place, {"flaw": slip * place[0], "other": 0.0}) for place in places]
+    curve = [LoadPoint(*place, (0, 0, 0), (0, 0, 0), {"flaw": slip * place[0], "other": 0.0}) for place in places]
     figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
     (figure,) = drawn
     assert len(figure.axes) == panels

@@ -58,14 +58,15 @@ def test_columns_are_those_of_the_contract() -> None:
     wanted = {
         "tips": "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,"
         "K_II_error,K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,cell_size,kink_error_deg,velocity,"
-        "K_error_expected,criticality,sticks,K_growth",
+        "K_error_expected,criticality,sticks,K_growth,T,T_error",
         "events": "step,kind,crack,tip,x,y,met",
         "paths": "crack,vertex,x,y,step",
         "contact": "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state,mean_opening,mean_slip",
         "steps": "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,"
         "seconds_assembly,seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,"
         "contact_status,complementarity,overlap,work,strain_energy,dissipation,released_energy,energy_error,"
-        "load_displacement,crack_length,overlap_share,load_factor_error,goal_error,time,slip_error,reaction_error",
+        "load_displacement,crack_length,overlap_share,load_factor_error,goal_error,time,slip_error,reaction_error,"
+        "mean_stress_xx,mean_stress_yy,mean_stress_xy,mean_strain_xx,mean_strain_yy,mean_strain_xy",
     }
     assert {name: ",".join(tables.HEADERS[name]) for name in wanted} == wanted
 
@@ -81,7 +82,7 @@ def test_a_step_has_its_row_with_the_time_of_its_frames(tmp_path: Path) -> None:
     wanted = {
         "step": 1, "n_dofs": 408, "seconds_output": 0.5625, "complementarity": 1e-10, "work": 5.0, "strain_energy": 3.0,
         "dissipation": 0.5, "released_energy": 0.25, "energy_error": 5e-7, "load_displacement": 2e-5,
-        "crack_length": 0.02 + np.hypot(0.002, 0.002),
+        "crack_length": 0.02 + np.hypot(0.002, 0.002), "mean_stress_yy": -2.1e6, "mean_strain_xy": 2e-5,
     }  # fmt: skip
     assert {name: float(second[name]) for name in wanted} == pytest.approx(wanted, rel=1e-12)
     assert second["contact_status"] == "solved"
