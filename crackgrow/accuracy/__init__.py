@@ -1,1 +1,1 @@
-"""Size field, companion mesh and errors: which cells a step is solved on, and what it is known to."""
+"""Mesh size field, companion mesh, error estimates and marking: which cells a step is solved on, and its errors."""

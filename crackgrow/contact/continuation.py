@@ -1,11 +1,11 @@
-"""A solution of the contact problem where Newton goes round in circles: the state followed from one that is known.
+"""Piecewise linear continuation: solves the contact problem where the active sets of Newton's method cycle.
 
-Where all points are pressed and none is sheared all of them stick, whatever friction is. From there the free jumps turn
-into those of the problem, by a share `left` of 1 to 0, and the state follows: on one active set it is linear, which
-ends where the first point leaves its branch, and goes on with the next one (Katzenelson 1965). Where no state lies
-ahead the branch leads back, and `left` grows for a while (Eaves 1976). Nothing else is a state at the beginning if
-supports hold the rock and faces do not dilate: so the way does not come back to it, and, since the rock resists, ends
-at a solution.
+At the start all points are pressed without shear, so that all of them stick for any coefficient of friction. The free
+jumps then change linearly from those of that state to those of the problem: the parameter `left` falls from 1 to 0. On
+one active set the solution is linear in `left`; where the first point changes its contact status the next active set
+takes over (Katzenelson 1965). At a limit point the path turns back, and `left` grows for a while (Eaves 1976). If
+supports hold the rock and faces do not dilate, the state at the start is the only one there: the path can't return to
+it, and ends at a solution, since the rock resists.
 """
 
 from __future__ import annotations

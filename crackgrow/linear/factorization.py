@@ -1,11 +1,11 @@
-"""The factorization of K, held by constraints C u = g, once for many loads; subtrees that are known are taken over.
+"""The multifrontal L D L' factorization of K with constraints C u = g, which reuses fronts of the matrix before.
 
-[[K + C' rho C, C'], [C, 0]] has a factorization L D L' in the order of the fronts, without exchange of rows:
-K + C' rho C is definite where constraints hold what K does not, and a multiplier comes after all that it acts on. Both
-sides have the same of rho: the answer does not depend on it.
+The matrix [[K + C' rho C, C'], [C, 0]] is factorized in the order of the fronts without pivoting: K + C' rho C is
+definite if the constraints hold what K leaves free, and each multiplier is eliminated after all unknowns that it acts
+on. The solution does not depend on rho, since C' rho g is added to the right-hand side.
 
-A factor is known by its key: a hash of the entries of its front and of the keys below it. So is what a subtree makes of
-the right-hand sides that have entries in it.
+Each factor has a key, a hash of the entries of its front and of the keys of the fronts below it. A front whose key has
+not changed keeps its factor. Condensed right-hand sides of subtrees are reused in the same way.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""What named places see at every increment: displacement, stress, opening, slip, convergence; and all reactions."""
+"""Histories of output points at every increment: displacement, stress, opening, slip, convergence; and reactions."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ TOGETHER = 25
 
 
 def history_of(state: LoadState) -> tuple[LoadState, ...]:
-    """The states of an increment that the case's history tells of, the last one included; they are large."""
+    """The states of an increment that have rows in the history, the last one included; each state is large."""
     if not state.scene.case.output.points:
         return ()
     via = state.via
@@ -38,7 +38,7 @@ def history_of(state: LoadState) -> tuple[LoadState, ...]:
 
 
 def history(states: Sequence[LoadState]) -> History | None:
-    """What is to be told of the states of a step, in turn; None where the case names no points."""
+    """The history of the states of a step, in order; None if the case has no output points."""
     if not states[0].configuration.scene.case.output.points:
         return None
     told = [dict(_values(state)) for state in _formed(states)]
@@ -97,7 +97,7 @@ def _at_point(state: LoadState, body: str, point: Floats) -> tuple[list[float], 
 def _jump(state: LoadState, point: FacePoint) -> tuple[float, float]:
     """Opening and slip (m) of the surface at the place nearest to a point, wherever its ends have grown to.
 
-    nan where it is gone.
+    nan where the surface has been excavated.
     """
     cover = state.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))

@@ -1,4 +1,4 @@
-"""What happens after a solve: which sites cracks leave, how far they go, and how long that takes."""
+"""The advances after a solve: which tips and starts of cracks advance, by which lengths, and in how much time."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ NO_SITES = np.empty(0, dtype=np.int64)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Leaving:
-    """What leaves where after a solve."""
+    """The sites that advance after a solve, with lengths and velocities where growth takes time."""
 
     sites: Ints  # numbers of the sites, that of a new crack last
     cracks: tuple[GrowingCrack, ...]  # as they are, with what tips that wait have gathered
@@ -38,12 +38,12 @@ class Leaving:
 
 
 def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
-    """Nothing leaves."""
+    """No site advances."""
     return Leaving(NO_SITES, cracks)
 
 
 def leaves(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...]) -> Leaving:
-    """What leaves where after a solve: by the criterion, or by velocities, the tip that goes farthest first.
+    """The sites that advance: by the criterion, or by velocities, the tip with the longest advance first.
 
     `cracks` are those of the solution, with what their tips have gathered.
     """
@@ -72,14 +72,14 @@ def site_criticality(solution: StepSolution) -> Floats:
 
 @dataclass(frozen=True, slots=True)
 class Lapse:
-    """What the advance that has led to a solution took, as the velocities at both of its ends have it."""
+    """The time that the advance to a solution took, by the mean of the velocities before and after it."""
 
     time: float = 0.0  # s
     short: Mapping[End, float] = field(default_factory=dict)  # m, by which tips have come less far than in that time
     notes: tuple[str, ...] = ()
 
     def made_good(self, cracks: tuple[GrowingCrack, ...]) -> tuple[GrowingCrack, ...]:
-        """The cracks with what their tips are short of, or ahead by, gathered for the next advance."""
+        """The cracks, whose tips have gathered the lengths that they lack, or are ahead by, for the next advance."""
         if not self.short:
             return cracks
         return tuple(
@@ -90,7 +90,7 @@ class Lapse:
 
 
 def lapse(left: Leaving, solution: StepSolution) -> Lapse:
-    """What the advance that has led to a solution took, with a note where that is coarse.
+    """The time that the advance to a solution took, with a note where the increment is too coarse for it.
 
     The time is that of the tip with the largest mean velocity, of those that still are tips, and no less than others
     took to what they have met. Of those, or of one that stands still now, the velocity at the beginning is all that is
@@ -129,7 +129,7 @@ def _places(solution: StepSolution) -> Floats:
 
 
 def _in_time(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...], velocity: Floats) -> Leaving:
-    """What leaves by the velocities (n,) m/s of the tips."""
+    """The advances by the velocities (n,) m/s of the tips."""
     ends, increment = solution.cover.tip_ends, growth.increment
     gathered = np.array([cracks[index].gathered[at_end] for index, at_end in ends])
     length, left, first = lengths(velocity, gathered, increment)

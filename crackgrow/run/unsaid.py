@@ -1,4 +1,4 @@
-"""What a case leaves unsaid of in-situ stress and of fluids: edges that take no stress, joints that no fluid enters."""
+"""Warnings of missing loads: free edges that relax the in-situ stress, and dry surfaces that meet a fluid."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
-"""What a stiffness matrix has in common with the one of the configuration before.
+"""Reuse of the entries of the stiffness matrix that have not changed since the configuration before.
 
-An element is known by a hash of all that it is integrated from, a function by the elements that it acts on and by its
-place on each. Where all elements of a function are as before, and each function on them is one that it was before, its
-entries are as before, under other numbers of the functions.
+The key of an element is a hash of all data that its integrals depend on; the key of a function is a hash of the keys of
+its elements and of its position on each of them. If no element of a function has changed, and the functions on these
+elements are the same as before, its rows are copied from the matrix before with the new numbers of the functions.
 """
 
 from __future__ import annotations
