@@ -26,8 +26,8 @@ from crackgrow.results.summary import Tally, peak_memory_mb, summarize
 from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
 from crackgrow.results.vtk_frames import as_pyvista
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.loop import Steps, solved_steps, through
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.loop import Steps, for_each, solved_steps
 from crackgrow.run.report import estimate_maker, frame_maker
 from crackgrow.run.result import CrackPath, Event, Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
@@ -109,7 +109,7 @@ class _Tables(RunTables):
         """What is unsure in these steps, and why, one sentence a cause as in summary.json; empty if nothing is."""
         gathered = Gathered()
         for result in self.results:
-            gathered.add(result.step, result.cautions)
+            gathered.add(result.step, result.step_warnings)
         return tuple(gathered.sentences())
 
     def _frame(self, name: str) -> pd.DataFrame:
@@ -284,7 +284,7 @@ def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> R
         results.append(replace(result, mesh=None))  # the mesh would keep the fields of every step
         last = Solution(case, (result,), solved)
 
-    end = through(steps, collect)
+    end = for_each(steps, collect)
     assert last is not None  # step 0 can be solved, or raises
     return Run(case, tuple(results), end, last)
 

@@ -24,7 +24,7 @@ from crackgrow.case.model import (
 from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
-from crackgrow.cover.refinement import Focus, refined
+from crackgrow.cover.refinement import SizeField, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
@@ -142,7 +142,7 @@ class Build:
     def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:
         """The lattice with cells of 2^-levels round places (n, 2), lattice coordinates."""
         points = shapely.points(np.asarray(places, dtype=float).reshape(-1, 2))
-        return refined(lattice, Focus(points, np.full(len(points), 0.5**levels), max(rings, lattice.support)))
+        return refined(lattice, SizeField(points, np.full(len(points), 0.5**levels), max(rings, lattice.support)))
 
     @classmethod
     def sample(

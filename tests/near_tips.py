@@ -9,7 +9,7 @@ from crackgrow.arrays import Floats
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals, StressIntensity
-from crackgrow.fracture.tip_stress import TipField, field_readings, fields_of
+from crackgrow.fracture.tip_stress import TipField, fields_of, stress_functionals
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -21,7 +21,7 @@ def site_fields(
     radius: float | Sequence[float],
 ) -> list[TipField]:
     """Stress round sites of the cover within `radius` (m), one or one a site; `u` (n_dofs,) m."""
-    return fields_of(cover, materials, u, field_readings(cover, sites, radius))
+    return fields_of(cover, materials, u, stress_functionals(cover, sites, radius))
 
 
 def interaction_integrals(cover: Cover, *given: Any) -> list[StressIntensity]:

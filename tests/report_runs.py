@@ -11,7 +11,7 @@ from PIL import Image
 from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
 from crackgrow.run import grow
-from crackgrow.run.loop import through
+from crackgrow.run.loop import for_each
 from crackgrow.run.result import RunEnd, StepResult
 from tests.scenes import shipped_case
 
@@ -26,7 +26,7 @@ def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", cas
     writer = RunWriter(scene, folder)
     writer.begin()
     try:
-        writer.finish(through(broken_off(grow(scene), failing) if failing else grow(scene), writer.add))
+        writer.finish(for_each(broken_off(grow(scene), failing) if failing else grow(scene), writer.add))
     except SolveError as error:
         writer.break_off(error)
     return folder

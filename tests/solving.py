@@ -15,8 +15,8 @@ from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import segment_directions
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import increment, unloaded
-from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
@@ -38,7 +38,7 @@ def face_vertices(cover: Cover, surface: int) -> FacePoints:
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
     """Solve one configuration, loaded in one increment. Raises GeometryError or SolveError where that can't be done."""
     configuration = assemble(scene, growing)
-    return judged(increment(configuration, unloaded(configuration), load_factor))
+    return evaluated(increment(configuration, unloaded(configuration), load_factor))
 
 
 def solve_case(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> StepSolution:

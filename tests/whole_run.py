@@ -9,14 +9,14 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
-from crackgrow.run.loop import grow, through
+from crackgrow.run.loop import for_each, grow
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 
 
 def whole_run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
     """The results of all steps, of those from a `checkpoint` on if there is one, and why the run ended."""
     results: list[StepResult] = []
-    return results, through(grow(case, checkpoint), results.append)
+    return results, for_each(grow(case, checkpoint), results.append)
 
 
 def steps_of(text: str, *settings: str) -> list[StepResult]:

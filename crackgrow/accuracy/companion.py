@@ -11,7 +11,7 @@ D of directions and of a critical load is not below that of the K that they foll
 is added, as any independent error is, the spread between the discs of the integral, and to D of K the K_I below zero
 at faces that can't overlap: next to such a tip they touch over less than the cells there, on both meshes. What no pair
 can see is shear that faces carry beyond friction where a tip is open more closely to itself than any contact point
-lies (`unseen_shear`).
+lies (`unresolved_shear`).
 
 Targets are of the estimate, as is usual where cells follow from errors: a target on the bound is met by errors of a
 fifth of it in the median, for three times the unknowns where cracks are many.
@@ -55,7 +55,7 @@ class Quantities:
     spread: Floats  # (n,) Pa sqrt(m), of both between discs, with K_I below zero of faces that touch
     T: Floats  # (n,) Pa
     T_spread: Floats  # (n,) Pa, between discs
-    unseen: Floats  # (n,) Pa sqrt(m)
+    unresolved: Floats  # (n,) Pa sqrt(m)
     kinks: Floats  # (n,) rad, directions of growth; nan without growth
     load_factor: float  # on the mesh's own path
     jumps: Floats  # (m, 2) m, opening and slip
@@ -110,7 +110,7 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
         np.append(values, values[:1] * np.nan, axis=0) for values in (there.K, there.T, there.kinks)
     )
     apart = np.hypot(*(here.K - _row(K_there, other)).T) if n else np.zeros(0)
-    D = _largest_of_crack(here.ends, np.hypot(apart, here.spread)) + here.unseen / BOUND
+    D = _largest_of_crack(here.ends, np.hypot(apart, here.spread)) + here.unresolved / BOUND
     D_T = _largest_of_crack(here.ends, np.hypot(here.T - _row(T_there, other), here.T_spread))
     turned = _largest_of_crack(here.ends, np.abs(here.kinks - _row(kinks_there, other)))
     of_K, some = np.full(n, np.nan), NOTHING * largest < K
@@ -149,7 +149,7 @@ def _share(here: Floats, there: Floats, small: float) -> float:
     return float(np.hypot(*(here - there).T).max()) / largest if largest > 0.0 else 0.0
 
 
-def unseen_shear(K_I: float, y: float, pressure: float, shear: float) -> float:
+def unresolved_shear(K_I: float, y: float, pressure: float, shear: float) -> float:
     """Bound (Pa sqrt(m)) of what K_II misses where a tip is open over a stretch that no contact point lies on.
 
     The first point is closed, y (m) from the tip, with this pressure and shear beyond friction (Pa). By the weight

@@ -83,7 +83,7 @@ def error_estimate(
     some = [slice(start, start + AT_ONCE) for start in range(0, len(everywhere.points), AT_ONCE)]
     blocks = [_sampled(cover, materials, u, everywhere, block, singular, acting_on) for block in some]
     samples, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
-    parts = misfits(fit(n_patches, samples), samples, cover.elements.n)
+    parts = fit_residuals(fit(n_patches, samples), samples, cover.elements.n)
     area = cover.lattice.spacing**2
     return ErrorEstimate(area * parts, math.sqrt(area * norm))
 
@@ -147,7 +147,7 @@ def fit(n_patches: int, samples: list[Samples]) -> Floats:
     return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
 
 
-def misfits(coefficients: Floats, samples: list[Samples], n_elements: int) -> Floats:
+def fit_residuals(coefficients: Floats, samples: list[Samples], n_elements: int) -> Floats:
     """The integrals of sum_i phi_i |P_i - s|^2 over each element (n_elements,), in squared spacings."""
     found = np.zeros(n_elements)
     by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))

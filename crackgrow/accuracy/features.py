@@ -24,7 +24,7 @@ from crackgrow.case.formula import component_at
 from crackgrow.case.model import Case, ContactSupport, EdgeLoad, EdgeSupport, FluidPressure, PointForce
 from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.refinement import Focus, divided, refined
+from crackgrow.cover.refinement import SizeField, divided, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.cover.squares import Squares
 from crackgrow.geometry.polyline import kink_angles
@@ -109,7 +109,7 @@ def graded_cells(scene: Placed, cracks: Sequence[CrackGeometry]) -> Squares:
     return cells.quartered() if scene.grading.quartered else cells
 
 
-def size_field(scene: Placed, cracks: Sequence[CrackGeometry]) -> Focus:
+def size_field(scene: Placed, cracks: Sequence[CrackGeometry]) -> SizeField:
     """Depths at features, in the largest cells, and rings of cells of each size round them.
 
     Tips have as many as the support: no larger patches than those at the tip hold it, on which its functions would be
@@ -120,7 +120,7 @@ def size_field(scene: Placed, cracks: Sequence[CrackGeometry]) -> Focus:
     times, elsewhere = (2.0, 0.5 * rings) if grading.nested else (1.0, at_tips)
     found = [(place, times * size, tip) for place, size, tip in features(scene, cracks) if times * size < 1.0]
     is_tip = np.array([tip for *_, tip in found], dtype=bool)
-    return Focus(
+    return SizeField(
         np.array([place for place, *_ in found], dtype=object),
         np.array([size for _, size, _ in found]),
         np.where(is_tip, at_tips, elsewhere) * THETA_OF_REST**grading.rest,

@@ -8,7 +8,7 @@ import shapely
 from crackgrow.case.declared import keys_of
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.model import Growth
-from crackgrow.case.toughness import BY_K, JUDGED_ON_RAYS
+from crackgrow.case.toughness import BY_K, RAY_CRITERIA
 
 MOST_PLACES = 20_000
 """Places at which the stress is averaged in every step: each takes some hundred points."""
@@ -79,9 +79,9 @@ def _check_shear(scene: Scene, name: str) -> None:
     elif criterion in BY_K and scene.report.sound("growth", "initiation") and not scene.starts_cracks:
         message = f"is of tips that grow in shear, and {criterion} lets none unless cracks start in shear; leave it out"
         scene.report.fault((*key, "shear_toughness"), f"{message}, or give growth.initiation: ends")
-    elif criterion not in (None, *JUDGED_ON_RAYS):
+    elif criterion not in (None, *RAY_CRITERIA):
         message = f"is for criteria that judge shear on rays from the tip; {criterion} given"
-        scene.report.fault((*key, "shear_toughness"), f"{message}; wanted: {' or '.join(sorted(JUDGED_ON_RAYS))}")
+        scene.report.fault((*key, "shear_toughness"), f"{message}; wanted: {' or '.join(sorted(RAY_CRITERIA))}")
 
 
 def strengths(scene: Scene, with_toughness: bool) -> list[str]:

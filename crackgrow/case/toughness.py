@@ -27,7 +27,7 @@ BY_K: Final = frozenset({"max_hoop_stress"})
 """Criteria that go by K_I and K_II alone, and need no radius where the toughness is known."""
 
 
-JUDGED_ON_RAYS: Final = frozenset({"directional_strength", "max_hoop_stress"})
+RAY_CRITERIA: Final = frozenset({"directional_strength", "max_hoop_stress"})
 """Criteria that judge shear on rays; the second one at tips of cracks that have started in shear."""
 
 

@@ -144,14 +144,14 @@ def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: C
 
 def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:
     """Write each step as it comes, then the end, and return it."""
-    from crackgrow.run.loop import through  # only now: the room loads numpy
+    from crackgrow.run.loop import for_each  # only now: the room loads numpy
 
     def write(result: StepResult) -> None:
         with _uninterrupted():
             writer.add(result)
         progress.show(result)
 
-    end = through(steps, write)
+    end = for_each(steps, write)
     progress.tell(end.events)
     with _uninterrupted(ends=True):
         writer.finish(end)

@@ -147,7 +147,7 @@ examples:
 
 def trade(arguments: argparse.Namespace) -> int:
     """`crackgrow trade`: what accuracy costs, and whether a case's own setting is good enough."""
-    from crackgrow.run.loop import through  # only now: they load numpy
+    from crackgrow.run.loop import for_each  # only now: they load numpy
     from crackgrow.study.trade_text import trade_record, trade_text
 
     load_case_file(arguments)  # tells best what is wrong with the file
@@ -165,7 +165,7 @@ def trade(arguments: argparse.Namespace) -> int:
     told = _Told(plan.study)
     try:
         show = (lambda row: None) if arguments.json else told.show
-        found, table = through(crackgrow.trade(plan, **_asked(arguments)), show)
+        found, table = for_each(crackgrow.trade(plan, **_asked(arguments)), show)
     except KeyboardInterrupt:
         return _interrupted(arguments, plan.study, str(arguments.case))
     if arguments.json:

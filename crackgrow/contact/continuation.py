@@ -30,7 +30,7 @@ GOLDEN: Final = 0.6180339887498949
 """Multiples of it leave rests that lie evenly, and are never the same."""
 
 
-def followed(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
+def solve_by_continuation(problem: ContactProblem) -> tuple[Floats, ActiveSet, int] | None:
     """Tractions (2 n,) with their active set and the number of linear solves; None where no way leads there.
 
     Supports hold all of the rock.

@@ -14,7 +14,7 @@ from crackgrow.contact.problem import ContactProblem, Motions
 UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
 
-def settled(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats], Floats]]:
+def deflated(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats], Floats]]:
     """The same problem without what supports do that hold loose pieces to be solved for, and all unknowns of its own.
 
     Single tractions, and loads, turn such pieces far: of A and of the free jumps all is taken off that is a motion, or

@@ -17,7 +17,7 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.condensed import Condensed
-from crackgrow.contact.continuation import followed
+from crackgrow.contact.continuation import solve_by_continuation
 from crackgrow.contact.coulomb import ActiveSet, active_set, project
 from crackgrow.contact.equations import ActiveEquations, solve_active
 from crackgrow.contact.loose import balancing
@@ -68,7 +68,7 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
     motions, m, x, iterations = problem.motions, problem.free.size, found.unknowns, found.iterations
     assert motions is not None
     soft = SOFT * float(np.median(problem.scale)) * balancing(motions)  # (l, l) m per N/m
-    best, least = found, as_far(problem)
+    best, least = found, residual_floor(problem)
     for _ in range(MOST_SPRINGS):
         still, springs = x[m:] + soft @ motions.pull, motions.jump @ soft @ motions.force
         free = problem.free + motions.jump @ still
@@ -78,7 +78,7 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
         if there.status != "solved":
             break
         x = np.append(there.traction, still - soft @ (motions.force @ there.traction))
-        left = missed(problem, x, problem.jump(x))
+        left = residual(problem, x, problem.jump(x))
         if left <= least:
             best, least = replace(there, motion=x[m:]), left
         if left <= ROUND_OFF:
@@ -95,14 +95,14 @@ def _by_springs(problem: ContactProblem, found: ContactSolution) -> ContactSolut
 def _stepped(problem: ContactProblem, active: ActiveSet) -> ContactSolution:
     """What Newton's steps from an active set on come to."""
     passed, keys = list[ActiveSet](), list[bytes]()
-    as_good, ends = as_far(problem), False
+    as_good, ends = residual_floor(problem), False
     while not ends:
         passed.append(active)
         keys.append(active.key())
         equations = ActiveEquations(problem, active)
         x = equations.solution()
         now = _through_stick(problem, active, _branches(problem, x))
-        if missed(problem, x, problem.jump(x)) <= (as_good if now.key() == keys[-1] else ROUND_OFF):
+        if residual(problem, x, problem.jump(x)) <= (as_good if now.key() == keys[-1] else ROUND_OFF):
             return _ended(problem, x, active, "solved", len(passed))
         back = keys.index(now.key()) if now.key() in keys else len(keys)  # where they begin to go round in circles
         moving = np.any([active.differs(other, problem) for other in (now, *passed[back:])], axis=0)
@@ -142,7 +142,7 @@ def _of_some(
         now = _branches(problem, there)
         leaving = equations.active.differs(now, problem) & ~moving
         if not leaving.any():
-            good = missed(problem, there, problem.jump(there)) <= as_far(problem)
+            good = residual(problem, there, problem.jump(there)) <= residual_floor(problem)
             return _ended(problem, there, now, "solved" if good else "limit", iterations)
         moving |= leaving
     return _ended(problem, there, equations.active, "limit", iterations)
@@ -150,11 +150,11 @@ def _of_some(
 
 def _around(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
     """The solution followed from a state that is known, where supports hold all of the rock; `found` where none is."""
-    way = None if problem.motions is not None else followed(problem)
+    way = None if problem.motions is not None else solve_by_continuation(problem)
     if way is None:
         return found
     x = solve_active(problem, way[1])
-    status = "solved" if missed(problem, x, problem.jump(x)) <= as_far(problem) else "limit"
+    status = "solved" if residual(problem, x, problem.jump(x)) <= residual_floor(problem) else "limit"
     return _ended(problem, x, way[1], status, found.iterations + way[2])
 
 
@@ -171,7 +171,7 @@ def _branches(problem: ContactProblem, x: Floats) -> ActiveSet:
     return active_set(problem, x[: problem.free.size], problem.jump(x))
 
 
-def as_far(problem: ContactProblem) -> float:
+def residual_floor(problem: ContactProblem) -> float:
     """The change of tractions by `project` that another step cannot lower, relative to the largest."""
     return max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
 
@@ -186,7 +186,7 @@ def _checked(problem: ContactProblem, start: Floats) -> Floats:
     return np.asarray(start, dtype=np.float64)
 
 
-def missed(problem: ContactProblem, x: Floats, du: Floats) -> float:
+def residual(problem: ContactProblem, x: Floats, du: Floats) -> float:
     """What unknowns x (2 n + l,) with the jump du (2 n,) miss: the largest change of a traction by `project`, relative
     to the largest one before or after, or the imbalance of loose pieces."""
     p = x[: problem.free.size]

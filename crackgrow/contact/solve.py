@@ -25,10 +25,10 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.equations import solve_active
-from crackgrow.contact.loose import settled
+from crackgrow.contact.loose import deflated
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions, absolute_product
-from crackgrow.contact.system import ContactSystem, spoilt
+from crackgrow.contact.system import ContactSystem, ill_conditioned
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
 
@@ -44,7 +44,7 @@ Not so if it coheres and its gap is below the same fraction of these jumps: the 
 AT_LIMIT = 1e-9
 """Shear closer to the cohesion of faces that touch than this fraction of it has reached it: they slip."""
 
-SPOILT = 1e-2
+ILL_CONDITIONED = 1e-2
 """If they differ by more, nothing can be made of the compliance."""
 
 FAINT = 1e-10
@@ -225,8 +225,8 @@ class Increment:
             there = known or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
             known = None
             more, now_off = _missing(self.contact, free, state, there[0])
-            if not now_off <= SPOILT and last_off == np.inf:
-                raise spoilt(f"wrong by {now_off:.1g} of the jumps")
+            if not now_off <= ILL_CONDITIONED and last_off == np.inf:
+                raise ill_conditioned(f"wrong by {now_off:.1g} of the jumps")
             if not now_off < last_off:
                 break  # pieces that nothing presses lie somewhere else after each correction
             best, rock, off = state, there, now_off
@@ -236,7 +236,7 @@ class Increment:
             state = self.solved(free, state)
         return self._outcome(best, rock, off)
 
-    def remembered(self, state: PointStates) -> ContactMemory:
+    def memory_after(self, state: PointStates) -> ContactMemory:
         """What points keep of their states.
 
         Slip wears all of what it does: many increments that each take less than `WORN` take something together. Points
@@ -266,7 +266,7 @@ class Increment:
             u=rock[0],
             multipliers=rock[1],
             points=state,
-            memory=self.remembered(state),
+            memory=self.memory_after(state),
             penetration=float(np.max(-(state.gap - elastic), initial=0.0)),
             complementarity=max(state.complementarity, off),
             notes=tuple(notes),
@@ -301,7 +301,7 @@ class Increment:
         if like.active is None:
             return self._untouched(free)
         problem = self._problem(like.trial, free)
-        other, unknowns = settled(problem)
+        other, unknowns = deflated(problem)
         x, m = unknowns(solve_active(other, like.active)), problem.free.size
         solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:])
         found = self._with(like.trial, free, problem, (solution, like.active))
@@ -422,7 +422,7 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
     if solver == "lemke":
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
     else:
-        lying, unknowns = settled(problem)
+        lying, unknowns = deflated(problem)
         m, other = problem.free.size, "; numerics.contact.solver: lemke may find one, and takes long with many points"
         near = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
         found = solve_by_newton(lying, near)

@@ -130,7 +130,7 @@ class ContactSystem:
         symmetric = rock[np.ix_(can_be, can_be)] / np.tile(self.weights, 2)[can_be]
         off, largest = (float(np.abs(part).max(initial=0.0)) for part in (symmetric - symmetric.T, symmetric))
         if off > UNSYMMETRIC * largest:
-            raise spoilt(f"unsymmetric by {off / largest:.1g} of its largest entry")
+            raise ill_conditioned(f"unsymmetric by {off / largest:.1g} of its largest entry")
         return rock
 
     def _refined(self, compliance: Floats) -> Floats | None:
@@ -203,7 +203,7 @@ class ContactSystem:
         whole = len(at) == len(self.rock) and not soft.any()  # it is large: not twice
         rock: Floats = self.rock if whole else self.rock[np.ix_(at, at)]
         if float(rock.diagonal().min()) <= 0.0:
-            raise spoilt("not positive")
+            raise ill_conditioned("not positive")
         if soft.any():
             rock[np.diag_indices_from(rock)] += soft
         if len(rock) == 2 * k:
@@ -231,7 +231,7 @@ class ContactSystem:
         return self.system.solve(force if self.loose is None else force + self.loose.carrying(motion), loads[1])
 
 
-def spoilt(what: str) -> NotSolvedError:
+def ill_conditioned(what: str) -> NotSolvedError:
     """The error where the compliance of the rock is `what`."""
     return NotSolvedError(
         f"the system is ill conditioned: the compliance of the rock between contact points is {what}; a sliver of rock "

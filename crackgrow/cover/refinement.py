@@ -23,17 +23,17 @@ MOST_LEVELS = 15
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Focus:
-    """Places that ask for small cells."""
+class SizeField:
+    """A mesh size field: places, and the largest cells that they allow."""
 
     shapes: NDArray[np.object_]  # (n,) geometries, lattice coordinates
     size: Floats  # (n,) the largest cells that they allow at the place, spacings
     rings: Floats | float  # (n,) or the same for all: cells of each size round the place
 
 
-def refined(lattice: Lattice, focus: Focus, before: Lattice | None = None, *, quartered: bool = False) -> Lattice:
+def refined(lattice: Lattice, field: SizeField, before: Lattice | None = None, *, quartered: bool = False) -> Lattice:
     """The lattice with `divided` cells; it is the lattice itself, or the one `before`, where the cells are the same."""
-    cells = divided(lattice, focus)
+    cells = divided(lattice, field)
     cells = cells.quartered() if quartered else cells
     for known in (lattice, before):
         if known is not None and cells.equal(known.cells):
@@ -42,24 +42,24 @@ def refined(lattice: Lattice, focus: Focus, before: Lattice | None = None, *, qu
     return replace(finer, map_origin=lattice.map_origin)
 
 
-def divided(lattice: Lattice, focus: Focus) -> Squares:
-    """The cells of a lattice, divided where `focus` asks for that, some cells of each size round every place.
+def divided(lattice: Lattice, field: SizeField) -> Squares:
+    """The cells of a lattice, divided where `field` asks for that, some cells of each size round every place.
 
     A cell is divided if a place no farther than its rings of the cell's sides, along both axes, asks for smaller ones.
     Just at that distance it is, whatever rounding makes of it: symmetric scenes have symmetric cells, and no larger
     patches hold a tip within rounding of a corner, if it has as many rings as the support. Sizes that differ by
     rounding are equal: a scene in other units has the same cells.
     """
-    if not len(focus.size):
+    if not len(field.size):
         return lattice.cells
-    each = np.broadcast_to(focus.rings, focus.size.shape)
+    each = np.broadcast_to(field.rings, field.size.shape)
     classes = [
-        (rings, shapely.STRtree(focus.shapes[each == rings]), focus.size[each == rings])
+        (rings, shapely.STRtree(field.shapes[each == rings]), field.size[each == rings])
         for rings in np.unique(each).tolist()
     ]
     fixed: list[tuple[Ints, Ints]] = []
     low, size = lattice.cells.low, lattice.cells.size
-    least = max(float(focus.size.min()) * QUANTA, QUANTA / 2**MOST_LEVELS)
+    least = max(float(field.size.min()) * QUANTA, QUANTA / 2**MOST_LEVELS)
     while len(size):
         side = size / QUANTA
         x, y = (low / QUANTA).T

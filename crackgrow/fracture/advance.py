@@ -34,7 +34,7 @@ of a crack or an outline were solved as well as others, without the integral for
 
 
 @dataclass(frozen=True, slots=True)
-class Way:
+class Segment:
     """How a crack goes on from a site."""
 
     kink: float  # rad, from the direction of the site
@@ -75,10 +75,10 @@ class GrowingCrack:
         return int(len(self.steps) - 1 - given[-1] if at_end else given[0])
 
 
-def leaving(
+def advancing_sites(
     criticality: Floats, n_advances: Ints, places: Floats, advance: Literal["most_critical", "in_turn", "all"]
 ) -> Ints:
-    """Numbers of the sites that cracks leave: of those whose criticality (n,) is 1 or more, or within TIE of such a's.
+    """Numbers of the sites that advance: of those whose criticality (n,) is 1 or more, or within TIE of such a's.
 
     `all`: all tips, the most critical first, then the most critical starts; `most_critical`: the largest; `in_turn`:
     the largest of those that have advanced least often, `n_advances` (n,), and of the starts, whose number is STARTS.
@@ -131,7 +131,7 @@ def _least_advanced(sites: Ints, n_advances: Ints) -> Ints:
 def advanced(
     growing: GrowingCrack,
     at_end: bool,
-    way: Way,
+    segment: Segment,
     step: int,
     region: shapely.Polygon,
     others: Sequence[GrowingCrack] = (),
@@ -140,19 +140,19 @@ def advanced(
 
     The new segment stays in `region` (m). It ends on the first of the region's rims, the `others` and its own path
     that it meets, and the crack has no tip there any more. The segment then is shorter than its length, or turned by
-    up to its clearance and longer by as much. An end of one of the `others` that is met is left as it is: see `closed`.
+    up to its clearance and longer by as much. An end of one of the `others` that is met is kept: see `without_tip`.
     """
-    crack, clearance = growing.crack, CLEARANCE * way.length
+    crack, clearance = growing.crack, CLEARANCE * segment.length
     tip, direction = crack.points[-1] if at_end else crack.points[0], tip_direction(crack.points, at_end)
     near = [own_path(crack.points, at_end, clearance), *rims(region, clearance)]
-    end, met = _segment(tip, direction, way, near, others)
+    end, met = _segment(tip, direction, segment, near, others)
     points = np.vstack([crack.points, end]) if at_end else np.vstack([end, crack.points])
     steps = np.append(growing.steps, step) if at_end else np.insert(growing.steps, 0, step)
     longer = replace(growing, crack=replace(crack, points=points), steps=steps)
     if met is not None:
-        longer = closed(longer, at_end)
+        longer = without_tip(longer, at_end)
         if met.kind == "own_path" and met.end is not None:
-            longer = closed(longer, met.end)
+            longer = without_tip(longer, met.end)
     return longer, met
 
 
@@ -170,13 +170,13 @@ class Start:
 
 
 def started(
-    start: Start, way: Way, step: int, region: shapely.Polygon, others: Sequence[GrowingCrack]
+    start: Start, segment: Segment, step: int, region: shapely.Polygon, others: Sequence[GrowingCrack]
 ) -> tuple[GrowingCrack, list[tuple[bool, Meeting]]]:
     """A new crack from a site, and what its end (True) and its start have met, as `advanced` has it.
 
     Within rock it goes to both sides, to each with half of the length.
     """
-    half = replace(way, length=0.5 * way.length) if start.both_ways else way
+    half = replace(segment, length=0.5 * segment.length) if start.both_ways else segment
     direction = np.array([np.cos(start.direction), np.sin(start.direction)])
     end, met = _segment(start.point, direction, half, rims(region, CLEARANCE * half.length), others)
     crack = replace(start.crack, points=np.stack([start.point, end]), tip_at_start=False, tip_at_end=met is None)
@@ -189,20 +189,20 @@ def started(
 
 
 def _segment(
-    start: Floats, direction: Floats, way: Way, near: Sequence[Obstacle], others: Sequence[GrowingCrack]
+    start: Floats, direction: Floats, segment: Segment, near: Sequence[Obstacle], others: Sequence[GrowingCrack]
 ) -> tuple[Floats, Meeting | None]:
     """Where a segment ends that leaves `start` (2,) m, and what it meets there: one of the others, or what is `near`.
 
     `direction` (2,) is that of the site.
     """
-    c, s = np.cos(way.kink), np.sin(way.kink)
+    c, s = np.cos(segment.kink), np.sin(segment.kink)
     turned = np.array([c * direction[0] - s * direction[1], s * direction[0] + c * direction[1]])
-    new, link = start + way.length * turned, way.link * way.length
+    new, link = start + segment.length * turned, segment.link * segment.length
     met = first_met(start, new, [*(other_crack(n, other.crack.points, link) for n, other in enumerate(others)), *near])
     return (new if met is None else met.point), met
 
 
-def closed(growing: GrowingCrack, at_end: bool) -> GrowingCrack:
+def without_tip(growing: GrowingCrack, at_end: bool) -> GrowingCrack:
     """The crack without a tip at its end (or start)."""
     crack = growing.crack
     return replace(growing, crack=replace(crack, tip_at_end=False) if at_end else replace(crack, tip_at_start=False))

@@ -103,13 +103,13 @@ def without_K(field: TipField, radius: float) -> TipLoading:
     return TipLoading(field, np.nan, np.nan, radius)
 
 
-Judge = Callable[[Sequence[TipLoading], Strength], list[Verdict]]
+CriterionFunction = Callable[[Sequence[TipLoading], Strength], list[Verdict]]
 """What a criterion says of each of some sites in rock of the same strength."""
 
 
-def one_by_one(judge: Callable[[TipLoading, Strength], Verdict]) -> Judge:
+def one_by_one(evaluate: Callable[[TipLoading, Strength], Verdict]) -> CriterionFunction:
     """The criterion that a function is for one site."""
-    return lambda loadings, limits: [judge(loading, limits) for loading in loadings]
+    return lambda loadings, limits: [evaluate(loading, limits) for loading in loadings]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +117,8 @@ class Criterion:
     """A growth criterion."""
 
     name: str  # as in a case file
-    judge: Judge  # tips
-    judge_starts: Judge  # other sites, without K
+    at_tips: CriterionFunction  # tips
+    at_starts: CriterionFunction  # other sites, without K
 
 
 def strength(loading: TipLoading, limits: Strength) -> Verdict:

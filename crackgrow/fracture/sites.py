@@ -53,7 +53,7 @@ class Site:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Looked:
+class StartRegions:
     """Where cracks may start, besides where others began to grow."""
 
     on_cracks: bool
@@ -69,15 +69,17 @@ def tip_site(tip: Tip, in_shear: bool = False) -> Site:
     return Site("tip", tip.point, direction, LARGEST_KINK, tip.body, tip.crack, in_shear)
 
 
-def start_sites(cover: Cover, crack_bodies: Sequence[int], began: Sequence[Floats], looked: Looked) -> list[Site]:
+def start_sites(
+    cover: Cover, crack_bodies: Sequence[int], began: Sequence[Floats], regions: StartRegions
+) -> list[Site]:
     """Sites other than tips. `began` are places (2,) where cracks went on from what was given of them."""
     found: list[Site] = []
-    for place in _corners_of_cracks(cover, began, looked.on_cracks):
-        found += _on_cracks(cover, crack_bodies, place, looked)
-    if looked.on_rims:
-        found += _on_rims(cover, looked)
-    if looked.in_rock:
-        found += _in_rock(cover, looked)
+    for place in _corners_of_cracks(cover, began, regions.on_cracks):
+        found += _on_cracks(cover, crack_bodies, place, regions)
+    if regions.on_rims:
+        found += _on_rims(cover, regions)
+    if regions.in_rock:
+        found += _in_rock(cover, regions)
     return found
 
 
@@ -95,7 +97,7 @@ def _corners_of_cracks(cover: Cover, began: Sequence[Floats], everywhere: bool) 
     return once
 
 
-def _on_cracks(cover: Cover, crack_bodies: Sequence[int], place: Floats, looked: Looked) -> Iterator[Site]:
+def _on_cracks(cover: Cover, crack_bodies: Sequence[int], place: Floats, regions: StartRegions) -> Iterator[Site]:
     """The sites between the cracks at a place, unless it lies on a rim or is nothing but a tip."""
     arms, owner = [], None
     for number in np.sort(cover.crack_tree.query(shapely.Point(place), "dwithin", distance=SAME_PLACE)).tolist():
@@ -103,7 +105,7 @@ def _on_cracks(cover: Cover, crack_bodies: Sequence[int], place: Floats, looked:
         if len(here) and (owner is None or len(here) == 1):
             owner = number  # a crack that ends here goes on, before one that passes
         arms += here
-    if len(arms) < 2 or owner is None or looked.apart[crack_bodies[owner]] is None:
+    if len(arms) < 2 or owner is None or regions.apart[crack_bodies[owner]] is None:
         return
     region = cover.bodies[crack_bodies[owner]].region
     if not shapely.dwithin(region.boundary, shapely.Point(place), SAME_PLACE):
@@ -130,14 +132,14 @@ def _sectors(arms: Sequence[float]) -> Iterator[tuple[float, float]]:
             yield 0.5 * float(start + end), half_width
 
 
-def _on_rims(cover: Cover, looked: Looked) -> Iterator[Site]:
+def _on_rims(cover: Cover, regions: StartRegions) -> Iterator[Site]:
     """Sites along the rims of bodies and at their re-entrant corners, away from cracks."""
-    for body, (geometry, apart) in enumerate(zip(cover.bodies, looked.apart, strict=True)):
+    for body, (geometry, apart) in enumerate(zip(cover.bodies, regions.apart, strict=True)):
         if apart is None:
             continue
         for ring in geometry.rings:
             turns = kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
-            places = np.concatenate([_along_rim(ring, np.abs(turns) > SHARP, looked.spacing), ring[turns < -SHARP]])
+            places = np.concatenate([_along_rim(ring, np.abs(turns) > SHARP, regions.spacing), ring[turns < -SHARP]])
             for place in _free_of_cracks(cover, places, apart):
                 yield from _at_rim(geometry, body, place)
 
@@ -181,13 +183,13 @@ def _at_rim(geometry: BodyGeometry, body: int, place: Floats) -> Iterator[Site]:
             yield Site("rim", place, direction, half_width, body, None)
 
 
-def _in_rock(cover: Cover, looked: Looked) -> Iterator[Site]:
+def _in_rock(cover: Cover, regions: StartRegions) -> Iterator[Site]:
     """Sites on a square grid within bodies, away from cracks and rims."""
-    for body, (geometry, apart) in enumerate(zip(cover.bodies, looked.apart, strict=True)):
+    for body, (geometry, apart) in enumerate(zip(cover.bodies, regions.apart, strict=True)):
         if apart is None:
             continue
         low, high = geometry.rings[0].min(axis=0), geometry.rings[0].max(axis=0)
-        n = np.maximum(np.ceil((high - low) / looked.spacing).astype(int), 1)
+        n = np.maximum(np.ceil((high - low) / regions.spacing).astype(int), 1)
         x, y = (lo + (np.arange(k) + 0.5) * (hi - lo) / k for lo, hi, k in zip(low, high, n, strict=True))
         places = np.stack(np.meshgrid(x, y), axis=-1).reshape(-1, 2)
         inside = shapely.contains_xy(shapely.buffer(geometry.region, -apart), *places.T)

@@ -13,8 +13,8 @@ from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
+from crackgrow.fracture.functionals import Functional
 from crackgrow.fracture.interaction import FIELDS, of_body_force, weights_of
-from crackgrow.fracture.readings import Reading
 from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -43,11 +43,11 @@ class StressIntensity:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class IntegralReading:
+class InteractionFunctional:
     """The integrals of a tip, as what they take of the displacement and of what acts on the faces."""
 
     disc: Disc
-    reading: Reading | None  # None: no disc fits
+    functional: Functional | None  # None: no disc fits
 
 
 class Integrals:
@@ -55,7 +55,7 @@ class Integrals:
 
     def __init__(self, cover: Cover) -> None:
         self._cover = cover
-        self._known: dict[tuple[int, bool], IntegralReading] = {}
+        self._known: dict[tuple[int, bool], InteractionFunctional] = {}
 
     def intensities(
         self,
@@ -74,16 +74,18 @@ class Integrals:
         cover = self._cover
         forces = [None] * len(tips) if body_forces is None else body_forces
         pressed = [_pressed(cover.tips[tip], traction) for tip, traction in zip(tips, tractions, strict=True)]
-        known = self.of(materials, list(zip(tips, pressed, strict=True)))
+        known = self.functionals_of(materials, list(zip(tips, pressed, strict=True)))
         return [_in_disc(materials, cover, u, *each) for each in zip(known, tractions, forces, strict=True)]
 
-    def of(self, materials: Sequence[PlaneElasticity], wanted: Sequence[tuple[int, bool]]) -> list[IntegralReading]:
+    def functionals_of(
+        self, materials: Sequence[PlaneElasticity], wanted: Sequence[tuple[int, bool]]
+    ) -> list[InteractionFunctional]:
         """What the integrals of some tips read off, whose faces are pressed or not."""
         cover, new = self._cover, [each for each in dict.fromkeys(wanted) if each not in self._known]
         discs = [disc_round(cover, cover.tips[tip], pressed=pressed) for tip, pressed in new]
-        found = iter(_read(cover, materials, [disc for disc in discs if not np.isnan(disc.radius)]))
+        found = iter(_functionals(cover, materials, [disc for disc in discs if not np.isnan(disc.radius)]))
         for each, disc in zip(new, discs, strict=True):
-            self._known[each] = IntegralReading(disc, None if np.isnan(disc.radius) else next(found))
+            self._known[each] = InteractionFunctional(disc, None if np.isnan(disc.radius) else next(found))
         return [self._known[each] for each in wanted]
 
 
@@ -106,20 +108,20 @@ def _in_disc(
     materials: Sequence[PlaneElasticity],
     cover: Cover,
     u: Floats,
-    known: IntegralReading,
+    known: InteractionFunctional,
     traction: FaceTraction,
     body_force: BodyForce | None,
 ) -> StressIntensity:
     """K of a tip."""
     disc, tip, spacing = known.disc, known.disc.tip, cover.lattice.spacing
-    if known.reading is None:
+    if known.functional is None:
         return _no_room(disc)
     material = materials[tip.body]
-    arc, toward_tip, of_uniform, of_vectors = known.reading.more
+    arc, toward_tip, of_uniform, of_vectors = known.functional.more
     normal, tangential = _less_varying(material, cover, tip, arc, traction)
     along_x, along_y = toward_tip.T
     vectors = np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
-    by_component = known.reading.of(u).reshape(2, -1, 2)  # [c of its weights, M, c]
+    by_component = known.functional.of(u).reshape(2, -1, 2)  # [c of its weights, M, c]
     M = by_component[0, :, 0] + by_component[1, :, 1] + of_vectors @ vectors.ravel()
     M += of_uniform @ _initial_gradient(material, cover.lattice.to_metres(tip.point)).ravel()
     M = M.reshape(-1, FIELDS)
@@ -136,7 +138,7 @@ def _in_disc(
     return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, disc.radius * spacing, disc.small, note)
 
 
-def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Reading]:
+def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Functional]:
     """What the integrals of some discs read off."""
     if not discs:
         return []
@@ -153,11 +155,11 @@ def _read(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Di
         at = np.concatenate([own, on_faces, on_faces])
         left_right = [faces.plus, faces.minus] if disc.tip.at_end else [faces.minus, faces.plus]
         basis = basis_at(cover, at, np.concatenate([there, *left_right]))
-        found.append(_reading(materials[disc.tip.body], disc, rule, beyond, basis))
+        found.append(_functional(materials[disc.tip.body], disc, rule, beyond, basis))
     return found
 
 
-def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis) -> Reading:
+def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis) -> Functional:
     """What the integrals of a disc read off, of the `basis` at its points.
 
     These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
@@ -171,7 +173,7 @@ def _reading(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints,
     of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
     of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
-    return Reading(derivatives.functions, np.ascontiguousarray(sums.T), more)
+    return Functional(derivatives.functions, np.ascontiguousarray(sums.T), more)
 
 
 def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:

@@ -27,7 +27,7 @@ from crackgrow.approximation.basis import Derivatives, basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.fracture.readings import Reading
+from crackgrow.fracture.functionals import Functional
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
@@ -91,21 +91,21 @@ class _Points:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FieldReading:
+class StressFunctional:
     """The averages round a site, as what they take of the displacement gradients."""
 
     site: Site
     rule: Rule
-    reading: Reading
-    shear: FieldReading | None = None  # the same over the length of the toughness in shear
+    functional: Functional
+    shear: StressFunctional | None = None  # the same over the length of the toughness in shear
 
     @property
     def points(self) -> _Points:
         """That the averages are taken over."""
-        return _Points(*self.reading.more)
+        return _Points(*self.functional.more)
 
 
-def field_readings(cover: Cover, sites: Sequence[Site], radius: float | Sequence[float]) -> list[FieldReading]:
+def stress_functionals(cover: Cover, sites: Sequence[Site], radius: float | Sequence[float]) -> list[StressFunctional]:
     """What the fields round `sites` of a cover within `radius` (m), one or one a site, read off."""
     if not sites:
         return []
@@ -119,16 +119,16 @@ def field_readings(cover: Cover, sites: Sequence[Site], radius: float | Sequence
         inside = points.taken(own >= 0)
         derivatives = basis_at(cover, inside.places, own[own >= 0]).derivatives
         more = (inside.places, inside.ray, inside.weight, inside.averaged)
-        found.append(FieldReading(site, rule, Reading(derivatives.functions, _sums(inside, derivatives), more)))
+        found.append(StressFunctional(site, rule, Functional(derivatives.functions, _sums(inside, derivatives), more)))
     return found
 
 
 def fields_of(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, readings: Sequence[FieldReading]
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, functionals: Sequence[StressFunctional]
 ) -> list[TipField]:
     """Stress round sites, of what is read off the displacement `u` (n_dofs,) m."""
-    shears = {number: known.shear for number, known in enumerate(readings) if known.shear is not None}
-    found = _averaged(cover, materials, u, readings)
+    shears = {number: known.shear for number, known in enumerate(functionals) if known.shear is not None}
+    found = _averaged(cover, materials, u, functionals)
     for number, field in zip(shears, _averaged(cover, materials, u, list(shears.values())), strict=True):
         found[number] = replace(found[number], shear=field)
     return found
@@ -209,18 +209,18 @@ def _sums(points: _Points, derivatives: Derivatives) -> Floats:
 
 
 def _averaged(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, readings: Sequence[FieldReading]
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, functionals: Sequence[StressFunctional]
 ) -> list[TipField]:
     """The fields of sites over one length each, of what is read off the displacement `u` (n_dofs,) m."""
-    if not readings:
+    if not functionals:
         return []
-    by = np.stack([known.reading.of(u) for known in readings])
-    by_x, by_y = by.reshape(len(readings), 2, N_RAYS + 1, 2).swapaxes(0, 1)
+    by = np.stack([known.functional.of(u) for known in functionals])
+    by_x, by_y = by.reshape(len(functionals), 2, N_RAYS + 1, 2).swapaxes(0, 1)
     strain = np.stack([by_x[..., 0], by_y[..., 1], by_y[..., 0] + by_x[..., 1]], axis=2)
-    on_rays = [known.points for known in readings]
+    on_rays = [known.points for known in functionals]
     seen = np.stack([points.sums for points in on_rays])
     sums, found = np.empty(strain.shape), []
-    for number, (known, points) in enumerate(zip(readings, on_rays, strict=True)):
+    for number, (known, points) in enumerate(zip(functionals, on_rays, strict=True)):
         material = materials[known.site.body]
         sums[number] = strain[number] @ material.matrix
         sums[number] += seen[number, :, None] * np.array(material.initial.uniform)
@@ -231,9 +231,9 @@ def _averaged(
                 sums[number, -1, component] += points.weight @ values
     # over a part R_c of R alone a singular field is larger by sqrt(R / R_c)
     least = np.sqrt(seen[:, :-1])[:, :, None]
-    rays = np.divide(sums[:, :-1], least, out=np.full((len(readings), N_RAYS, 3), np.nan), where=least > 0.0)
+    rays = np.divide(sums[:, :-1], least, out=np.full((len(functionals), N_RAYS, 3), np.nan), where=least > 0.0)
     opposite = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=1))
-    for number, known in enumerate(readings):
+    for number, known in enumerate(functionals):
         site, rule = known.site, known.rule
         own = opposite if site.both_ways else rays  # a crack takes a ray and the one opposite
         mean = sums[number, -1] / seen[number, -1]

@@ -20,7 +20,7 @@ from crackgrow.limits import allowed
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.plan.sizes import Sizes, guessed_sizes, sizes_of
 from crackgrow.results.units import duration, memory_text
-from crackgrow.run.caution import Cause
+from crackgrow.run.warning_causes import WarningCause
 
 TERMS: Final = ("command", "files", "first step", "growth", "contact")
 MEMORY_TERMS: Final = ("program", "unknowns", "products", "growth", "contact")
@@ -56,7 +56,7 @@ class Cost:
     def warning(self) -> str:
         """What to say where the machine has too little memory for that; empty where it has enough."""
         available = machine_memory()
-        if self.memory <= Cause.MEMORY.limit * available:
+        if self.memory <= WarningCause.MEMORY.limit * available:
             return ""
         return (
             f"the run needs about {memory_text(self.memory)} of memory, and this machine has {memory_text(available)}: "

@@ -12,12 +12,12 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.overview import estimated_nodes
-from crackgrow.run.caution import Caution
 from crackgrow.run.layout import cells_of, contact_faces, cover_of, n_constraints_of
+from crackgrow.run.missing_loads import dry_joints
 from crackgrow.run.scene import make_scene
-from crackgrow.run.scene_cautions import settings_cautions, unbalanced_loads
+from crackgrow.run.scene_warnings import scene_warnings, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
-from crackgrow.run.unsaid import dry_joints
+from crackgrow.run.warning_causes import StepWarning
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +44,7 @@ class Sizes:
     n_contact: int  # points
     n_multipliers: int  # of supports and bonds
     surfaces: tuple[SurfacePlan, ...]
-    cautions: tuple[Caution, ...]
+    scene_warnings: tuple[StepWarning, ...]
     n_gathered: int = 0  # tips whose functions are gathered
     cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
 
@@ -83,7 +83,7 @@ def sizes_of(case: Case) -> Sizes:
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
     )
     known = [
-        *settings_cautions(scene, cover),
+        *scene_warnings(scene, cover),
         *unbalanced_loads(scene, cover),
         *dry_joints(scene, cover),
     ]
@@ -97,7 +97,7 @@ def sizes_of(case: Case) -> Sizes:
         n_contact=len(faces.surface),
         n_multipliers=n_constraints_of(scene, cover),
         surfaces=surfaces,
-        cautions=tuple(known),
+        scene_warnings=tuple(known),
         n_gathered=sum(tip.carriers.gathered for tip in cover.tips),
         cells=_cells(cover),
     )

@@ -13,7 +13,7 @@ from crackgrow.plan.sizes import Sizes, sizes_of
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.places import length_unit
 from crackgrow.results.units import counted
-from crackgrow.run.caution import Cause, Caution
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 
 SHOWN_SURFACES = 12  # of more the rest is summed up
 
@@ -36,7 +36,7 @@ def plan_record(case: Case) -> dict[str, object]:
         "case": case.name,
         "title": case.title,
         "spacing": case.numerics.spacing,
-        "model": {name: value for name, value in known.items() if name != "cautions"},
+        "model": {name: value for name, value in known.items() if name != "scene_warnings"},
         "cost": asdict(cost),
         "warnings": _warnings(sizes, cost),
         "changes": [text for kind in changes_of(case) for text in kind],
@@ -83,5 +83,5 @@ def _model(case: Case, sizes: Sizes) -> list[str]:
 
 def _warnings(sizes: Sizes, cost: Cost) -> list[str]:
     gathered, memory = Gathered(), cost.warning
-    gathered.add(0, [*sizes.cautions, *([Caution(Cause.MEMORY, memory)] if memory else [])])
+    gathered.add(0, [*sizes.scene_warnings, *([StepWarning(WarningCause.MEMORY, memory)] if memory else [])])
     return list(gathered.sentences(with_steps=False))

@@ -20,7 +20,7 @@ SHARE = 1e-6
 PARTS = 32
 """A piece is held against so many parts of it: what is narrower than about a sixtieth of it can be missed."""
 
-MOST_HALVINGS = 12
+MOST_LEVELS = 12
 """Pieces are not halved more often: beside a kink of a formula the rest is 1e-7 of what it was."""
 
 
@@ -44,11 +44,11 @@ def subdivided(ends: Floats, values: Callable[[Floats, Ints], Floats]) -> tuple[
     line, low, high = np.arange(len(ends)), np.zeros(len(ends)), np.ones(len(ends))
     done: list[tuple[Ints, Floats, Floats]] = []
     enough = np.inf
-    for halving in range(MOST_HALVINGS + 1):
+    for level in range(MOST_LEVELS + 1):
         fine, size = integrals(line, low, high, PARTS)
-        enough = SHARE * float(size.sum()) if halving == 0 else enough
+        enough = SHARE * float(size.sum()) if level == 0 else enough
         off = np.abs(fine - integrals(line, low, high, 1)[0]).max(axis=1, initial=0.0) > enough
-        off &= halving < MOST_HALVINGS
+        off &= level < MOST_LEVELS
         done.append((line[~off], low[~off], high[~off]))
         middle = 0.5 * (low + high)[off]
         line = np.concatenate([line[off], line[off]])

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 from crackgrow.results.units import cut, merged, spans_text
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
-    from crackgrow.run.caution import Caution
+    from crackgrow.run.warning_causes import StepWarning
 
 MOST_PLACES = 6  # that a sentence lists besides the worst
 NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
@@ -28,34 +28,34 @@ class _Told:
     worst: int  # that step
     steps: list[list[int]]  # first and last of each row of steps
 
-    def and_at(self, step: int, caution: Caution) -> _Told:
+    def and_at(self, step: int, warning: StepWarning) -> _Told:
         """The same with one step more."""
         first, last = self.steps[-1]
         steps = [*self.steps[:-1], [first, step]] if step <= last + 1 else [*self.steps, [step, step]]
-        if caution.size <= self.size:
+        if warning.size <= self.size:
             return replace(self, steps=steps)
-        return replace(self, steps=steps, size=caution.size, words=caution.words, worst=step)
+        return replace(self, steps=steps, size=warning.size, words=warning.words, worst=step)
 
 
 class Gathered:
-    """The cautions of a run, step after step."""
+    """The warnings of a run, step after step."""
 
     def __init__(self) -> None:
         self._told: dict[tuple[str, str], _Told] = {}
 
-    def add(self, step: int, cautions: Iterable[Caution]) -> list[str]:
+    def add(self, step: int, warnings: Iterable[StepWarning]) -> list[str]:
         """Count in those of a step; returns a sentence for each cause that nothing has told of before at its places."""
         news: dict[str, list[_Told]] = {}
-        for caution in cautions:
-            name = caution.cause.name.lower()
-            key = (_kind_of(name, caution.words), caution.place)
+        for warning in warnings:
+            name = warning.cause.name.lower()
+            key = (_kind_of(name, warning.words), warning.place)
             known = self._told.get(key)
             if known is None:
-                row = _Told(name, caution.rank, caution.place, caution.size, caution.words, step, [[step, step]])
+                row = _Told(name, warning.rank, warning.place, warning.size, warning.words, step, [[step, step]])
                 self._told[key] = row
                 news.setdefault(key[0], []).append(row)
             else:
-                self._told[key] = known.and_at(step, caution)
+                self._told[key] = known.and_at(step, warning)
         return [_sentence(rows) for rows in news.values()]
 
     def sentences(self, *, with_steps: bool = True) -> list[str]:

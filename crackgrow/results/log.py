@@ -220,7 +220,7 @@ class Progress:
     def show(self, result: StepResult) -> None:
         """Tell of a solved step."""
         self._times.append(time.perf_counter())
-        self._warnings.add(result.step, result.cautions)
+        self._warnings.add(result.step, result.step_warnings)
         self._K_scale = max(self._K_scale, largest_K(result))
         if self._width is None:
             self._say(told_line(result, self._case, self._K_scale), "\n")

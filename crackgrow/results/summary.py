@@ -55,7 +55,7 @@ class Tally:
 
     @property
     def warnings(self) -> list[str]:
-        """Remarks, then one sentence for each cause of caution, the most important first."""
+        """Remarks, then one sentence for each cause, the most important first."""
         return [*self.remarks, *self.cautions.sentences()]
 
     def add(self, result: StepResult) -> list[str]:
@@ -81,7 +81,7 @@ class Tally:
             if check not in self.worst or _badness(value) > _badness(self.worst[check][0]):
                 self.worst[check] = (value, int(result.step))
         self.events.extend(result.events)
-        return self.cautions.add(result.step, result.cautions)
+        return self.cautions.add(result.step, result.step_warnings)
 
     def record(self) -> dict[str, object]:
         """All of it as a mapping that JSON can hold."""

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from crackgrow.accuracy.companion import Errors, errors_of_record, record_of
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import Gone
+from crackgrow.run.configuration import Excavated
 from crackgrow.run.increments import FROM_REST, Origin, Start
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import Remembered
+from crackgrow.run.path import ContactHistory
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
 
@@ -62,7 +62,7 @@ def packed(state: RunState) -> Checkpoint:
         "gathered": [list(g.gathered) for g in state.cracks],
         "time": state.time,
         "start": None,
-        "gone": [rock.body for rock in origin.gone],
+        "gone": [rock.body for rock in origin.excavated],
         "errors": None if state.errors is None else record_of(state.errors),
     }
     arrays: dict[str, NDArray[Any]] = {}
@@ -71,11 +71,11 @@ def packed(state: RunState) -> Checkpoint:
     if origin.start is not None:
         start = origin.start
         values["start"] = {
-            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "good_to": start.good_to
+            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "good_to": start.round_off
         }  # fmt: skip
-        of_start = {**start.remembered.arrays, "conjugates": start.conjugates}
+        of_start = {**start.contact_history.arrays, "conjugates": start.conjugates}
         arrays.update({f"{START}{name}": array for name, array in of_start.items()})
-    arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.gone)})
+    arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.excavated)})
     return Checkpoint(state.step, values, arrays)
 
 
@@ -92,13 +92,13 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     for number, lengths in enumerate(values["gathered"]):
         cracks[number] = replace(cracks[number], gathered=tuple(lengths))
     start = None if values["start"] is None else _start(values["start"], arrays)
-    gone = tuple(Gone(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
+    excavated = tuple(Excavated(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,
         tuple(cracks),
         tuple(event_of(record) for record in values["events"]),
         values["n_pieces"],
-        Origin(values["guess"], start, gone),
+        Origin(values["guess"], start, excavated),
         values["factorizations"],
         tuple(values["notes"]),
         None if values["errors"] is None else errors_of_record(values["errors"]),
@@ -110,7 +110,7 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
     own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
     return Start(
         LoadLevel(values["factor"], values["holding"]),
-        Remembered.of_arrays(own),
+        ContactHistory.of_arrays(own),
         Energy(**values["energy"]),
         own["conjugates"],
         values["good_to"],

@@ -24,7 +24,7 @@ from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
-from crackgrow.fracture.tip_stress import FieldReading, field_readings
+from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.load_level import LoadLevel
@@ -63,7 +63,7 @@ class _Units:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Gone:
+class Excavated:
     """A body that has been taken out, and by which forces it held the rest."""
 
     body: str
@@ -140,13 +140,13 @@ class Configuration:
         sized = law.cohesion.any() or law.breakable.any() or law.bends.any()
         return not (sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
 
-    def with_gone(self, gone: Sequence[Gone]) -> Configuration:
+    def with_excavated(self, excavated: Sequence[Excavated]) -> Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
-        if not gone:
+        if not excavated:
             return self
         scaled, constant = self.scaled.copy(), self.constant.copy()
-        for rock in gone:
-            a, b = self.scene.parts_of_gone(rock.body)
+        for rock in excavated:
+            a, b = self.scene.parts_of_excavated(rock.body)
             constant += a * rock.forces
             scaled += b * rock.forces
         return replace(self, contact=replace(self.contact, loads=_each_load(scaled, constant)))
@@ -242,7 +242,7 @@ class Configuration:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
         residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
-            raise NotSolvedError(residual.told(self.cover))
+            raise NotSolvedError(residual.message(self.cover))
         return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
 
     @property
@@ -256,17 +256,17 @@ class Configuration:
         return Integrals(self.cover)
 
     @cached_property
-    def fields(self) -> dict[int, FieldReading]:
+    def stress_functionals(self) -> dict[int, StressFunctional]:
         """What the stress fields read off, by the number of their site: those in bodies that have a strength."""
         scene = self.scene
         some = [number for number, site in enumerate(self.sites) if scene.case.bodies[site.body].strength is not None]
         strong = [self.sites[number] for number in some]
-        found = field_readings(self.cover, strong, [scene.radius_at(site) for site in strong])
+        found = stress_functionals(self.cover, strong, [scene.radius_at(site) for site in strong])
         radii = [scene.shear_radius_at(site) for site in strong]
         sheared = [n for n, radius in enumerate(radii) if radius is not None]
-        over = field_readings(self.cover, [strong[n] for n in sheared], [radius for radius in radii if radius])
-        for n, reading in zip(sheared, over, strict=True):
-            found[n] = replace(found[n], shear=reading)
+        over = stress_functionals(self.cover, [strong[n] for n in sheared], [radius for radius in radii if radius])
+        for n, functional in zip(sheared, over, strict=True):
+            found[n] = replace(found[n], shear=functional)
         return dict(zip(some, found, strict=True))
 
     @cached_property

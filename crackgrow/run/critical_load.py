@@ -19,8 +19,8 @@ from crackgrow.arrays import Bools, Floats
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import TipLoading
 from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
-from crackgrow.run.judging import StartState, StepSolution, TipState, judged, verdicts
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -146,7 +146,7 @@ class _Search:
                 self._unborne, self._why = factor, error
                 self._n_unborne += 1
                 continue
-            return [self._judged(each) for each in (*state.via, state)]
+            return [self._evaluated(each) for each in (*state.via, state)]
 
     def _check_borne(self, below: _Trial) -> None:
         """Raise why there is no solution where hardly more than a trial is borne."""
@@ -199,10 +199,10 @@ class _Search:
             self._scale = state
         return state
 
-    def _judged(self, state: LoadState) -> _Trial:
+    def _evaluated(self, state: LoadState) -> _Trial:
         """The trial of a state."""
         with timed(self._seconds, "criterion"):
-            solution = judged(state)
+            solution = evaluated(state)
         sites: list[TipState | StartState] = [*solution.tips, *solution.starts]
         known = zip(self.can_grow, (site.verdict for site in sites), strict=True)
         criticalities = np.array(
@@ -213,7 +213,7 @@ class _Search:
     def _at_rest(self) -> _Trial:
         """The trial under the held loads alone."""
         if any(load.held for load in self._configuration.scene.case.loads):
-            return self._judged(self._increment(self._start, 0.0))
+            return self._evaluated(self._increment(self._start, 0.0))
         return _Trial(0.0, [None] * len(self.can_grow), np.zeros(len(self.can_grow)), None)
 
     def _criticalities(self, loadings: Sequence[TipLoading | None]) -> Floats:

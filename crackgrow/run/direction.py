@@ -16,8 +16,8 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import hoop_stress_kink
-from crackgrow.run.advancing import Advance, BeforeAdvance, End, advanced_by
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.propagation import AfterAdvance, BeforeAdvance, End, advanced_by
 from crackgrow.run.starting import start_at
 
 Solve = Callable[[tuple[GrowingCrack, ...]], StepSolution]
@@ -55,7 +55,7 @@ class _Trial:
         return float((np.abs(self.shear) / self.error).max())
 
 
-def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, solve: Solve) -> Advance:
+def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, solve: Solve) -> AfterAdvance:
     """The cracks after they have left the sites `chosen` of a solution; `solve` gives the step that follows.
 
     Starts of new cracks come last.
@@ -87,7 +87,9 @@ class _Turning:
     turning: list[bool]
 
 
-def _without_shear(before: BeforeAdvance, wanted: _Turning, kinks: Floats, first: Advance, solve: Solve) -> Advance:
+def _without_shear(
+    before: BeforeAdvance, wanted: _Turning, kinks: Floats, first: AfterAdvance, solve: Solve
+) -> AfterAdvance:
     """The advance whose new tips see least shear, with its solution and the cost of all solves."""
     trials: list[_Trial] = []
     seconds: dict[str, float] = {}
@@ -103,7 +105,7 @@ def _without_shear(before: BeforeAdvance, wanted: _Turning, kinks: Floats, first
             break
         for phase, spent in solved.seconds.items():
             seconds[phase] = seconds.get(phase, 0.0) + spent
-        trials.append(_judged(kinks, advance, solved, wanted))
+        trials.append(_evaluated(kinks, advance, solved, wanted))
         if found.solution is None or trials[-1].excess < least:
             least, best, found = trials[-1].excess, trials[-1], replace(advance, solution=solved)
         del solved
@@ -118,7 +120,7 @@ def _without_shear(before: BeforeAdvance, wanted: _Turning, kinks: Floats, first
     return replace(found, solution=replace(found.solution, seconds=seconds, factorizations=len(trials), notes=notes))
 
 
-def _judged(kinks: Floats, advance: Advance, solution: StepSolution, wanted: _Turning) -> _Trial:
+def _evaluated(kinks: Floats, advance: AfterAdvance, solution: StepSolution, wanted: _Turning) -> _Trial:
     """The shear that new tips see."""
     shear, error = np.zeros(len(wanted.ends)), np.full(len(wanted.ends), SMALL_SHEAR)
     for number, (end, turns) in enumerate(zip(wanted.ends, wanted.turning, strict=True)):

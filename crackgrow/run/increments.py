@@ -31,9 +31,9 @@ from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
-from crackgrow.run.configuration import SIGNS, Configuration, Gone
+from crackgrow.run.configuration import SIGNS, Configuration, Excavated
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import MOST_JUMPS, Remembered, next_piece
+from crackgrow.run.path import MOST_JUMPS, ContactHistory, next_piece
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.surface_samples import along_surfaces
@@ -55,7 +55,7 @@ class LoadState:
     before: ContactMemory  # what points remembered when the increment began
     states: PointStates  # of the condensed model
     energy: Energy
-    good_to: float  # J/m, of the energies: round-off
+    round_off: float  # J/m, of the energies: round-off
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
     seconds: float  # of all increments
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
@@ -104,16 +104,16 @@ class LoadState:
             level=self.level._replace(factor=factor),
             states=self.states.scaled(share),
             energy=Energy(work, strain, dissipated, released, energy.error),
-            good_to=share**2 * self.good_to,
+            round_off=share**2 * self.round_off,
             conjugates=share * self.conjugates,
             formed=self.outcome.scaled(share),
         )
 
     @cached_property
-    def remembered(self) -> Remembered:
+    def contact_history(self) -> ContactHistory:
         """What the next part of an increment needs."""
         increment, _ = self.configuration.increment(self.level, self.before)
-        return Remembered.of(increment.remembered(self.states), self.states)
+        return ContactHistory.of(increment.memory_after(self.states), self.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,10 +121,10 @@ class Start:
     """Where an increment starts from: the unloaded state, or the state of another configuration carried over."""
 
     level: LoadLevel  # how much of the loads acts already
-    remembered: Remembered
+    contact_history: ContactHistory
     energy: Energy
     conjugates: Floats
-    good_to: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
+    round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
     grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
 
 
@@ -134,7 +134,7 @@ class Origin:
 
     guess: float = 1.0  # load factor that a search for the critical one tries first
     start: Start | None = None  # None: the case's loads come one after the other, from the unloaded state on
-    gone: tuple[Gone, ...] = ()  # rock that has been taken out
+    excavated: tuple[Excavated, ...] = ()  # rock that has been taken out
 
 
 FROM_REST = Origin()
@@ -144,9 +144,9 @@ FROM_REST = Origin()
 def unloaded(configuration: Configuration) -> Start:
     """Nothing has happened yet."""
     n = configuration.faces.n
-    remembered = Remembered(ContactMemory.fresh(n), *np.zeros((3, n)))
+    contact_history = ContactHistory(ContactMemory.fresh(n), *np.zeros((3, n)))
     holding = 0.0 if configuration.constant.any() else 1.0
-    return Start(LoadLevel(0.0, holding), remembered, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
+    return Start(LoadLevel(0.0, holding), contact_history, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
 
 
 def from_state(state: LoadState) -> Start:
@@ -155,10 +155,10 @@ def from_state(state: LoadState) -> Start:
     What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
     displacements would not be on any path of it.
     """
-    return Start(state.level, state.remembered, state.energy, state.conjugates, state.good_to)
+    return Start(state.level, state.contact_history, state.energy, state.conjugates, state.round_off)
 
 
-def carried(state: LoadState, configuration: Configuration) -> Start:
+def mapped(state: LoadState, configuration: Configuration) -> Start:
     """The state of another configuration, before the cracks grew or rock was taken out, as the start on this one.
 
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
@@ -188,8 +188,10 @@ def carried(state: LoadState, configuration: Configuration) -> Start:
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    remembered = Remembered(ContactMemory(slip, lost, closed | (lost == 0.0), risen), normal, tangential, dilation)
-    return Start(state.level, remembered, state.energy, state.conjugates, state.good_to, grown=True)
+    contact_history = ContactHistory(
+        ContactMemory(slip, lost, closed | (lost == 0.0), risen), normal, tangential, dilation
+    )
+    return Start(state.level, contact_history, state.energy, state.conjugates, state.round_off, grown=True)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
@@ -214,7 +216,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     event: PointStates | None = None  # the states at the one that has been reached
     while not reached or at.level != end:
         if len(reached) < MOST_PIECES:
-            piece = next_piece(configuration, at.remembered, (at.level, end), in_turn, event)
+            piece = next_piece(configuration, at.contact_history, (at.level, end), in_turn, event)
             state, kind = _stated(configuration, at, piece.states, piece.level, piece.middle), piece.kind
         else:
             state, kind = _part(configuration, at, end), "jump"
@@ -228,33 +230,33 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     return _told(replace(last, via=passed, notes=notes), began)
 
 
-def taken_over(state: LoadState, configuration: Configuration) -> Start:
-    """The state of another configuration under the same loads, as the start on this one.
+def equilibrated(state: LoadState, configuration: Configuration) -> Start:
+    """The state of another configuration mapped to this one, in equilibrium under the same loads, as the start.
 
     What this one does not store any more is released.
     """
-    start = carried(state, configuration)
-    start = replace(start, remembered=_kept(state, configuration, start.remembered))
-    states = configuration.states(state.level, start.remembered.memory)
+    start = mapped(state, configuration)
+    start = replace(start, contact_history=_kept(state, configuration, start.contact_history))
+    states = configuration.states(state.level, start.contact_history.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
     return from_state(_booked(_stated(configuration, start, states, state.level), start))
 
 
-def _kept(state: LoadState, configuration: Configuration, read_off: Remembered) -> Remembered:
+def _kept(state: LoadState, configuration: Configuration, read_off: ContactHistory) -> ContactHistory:
     """What was `read_off` the state, but to the bit what points remember of surfaces whose points are where they were.
 
     By the round-off of slip that is read off displacements bonds would break where all loads go.
     """
     was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
     numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
-    known, found = state.remembered.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
+    known, found = state.contact_history.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
     for index, surface in enumerate(state.cover.surfaces):
         before = np.flatnonzero(was.surface == index)
         after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
         if np.array_equal(was.points[before], is_now.points[after]):
             for name, array in found.items():
                 array[after] = known[name][before]
-    return Remembered.of_arrays(found)
+    return ContactHistory.of_arrays(found)
 
 
 def _told(state: LoadState, began: float) -> LoadState:
@@ -290,7 +292,7 @@ def held_loads(configuration: Configuration) -> Start:
 
 def _part(configuration: Configuration, start: Start, level: LoadLevel) -> LoadState:
     """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
-    return _stated(configuration, start, configuration.states(level, start.remembered.memory), level)
+    return _stated(configuration, start, configuration.states(level, start.contact_history.memory), level)
 
 
 def _stated(
@@ -301,7 +303,7 @@ def _stated(
     middle: PointStates | None = None,
 ) -> LoadState:
     """The state with its energies, of the states of contact points; in the `middle` too where the way is bent."""
-    was, conjugates = start.remembered, configuration.conjugates(level, states)
+    was, conjugates = start.contact_history, configuration.conjugates(level, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
     state = LoadState(configuration, level, was.memory, states, none, 0.0, conjugates, 0.0)
     shares = [configuration.shares(at) for at in (start.level, level)]
@@ -312,10 +314,10 @@ def _stated(
         bulge = SIMPSON * (configuration.conjugates(start.level.towards(level, 0.5), middle) - mean)
         work -= SIGNS * bulge @ more
     strain, terms = _strain(state)
-    good_to = max(terms, start.good_to)  # work that comes back keeps the round-off of what it was
+    round_off = max(terms, start.round_off)  # work that comes back keeps the round-off of what it was
     dissipated = none.dissipated + _dissipated(configuration, was, state, middle)
-    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), good_to)
-    return replace(state, energy=energy, good_to=good_to)
+    energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), round_off)
+    return replace(state, energy=energy, round_off=round_off)
 
 
 def _strain(state: LoadState) -> tuple[float, float]:
@@ -335,10 +337,12 @@ def _strain(state: LoadState) -> tuple[float, float]:
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)) + float(bent), ROUND_OFF * terms
 
 
-def _dissipated(configuration: Configuration, was: Remembered, state: LoadState, middle: PointStates | None) -> float:
+def _dissipated(
+    configuration: Configuration, was: ContactHistory, state: LoadState, middle: PointStates | None
+) -> float:
     """What friction and dilation take from what `was` to a state, by the law, J/m; on a bent way by its `middle`."""
     weights, law = configuration.contact.weights, configuration.contact.law
-    now, states = state.remembered, state.states
+    now, states = state.contact_history, state.states
     closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         closed[taken] = states.active.closed
@@ -350,7 +354,7 @@ def _dissipated(configuration: Configuration, was: Remembered, state: LoadState,
     return 0.5 * float(weights @ (np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0)))
 
 
-def _bulge(law: ContactLaw, was: Remembered, now: Remembered, middle: PointStates) -> Floats:
+def _bulge(law: ContactLaw, was: ContactHistory, now: ContactHistory, middle: PointStates) -> Floats:
     """What normal tractions (n,) Pa on the way have beyond those that are linear in slip, over share (1 - share) of it.
 
     Where a point does not slip it does not matter.
@@ -363,7 +367,7 @@ def _bulge(law: ContactLaw, was: Remembered, now: Remembered, middle: PointState
     return np.asarray((middle.normal - linear) / (share * (1.0 - share)))
 
 
-def _resisted(law: ContactLaw, was: Remembered, now: Remembered, bulge: Floats, opened: Bools) -> Floats:
+def _resisted(law: ContactLaw, was: ContactHistory, now: ContactHistory, bulge: Floats, opened: Bools) -> Floats:
     """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa.
 
     That is Simpson's rule up to where nothing is left to lose, and beyond.
@@ -393,10 +397,10 @@ def _missing(energy: Energy) -> float:
     return energy.work - energy.strain - energy.dissipated - energy.released
 
 
-def _checked(energy: Energy, good_to: float) -> Energy:
+def _checked(energy: Energy, round_off: float) -> Energy:
     """The energies with their error, beyond what is round-off."""
     size = max(abs(energy.work), energy.strain, abs(energy.dissipated))
-    left = max(abs(_missing(energy)) - good_to, 0.0)
+    left = max(abs(_missing(energy)) - round_off, 0.0)
     return replace(energy, error=left / size if size > 0.0 else 0.0)
 
 
@@ -404,4 +408,4 @@ def _booked(state: LoadState, start: Start) -> LoadState:
     """A state with what is missing since the start booked as released."""
     missing = _missing(state.energy) - _missing(start.energy)
     released = replace(state.energy, released=state.energy.released + missing)
-    return replace(state, energy=_checked(released, state.good_to))
+    return replace(state, energy=_checked(released, state.round_off))

@@ -12,9 +12,9 @@ from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
+from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.history import history_of
-from crackgrow.run.increments import FROM_REST, LoadState, Origin, carried, from_state, held_loads, increment
-from crackgrow.run.judging import StepSolution, judged
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, from_state, held_loads, increment, mapped
 from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
 
@@ -29,7 +29,7 @@ def _add_cost(seconds: Counter[str], state: LoadState, paid: Configuration | Non
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class NextStep:
+class NextStepSolver:
     """The cracks under the last load of the case, on any cells: the step after the one `before`, if there is one."""
 
     cracks: tuple[GrowingCrack, ...]
@@ -56,7 +56,7 @@ class NextStep:
         if own.state.factor == factor or any(solution.jumps):
             return own, own.state.factor
         start = held_loads(own.configuration)
-        return replace(judged(increment(own.configuration, start, factor)), seconds=own.seconds), own.state.factor
+        return replace(evaluated(increment(own.configuration, start, factor)), seconds=own.seconds), own.state.factor
 
     def _origin(self, configuration: Configuration) -> Origin:
         """What a configuration goes on from."""
@@ -64,12 +64,12 @@ class NextStep:
             return FROM_REST
         growth = configuration.scene.case.growth
         on = growth is not None and not growth.unload_between_steps
-        return Origin(self.before.state.factor, carried(self.before.state, configuration) if on else None)
+        return Origin(self.before.state.factor, mapped(self.before.state, configuration) if on else None)
 
 
 def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:
-    """The cracks under the last load of the case, after the step `before`. Raises as `NextStep.solve` does."""
-    return NextStep(cracks, before).solve(scene, None if before is None else before.configuration)
+    """The cracks under the last load of the case, after the step `before`. Raises as `NextStepSolver.solve` does."""
+    return NextStepSolver(cracks, before).solve(scene, None if before is None else before.configuration)
 
 
 def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
@@ -115,7 +115,7 @@ class LoadsInTurn:
     def solution(self, number: int) -> StepSolution:
         """The solution under a load that has not been asked for. Raises as `state` does."""
         state, origin, (seconds, factorizations) = self.state(number)
-        solution = judged(state)
+        solution = evaluated(state)
         return replace(
             solution,
             origin=origin,
@@ -131,7 +131,7 @@ def load_history(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Iterator[Ste
 
 
 @dataclass(slots=True, eq=False)
-class History:
+class HistorySolver:
     """Loads in turn, or stages, on the cells of now and on those of the companion: the same history on both.
 
     Where cells are refined all loads before are gone through again: contact remembers them, and rock is taken out on
@@ -194,5 +194,5 @@ def _at_last(states: Iterable[tuple[LoadState, Origin]]) -> StepSolution:
         passed += history_of(state)
         _add_cost(seconds, state, paid)
         paid = state.configuration
-    solution = judged(state)
+    solution = evaluated(state)
     return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **seconds})

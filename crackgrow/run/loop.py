@@ -1,4 +1,4 @@
-"""The growth loop: load, judge, advance; one result a step."""
+"""The growth loop: load, evaluate the criterion, advance; one result a step."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
-from crackgrow.run.advancing import BeforeAdvance
+from crackgrow.run.advances import NO_SITES, chosen_advances, no_advance, site_criticality, time_step
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
 from crackgrow.run.direction import advance_tips
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import FROM_REST, Origin
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.leaving import NO_SITES, lapse, leaves, none_leaves, site_criticality
-from crackgrow.run.loading import History, LoadsInTurn, NextStep, load, load_again
+from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load, load_again
+from crackgrow.run.propagation import BeforeAdvance
 from crackgrow.run.report import estimated_error, paths_of, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.stopping import all_done, stopped, unsolved, without_tips
 from crackgrow.run.strength_reduction import NARROW, strength_reduction
-from crackgrow.run.target import measured, next_grading
+from crackgrow.run.target import next_grading, solved_to_target
 from crackgrow.solid.rigid_modes import all_pieces
 
 Steps = Generator[tuple[StepResult, StepSolution], None, RunEnd]
 """The result of each step with its solution, then why the run has ended."""
 
-Told = TypeVar("Told")
-End = TypeVar("End")
+Item = TypeVar("Item")
+Returned = TypeVar("Returned")
 
 
 def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResult, None, RunEnd]:
@@ -55,21 +55,21 @@ def solved_steps(case: Case, checkpoint: Checkpoint | None = None) -> Steps:
     return _steps(case, checkpoint, lambda *step: step)
 
 
-def through(steps: Generator[Told, None, End], each: Callable[[Told], object]) -> End:
+def for_each(steps: Generator[Item, None, Returned], each: Callable[[Item], object]) -> Returned:
     """Hand each step on as it comes; return what the steps return."""
     while True:
         try:
             step = next(steps)
         except StopIteration as stop:
-            end: End = stop.value
+            end: Returned = stop.value
             return end
         each(step)
 
 
 def _steps(
-    case: Case, checkpoint: Checkpoint | None, told: Callable[[StepResult, StepSolution], Told]
-) -> Generator[Told, None, RunEnd]:
-    """What is `told` of each step, then the end; linear algebra has one thread while steps are made.
+    case: Case, checkpoint: Checkpoint | None, convert: Callable[[StepResult, StepSolution], Item]
+) -> Generator[Item, None, RunEnd]:
+    """What `convert` makes of each step, then the end; linear algebra has one thread while steps are made.
 
     Places of results are those of the map, if the case has one; what is computed, and checkpoints, are at its origin.
     """
@@ -85,7 +85,7 @@ def _steps(
                 end = on_map(end, case.origin)
                 return end if last is None else replace(end, norm_error=_last_error(*last))
         result, solution = last
-        yield told(on_map(result, case.origin), solution)
+        yield convert(on_map(result, case.origin), solution)
 
 
 def _begun(scene: Scene, begun: RunState) -> Steps:
@@ -103,7 +103,7 @@ def _last_error(result: StepResult, solution: StepSolution) -> float:
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     """The steps of a run with growth."""
     scene = scene.with_cracks(begun.cracks)
-    state, leaving = begun, none_leaves(begun.cracks)
+    state, advances = begun, no_advance(begun.cracks)
     known = None if begun.origin is None else _again(scene, begun, begun.origin)
     before: StepSolution | None = None
     while True:
@@ -115,22 +115,22 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
             if state.step == 0:
                 raise
             return unsolved(state, error)
-        solution = _measured(solution, before)
+        solution = _solved_to_target(solution, before)
         scene = scene.with_grading(next_grading(solution))
-        taken = lapse(leaving, solution)
+        taken = time_step(advances, solution)
         solution = replace(solution, notes=(*solution.notes, *taken.notes))
-        cracks, n_pieces = taken.made_good(state.cracks), state.n_pieces or len(all_pieces(solution.cover))
+        cracks, n_pieces = taken.with_shortfall(state.cracks), state.n_pieces or len(all_pieces(solution.cover))
         state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + taken.time)
         is_last = state.step == growth.steps
-        leaving = none_leaves(state.cracks) if is_last else leaves(growth, solution, state.cracks)
-        yield _reported(state, solution, leaving.sites), solution
+        advances = no_advance(state.cracks) if is_last else chosen_advances(growth, solution, state.cracks)
+        yield _reported(state, solution, advances.sites), solution
         if is_last:
             no_tips = growth.steps > 0 and site_criticality(solution).max(initial=-np.inf) == -np.inf
             return (without_tips if no_tips else all_done)(state, solution)
-        if len(leaving.sites) == 0:
+        if len(advances.sites) == 0:
             return stopped(state, solution)
-        at = BeforeAdvance(solution.scene, leaving.cracks, state.step + 1, leaving.lengths)
-        advance = advance_tips(at, solution, leaving.sites, partial(load, scene, before=solution))
+        at = BeforeAdvance(solution.scene, advances.cracks, state.step + 1, advances.lengths)
+        advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
         state = RunState(state.step + 1, advance.cracks, advance.events, state.n_pieces, time=state.time)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
@@ -143,11 +143,13 @@ def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, errors=begun.errors)
 
 
-def _measured(solution: StepSolution, before: StepSolution | None) -> StepSolution:
+def _solved_to_target(solution: StepSolution, before: StepSolution | None) -> StepSolution:
     """A step with its errors, on cells that meet their target; `before` is the step before."""
     if not solution.scene.case.numerics.measured or solution.errors is not None:
         return solution
-    return measured(solution, NextStep(solution.cracks, before), None if before is None else before.companion)
+    return solved_to_target(
+        solution, NextStepSolver(solution.cracks, before), None if before is None else before.companion
+    )
 
 
 def _static(scene: Scene, begun: RunState) -> Steps:
@@ -155,13 +157,13 @@ def _static(scene: Scene, begun: RunState) -> Steps:
     cracks, n = begun.cracks, scene.case.n_loads
     if begun.errors is not None:
         scene = scene.with_grading(begun.errors.grading)
-    ways = History(cracks, LoadsInTurn(scene, cracks, begun.step, begun.origin or FROM_REST))
+    solver = HistorySolver(cracks, LoadsInTurn(scene, cracks, begun.step, begun.origin or FROM_REST))
     for step in range(begun.step, n):
-        ways.number, solution = step, ways.here.solution(step)
+        solver.number, solution = step, solver.here.solution(step)
         if step == begun.step and begun.origin is not None:  # it was solved before
             solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
         elif scene.case.numerics.measured:
-            solution = measured(solution, ways, None)
+            solution = solved_to_target(solution, solver, None)
         yield _reported(RunState(step, cracks), solution, NO_SITES), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, paths_of(cracks))

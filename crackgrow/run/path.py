@@ -56,7 +56,7 @@ BEYOND = 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Remembered:
+class ContactHistory:
     """What the next increment needs of a state, at the contact points of the configuration it is on."""
 
     memory: ContactMemory
@@ -65,12 +65,12 @@ class Remembered:
     dilation: Floats  # (n,) m
 
     @classmethod
-    def of(cls, memory: ContactMemory, points: PointStates) -> Remembered:
+    def of(cls, memory: ContactMemory, points: PointStates) -> ContactHistory:
         """What is needed of points with such a memory."""
         return cls(memory, points.normal, points.tangential, points.dilation)
 
     @classmethod
-    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Remembered:
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> ContactHistory:
         """What was remembered, from its `arrays`."""
         memory = ContactMemory(arrays["slip"], arrays["lost"], arrays["closed"], arrays["risen"])
         return cls(memory, arrays["normal"], arrays["tangential"], arrays["dilation"])
@@ -104,11 +104,11 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Way:
+class _LoadPath:
     """From what points remember at a load to another load."""
 
     configuration: Configuration
-    was: Remembered
+    was: ContactHistory
     first: LoadLevel
     last: LoadLevel
     near: PointStates | None  # states that may be close
@@ -147,7 +147,7 @@ class _Way:
 
 def next_piece(
     configuration: Configuration,
-    was: Remembered,
+    was: ContactHistory,
     ends: tuple[LoadLevel, LoadLevel],
     jumps: int,
     before: PointStates | None,
@@ -158,107 +158,107 @@ def next_piece(
     `before` are the states there: few points have other branches beyond, and where one event was the next is mostly
     near. Raises SolveError where there are no states.
     """
-    way = _Way(configuration, was, *ends, before)
+    path = _LoadPath(configuration, was, *ends, before)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
     law = configuration.contact.law
-    if configuration.proportional and not configuration.shares(way.first).any() and was.at_rest:
-        return Piece(way.at(1.0), way.last, "straight")
+    if configuration.proportional and not configuration.shares(path.first).any() and was.at_rest:
+        return Piece(path.at(1.0), path.last, "straight")
     if law.weakens.any() or law.bends.any():
-        start = way.at(least)
+        start = path.at(least)
         probe = max(PROBE, least)
         # wear of less than both is round-off of points left by the load
-        if law.bends.any() or (way.wear(start) > 0.0 and way.wear(way.at(probe)) > 0.0):
-            return _bent_piece(way, start, least) or Piece(start, way.level(least), "jump")
+        if law.bends.any() or (path.wear(start) > 0.0 and path.wear(path.at(probe)) > 0.0):
+            return _bent_piece(path, start, least) or Piece(start, path.level(least), "jump")
     shares = SHARES if before is None else SHARES[1:]
     for share in (*(share for share in shares if share > least), least):
-        states = way.at(share)
-        if way.wear(states) > 0.0:
+        states = path.at(share)
+        if path.wear(states) > 0.0:
             continue  # it begins on the way
-        begin = way.on_branch(states, 0.0)
-        if not _breaks(way, states) and _leads_back(way, begin, states):
+        begin = path.on_branch(states, 0.0)
+        if not _breaks(path, states) and _leads_back(path, begin, states):
             break
     else:
-        return Piece(states, way.level(share), "jump")
+        return Piece(states, path.level(share), "jump")
     if share == 1.0:
-        return Piece(states, way.last, "straight")
-    end = way.on_branch(states, 1.0)
-    event = max(_first_event(way, begin, end), share)
-    return Piece(end if event == 1.0 else way.on_branch(states, event), way.level(event), "straight")
+        return Piece(states, path.last, "straight")
+    end = path.on_branch(states, 1.0)
+    event = max(_first_event(path, begin, end), share)
+    return Piece(end if event == 1.0 else path.on_branch(states, event), path.level(event), "straight")
 
 
-def _bent_piece(way: _Way, start: PointStates, least: float) -> Piece | None:
+def _bent_piece(path: _LoadPath, start: PointStates, least: float) -> Piece | None:
     """The piece along which slip takes at most `WEAR` of what points can lose; None where points jump.
 
     `start` are the states after the `least` share. Strength falls with slip there, so that tractions and slip are
     nearly linear in the load, and smooth up to the next event.
     """
-    begin = way.on_wearing_branch(start, 0.0)
-    if not _leads_back(way, begin, start):
+    begin = path.on_wearing_branch(start, 0.0)
+    if not _leads_back(path, begin, start):
         return None
     share = max(PROBE, least)
-    end = way.on_wearing_branch(begin, share)
-    share = min(1.0, share * WEAR / max(way.wear(end), share * WEAR))
-    while way.wear(end := way.on_wearing_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
+    end = path.on_wearing_branch(begin, share)
+    share = min(1.0, share * WEAR / max(path.wear(end), share * WEAR))
+    while path.wear(end := path.on_wearing_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
         if share <= least:
             return None
-        share = max(share * min(max(0.8 * WEAR / way.wear(end), 0.1), 0.5), least)
-    event, end = _until_event(way, begin, (share, end))
+        share = max(share * min(max(0.8 * WEAR / path.wear(end), 0.1), 0.5), least)
+    event, end = _until_event(path, begin, (share, end))
     if event < least:
-        event, end = least, way.on_wearing_branch(end, least)
-    return Piece(end, way.level(event), "bent", way.on_wearing_branch(end, 0.5 * event))
+        event, end = least, path.on_wearing_branch(end, least)
+    return Piece(end, path.level(event), "bent", path.on_wearing_branch(end, 0.5 * event))
 
 
-def _until_event(way: _Way, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:
+def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:
     """The first share of the way at which a point leaves its branch of a bent piece up to an `end`, with the states."""
     low, high = (0.0, begin), end
     for look in range(MOST_LOOKS):
-        part = _first_event(way, low[1], high[1])
+        part = _first_event(path, low[1], high[1])
         if part == 1.0:
             return high
         part = part if look % 2 == 0 else 0.5  # alone the first creeps where friction bends near no pressure
         share = low[0] + part * (high[0] - low[0])
-        there = (share, way.on_wearing_branch(high[1], share))
+        there = (share, path.on_wearing_branch(high[1], share))
         if min(share - low[0], high[0] - share) <= AT_EVENT * share:
             return there
-        if _first_event(way, begin, there[1]) < 1.0:
+        if _first_event(path, begin, there[1]) < 1.0:
             high = there
         else:
             low = there
     return low if low[0] > 0.0 else high
 
 
-def _breaks(way: _Way, states: PointStates) -> bool:
+def _breaks(path: _LoadPath, states: PointStates) -> bool:
     """Whether points with something to lose have lost it under the states' load."""
-    return bool(((states.trial.lost > way.was.memory.lost) & way.configuration.contact.law.breakable).any())
+    return bool(((states.trial.lost > path.was.memory.lost) & path.configuration.contact.law.breakable).any())
 
 
-def _leads_back(way: _Way, begin: PointStates, states: PointStates) -> bool:
+def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> bool:
     """Whether the branches of some `states` lead back to what was at first.
 
     `begin` are the states on these branches at the load there.
     """
-    memory, tractions = way.was.memory, way.was.tractions
+    memory, tractions = path.was.memory, path.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
-    length = size * float(way.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
+    length = size * float(path.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    moved = np.where(states.trial.taken, way.moved(begin), 0.0)
+    moved = np.where(states.trial.taken, path.moved(begin), 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length
 
 
-def _first_event(way: _Way, begin: PointStates, end: PointStates) -> float:
+def _first_event(path: _LoadPath, begin: PointStates, end: PointStates) -> float:
     """The share of the way from one state to another on the same branches at which a point leaves its branch."""
     nearest = 1.0
-    for which, first, last in _rooms(way, begin, end):
+    for which, first, last in _rooms(path, begin, end):
         leaving = which & (last < 0.0) & (last < first)
         share = np.maximum(first[leaving], 0.0) / (first - last)[leaving]
         nearest = min(nearest, float(np.min(share, initial=1.0)))
     return nearest
 
 
-def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bools, Floats, Floats]]:
+def _rooms(path: _LoadPath, begin: PointStates, end: PointStates) -> Iterator[tuple[Bools, Floats, Floats]]:
     """What is left until points leave their branches: which it is asked of, and two times (n,), at begin and end."""
-    law, trial, n = way.configuration.contact.law, begin.trial, len(begin.gap)
+    law, trial, n = path.configuration.contact.law, begin.trial, len(begin.gap)
     cohesion = np.where(trial.opened, 0.0, law.bound_of(trial.lost)[1])
     shear = [cohesion - law.bound_of(trial.lost, some.normal)[0] * some.normal for some in (begin, end)]
     closed, sticks, sense, slip = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool), np.zeros(n), np.zeros(n)
@@ -272,14 +272,14 @@ def _rooms(way: _Way, begin: PointStates, end: PointStates) -> Iterator[tuple[Bo
     for side in (-1.0, 1.0):
         left, there = (b - side * some.tangential for b, some in zip(shear, (begin, end), strict=True))
         yield sticks, left, there
-    moved = [way.moved(some) for some in (begin, end)]
+    moved = [path.moved(some) for some in (begin, end)]
     yield (
         closed & ~sticks & (law.dilation[0] > 0.0),
-        sense * (way.was.memory.slip + moved[0]),
-        sense * (way.was.memory.slip + moved[1]),
+        sense * (path.was.memory.slip + moved[0]),
+        sense * (path.was.memory.slip + moved[1]),
     )
-    wears = closed & ~sticks & law.weakens & (way.was.memory.lost < 1.0)
+    wears = closed & ~sticks & law.weakens & (path.was.memory.lost < 1.0)
     yield wears, slip * moved[0], slip * moved[1]
-    lost = way.was.memory.lost
+    lost = path.was.memory.lost
     left, there = (law.following(lost) - lost - law.worn(lost, some) for some in moved)
     yield wears, left, there

@@ -11,8 +11,8 @@ from crackgrow.case.model import ContactSupport
 from crackgrow.cover.cover import Cover, Foundation
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.geometry.tolerance import ROUND_OFF
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import LoadState
-from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import Reaction
 
 

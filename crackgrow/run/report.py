@@ -17,16 +17,15 @@ from crackgrow.case.model import Case, CriticalLoad
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.cover.cover import Cover
-from crackgrow.fracture.advance import STARTS, GrowingCrack, leaving
+from crackgrow.fracture.advance import STARTS, GrowingCrack, advancing_sites
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.cautions import cautions
 from crackgrow.run.checkpoint import RunState
+from crackgrow.run.contact_violation import contact_violations, mean_stress, pressed_strain
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import make_frame
 from crackgrow.run.history import history
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.misfit import mean_stress, misfits, pressed_strain
 from crackgrow.run.reactions import reactions
 from crackgrow.run.result import (
     ContactPoints,
@@ -39,6 +38,7 @@ from crackgrow.run.result import (
     TipResult,
 )
 from crackgrow.run.specimen import specimen_means
+from crackgrow.run.step_warnings import step_warnings
 from crackgrow.solid.elasticity import PlaneElasticity
 
 Estimate = Callable[[], ErrorEstimate]
@@ -56,7 +56,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, paths_of(state.cracks)
     contact, faces = solution.state.along_surfaces
-    errors, missed = solution.errors or unmeasured(solution), misfits(solution, faces)
+    errors, missed = solution.errors or unmeasured(solution), contact_violations(solution, faces)
     still = _sticking(contact, paths, pressed_strain(solution, faces))
     means = specimen_means(solution.state)
     critical, goal = isinstance(scene.case.loading, CriticalLoad), scene.case.numerics.goal
@@ -87,7 +87,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         mean_stress=means[0],
         mean_strain=means[1],
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
-        cautions=cautions(solution, faces, missed, state.step),
+        step_warnings=step_warnings(solution, faces, missed, state.step),
         norm_error=estimate().relative if state.step == 0 else float("nan"),
         time=float("nan") if scene.case.subcritical is None else state.time,
         goal_error=math.nan if goal == "K" else 100.0 * BOUND * errors.shares.get(goal, math.nan),
@@ -210,6 +210,6 @@ def _start(solution: StepSolution) -> StartResult | None:
     if largest <= 0.0:
         return None
     places = np.array([start.site.point for start in solution.starts])
-    first = leaving(criticality / largest, np.full(len(places), STARTS), places, "most_critical")[0]
+    first = advancing_sites(criticality / largest, np.full(len(places), STARTS), places, "most_critical")[0]
     most = solution.starts[first]
     return StartResult(solution.cover.lattice.to_metres(most.site.point), most.verdict.mode, most.verdict.criticality)

@@ -39,7 +39,7 @@ class Residual:
     terms: float  # size of what the stress forces there are the sum of, relative as well
     largest_terms: float  # N/m: that size where it is largest, not relative
 
-    def told(self, cover: Cover) -> str:
+    def message(self, cover: Cover) -> str:
         """What to say of it where it is too large."""
         near = place_text(cover.lattice.to_map(_place_of(cover, self.dof // 2)), 4)
         what = f"the equilibrium residual is {self.size:.2g}, more than {WORST_RESIDUAL:g}, near {near}"

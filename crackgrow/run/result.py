@@ -15,7 +15,7 @@ from crackgrow.contact.coulomb import OPEN as OPEN
 from crackgrow.contact.coulomb import SLIP as SLIP
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.contact.coulomb import STICK as STICK
-from crackgrow.run.caution import Cause, Caution
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 
 STATE_NAMES = ("open", "stick", "slip")
 
@@ -23,7 +23,7 @@ BALANCED = 1e-5
 """Energies that miss each other by less than this part of the largest are balanced."""
 
 CHECK_LIMITS = {
-    "residual": Cause.RESIDUAL.limit,
+    "residual": WarningCause.RESIDUAL.limit,
     "penetration": 1e-6,  # of the largest jump of the step: beyond round-off
     "complementarity": SOLVED_RESIDUAL,
     "overlap_share": 1.0,
@@ -249,7 +249,7 @@ class StepResult:
     mean_strain: tuple[float, float, float]  # the same, cracks included; xy is half the angle
     crack_length: float  # m, of all cracks
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
-    cautions: tuple[Caution, ...]  # what makes the step doubtful, the most important first
+    step_warnings: tuple[StepWarning, ...]  # what makes the step doubtful, the most important first
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     stress: float = 0.0  # Pa: the size of that which the loads make, by which K can be nothing
     history: History | None = None  # where the case names points
@@ -263,8 +263,8 @@ class StepResult:
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """The cautions in words."""
-        return tuple(caution.words for caution in self.cautions)
+        """The warnings in words."""
+        return tuple(warning.words for warning in self.step_warnings)
 
     @property
     def frame(self) -> Frame | None:

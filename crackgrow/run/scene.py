@@ -106,7 +106,7 @@ class Scene:
         """The same of given displacements."""
         return (0.0, 1.0) if self.course is None else self.course.parts(lambda stage: stage.factor)
 
-    def parts_of_gone(self, body: str) -> tuple[float, float]:
+    def parts_of_excavated(self, body: str) -> tuple[float, float]:
         """The same of the forces by which a body held the rest that is gone."""
         assert self.course is not None
         return self.course.parts(lambda stage: 1.0 - dict(stage.excavated).get(body, 0.0))

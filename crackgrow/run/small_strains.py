@@ -11,17 +11,17 @@ from collections.abc import Iterator
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.misfit import largest_jump
+from crackgrow.run.contact_violation import largest_jump
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import CrackFaces
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 from crackgrow.solid.recovery import displacement_at
 
 ALONG = np.array([[1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, -1.0]])
 """Axes at whose ends the outmost places of a body lie."""
 
 
-def large_displacements(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[Caution]:
+def large_displacements(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[StepWarning]:
     """The worst of what is not small in a step, if anything is."""
     found = [
         (largest_jump(face) / float(face.s[-1]), f"the faces of '{face.crack}' part or slip by {{}} of its length")
@@ -35,8 +35,8 @@ def large_displacements(solution: StepSolution, faces: tuple[CrackFaces, ...]) -
         )
         found.append((float(np.linalg.norm(gradient, 2)), f"the loads strain or turn body '{body.name}' by {{}}"))
     size, what = max(found)
-    if size > Cause.NOT_SMALL.limit:
-        yield Cause.NOT_SMALL.at(size=size, what=what.format(f"{100.0 * size:.2g} %"))
+    if size > WarningCause.NOT_SMALL.limit:
+        yield WarningCause.NOT_SMALL.at(size=size, what=what.format(f"{100.0 * size:.2g} %"))
 
 
 def _gradients(solution: StepSolution) -> Iterator[Floats]:

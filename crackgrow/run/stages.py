@@ -22,8 +22,8 @@ from crackgrow.cover.shapes import body_index
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.elements import element_points
-from crackgrow.run.configuration import Configuration, Gone, assemble
-from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, taken_over
+from crackgrow.run.configuration import Configuration, Excavated, assemble
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, equilibrated, held_loads, increment
 from crackgrow.run.reactions import face_forces
 from crackgrow.run.scene import Scene, scene_of_stage
 
@@ -40,7 +40,7 @@ def through_stages(
     for number in range(first, scene.case.n_loads):
         here = scene_of_stage(scene, number)
         if state is None:
-            configuration = assemble(here, cracks).with_gone(origin.gone)
+            configuration = assemble(here, cracks).with_excavated(origin.excavated)
         else:
             configuration, origin = _next(state, origin, here)
         state = increment(configuration, origin.start or held_loads(configuration), number + 1.0)
@@ -53,13 +53,13 @@ def _next(state: LoadState, origin: Origin, here: Scene) -> tuple[Configuration,
     configuration = assemble(here, before.cracks, before)
     left = {body.name for body in here.case.bodies}
     newly = [body.name for body in before.scene.case.bodies if body.name not in left]
-    gone = (*origin.gone, *(Gone(body, _held_by(state, body)) for body in newly))
+    excavated = (*origin.excavated, *(Excavated(body, _held_by(state, body)) for body in newly))
     if newly:
         same = _same_functions(before.cover, configuration.cover)
         unknowns = (2 * same[:, None] + np.arange(2)).ravel()
-        gone = tuple(replace(rock, forces=rock.forces[unknowns]) for rock in gone)
-    configuration = configuration.with_gone(gone)
-    return configuration, Origin(start=taken_over(state, configuration), gone=gone)
+        excavated = tuple(replace(rock, forces=rock.forces[unknowns]) for rock in excavated)
+    configuration = configuration.with_excavated(excavated)
+    return configuration, Origin(start=equilibrated(state, configuration), excavated=excavated)
 
 
 def _held_by(state: LoadState, body: str) -> Floats:

@@ -12,7 +12,7 @@ from crackgrow.case.model import Case, CoulombContact, Crack, Growth
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack, Start
-from crackgrow.fracture.sites import Looked, Site, start_sites, tip_site
+from crackgrow.fracture.sites import Site, StartRegions, start_sites, tip_site
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.scene import Scene
 
@@ -24,7 +24,7 @@ def sites_of(scene: Scene, cover: Cover, growing: Sequence[GrowingCrack]) -> tup
         return tips
     began = _free_ends(scene, growing) if growth.initiation.at == "ends" else map(_began, growing)
     places = [place for some in began for place in scene.lattice.to_lattice(some)]
-    return (*tips, *start_sites(cover, scene.crack_bodies, places, _looked(scene, growth)))
+    return (*tips, *start_sites(cover, scene.crack_bodies, places, _start_regions(scene, growth)))
 
 
 def _free_ends(scene: Scene, growing: Sequence[GrowingCrack]) -> Iterator[Floats]:
@@ -50,7 +50,7 @@ def _began(growing: GrowingCrack) -> Floats:
     return np.asarray(growing.crack.points[ends])
 
 
-def _looked(scene: Scene, growth: Growth) -> Looked:
+def _start_regions(scene: Scene, growth: Growth) -> StartRegions:
     """Where cracks may start, in lattice units."""
     bodies = range(len(scene.case.bodies))
     radii = [None if scene.case.bodies[n].strength is None else scene.start_radius(n) for n in bodies]
@@ -59,7 +59,7 @@ def _looked(scene: Scene, growth: Growth) -> Looked:
         spacing = max([growth.increment, *(radius for radius in radii if radius is not None)])
     h = scene.lattice.spacing
     apart = tuple(None if radius is None else radius / h for radius in radii)
-    return Looked(at != "ends", at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
+    return StartRegions(at != "ends", at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
 
 
 def start_at(scene: Scene, growing: Sequence[GrowingCrack], others: Sequence[Start], site: Site, mode: str) -> Start:

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
+from crackgrow.run.advances import site_criticality
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.critical_load import NEVER_CRITICAL
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.leaving import site_criticality
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.report import paths_of
 from crackgrow.run.result import RunEnd
 from crackgrow.solid.rigid_modes import all_pieces
@@ -33,7 +33,7 @@ def stopped(state: RunState, solution: StepSolution) -> RunEnd:
         return RunEnd("arrested", f"step {state.step}: no tip has a velocity; {most}", paths)
     if largest > -np.inf:
         where = f"step {state.step}" if state.step else "nothing grew"
-        return RunEnd("arrested", f"{where}: no tip meets the criterion{nearness(solution)}", paths)
+        return RunEnd("arrested", f"{where}: no tip meets the criterion{criticality_text(solution)}", paths)
     return without_tips(state, solution)
 
 
@@ -48,11 +48,15 @@ def without_tips(state: RunState, solution: StepSolution) -> RunEnd:
 
 def all_done(state: RunState, solution: StepSolution) -> RunEnd:
     """The end of a run that has come to its last step."""
-    done = f"all {state.step} growth steps are done" if state.step else f"the static solve is done{nearness(solution)}"
+    done = (
+        f"all {state.step} growth steps are done"
+        if state.step
+        else f"the static solve is done{criticality_text(solution)}"
+    )
     return RunEnd("completed", done, paths_of(state.cracks))
 
 
-def nearness(solution: StepSolution) -> str:
+def criticality_text(solution: StepSolution) -> str:
     """How near to growth the tips are, in words; empty where there is none that can grow."""
     largest = site_criticality(solution).max(initial=-np.inf)
     at = f"{largest:.3g} of the strength at load factor {solution.state.factor:.4g}"

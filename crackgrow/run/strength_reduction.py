@@ -18,9 +18,9 @@ from crackgrow.case.model import CoulombContact
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.history import history_of
 from crackgrow.run.increments import LoadState, held_loads, increment
-from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
@@ -53,7 +53,7 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[
     found = search.found()
     safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
     states = dict.fromkeys(state for state in (search.as_given, search.last) if state is not None)
-    return safety, (replace(judged(state), passed=history_of(state)[:-1]) for state in states)
+    return safety, (replace(evaluated(state), passed=history_of(state)[:-1]) for state in states)
 
 
 class _Search:

@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from crackgrow.accuracy.companion import Errors, Quantities, errors_of, unseen_shear
+from crackgrow.accuracy.companion import Errors, Quantities, errors_of, unresolved_shear
 from crackgrow.accuracy.features import Grading
 from crackgrow.accuracy.marking import coarsened, refined
 from crackgrow.arrays import Floats
@@ -23,10 +23,10 @@ from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
+from crackgrow.run.contact_violation import mean_stress
+from crackgrow.run.evaluation import StepSolution, TipState
 from crackgrow.run.increments import LoadState
-from crackgrow.run.judging import StepSolution, TipState
 from crackgrow.run.layout import cells_of, cover_of
-from crackgrow.run.misfit import mean_stress
 from crackgrow.run.reactions import reactions
 from crackgrow.run.scene import Scene
 
@@ -44,8 +44,8 @@ PLACES = 65
 """Along each surface, at which jumps are held against each other."""
 
 
-class Ways(Protocol):
-    """How a step is solved again on other cells; what they have in common with a configuration may be taken over."""
+class StepSolver(Protocol):
+    """Solves a step on other cells, which may reuse what they have in common with a configuration."""
 
     def solve(self, scene: Scene, like: Configuration | None, /) -> StepSolution:
         """The step."""
@@ -56,7 +56,7 @@ class Ways(Protocol):
         """What a solution is held against on the cells of a companion, and the load factor of its own path."""
 
 
-def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> StepSolution:
+def solved_to_target(solution: StepSolution, solver: StepSolver, last: Configuration | None) -> StepSolution:
     """The step with its errors, on cells that meet the target, or come as near to it as they can.
 
     `last` is the companion of the step before.
@@ -67,7 +67,7 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
     for round_ in range(MOST_ROUNDS + 1):
         n_solves += solution.factorizations
         seconds.update(solution.seconds)
-        errors, companion, cost = _held_against(solution, ways, companion)
+        errors, companion, cost = _held_against(solution, solver, companion)
         seconds.update(cost)
         n_solves += companion is not None
         if errors.estimate(goal) <= target:
@@ -80,7 +80,7 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
         if not missed:
             changes = tuple(_changes(solution.state))
             wanted = refined(errors, before, target, goal, _lines(solution), changes)
-            finer, missed = _finer(solution, ways, wanted)
+            finer, missed = _finer(solution, solver, wanted)
         if finer is None:
             errors = replace(errors, missed=missed)
             break
@@ -88,7 +88,7 @@ def measured(solution: StepSolution, ways: Ways, last: Configuration | None) -> 
     return replace(solution, errors=errors, companion=companion, factorizations=n_solves, seconds=dict(seconds))
 
 
-def _finer(solution: StepSolution, ways: Ways, wanted: Grading) -> tuple[StepSolution | None, str]:
+def _finer(solution: StepSolution, solver: StepSolver, wanted: Grading) -> tuple[StepSolution | None, str]:
     """The step on other cells, or None and why there is none."""
     scene = solution.scene.with_grading(wanted)
     try:
@@ -99,13 +99,13 @@ def _finer(solution: StepSolution, ways: Ways, wanted: Grading) -> tuple[StepSol
         n_dofs = cover_of(scene, solution.cracks, solution.cover).n_dofs
         if n_dofs > MOST_UNKNOWNS:
             return None, f"smaller cells make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
-        return ways.solve(scene, solution.configuration), ""
+        return solver.solve(scene, solution.configuration), ""
     except (GeometryError, SolveError) as error:
         return None, f"smaller cells are not to be had: {error}"
 
 
 def _held_against(
-    solution: StepSolution, ways: Ways, like: Configuration | None
+    solution: StepSolution, solver: StepSolver, like: Configuration | None
 ) -> tuple[Errors, Configuration | None, Counter[str]]:
     """The errors of a step, the configuration of its companion, and the seconds that it took."""
     scene = solution.scene
@@ -114,7 +114,7 @@ def _held_against(
         like.contact.system.hand_over()  # nothing else takes over from it
     try:
         on = scene.with_grading(replace(scene.grading, companion=True))
-        there, own_factor = ways.companion(on, solution, like)
+        there, own_factor = solver.companion(on, solution, like)
     except (GeometryError, SolveError) as error:
         missed = f"the companion mesh has no solution to hold it against: {error}"
         return replace(errors_of(scene.grading, here, None), missed=missed), None, Counter()
@@ -165,7 +165,7 @@ def quantities(solution: StepSolution, own_factor: float) -> Quantities:
         spread=np.array([_spread(state, *each) for each in zip(state.cover.tips, intensities, strict=True)]),
         T=np.array([known.T for known in intensities]),
         T_spread=np.array([known.T_spread for known in intensities]),
-        unseen=np.array([_unseen(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
+        unresolved=np.array([_unresolved(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
         kinks=np.array([_direction(state.scene, tip) for tip in tips]),
         load_factor=own_factor,
         jumps=_jumps(state),
@@ -207,7 +207,7 @@ def _spread(state: LoadState, tip: Tip, known: StressIntensity) -> float:
     return float(np.nan_to_num(math.hypot(known.K_I_spread, known.K_II_spread, overlap)))
 
 
-def _unseen(state: LoadState, tip: Tip, known: TipState) -> float:
+def _unresolved(state: LoadState, tip: Tip, known: TipState) -> float:
     """What K_II of a tip may miss before the first contact point (Pa sqrt(m))."""
     law, faces, spacing = state.scene.laws[tip.crack], state.configuration.faces, state.cover.lattice.spacing
     points = np.flatnonzero(faces.surface == tip.crack)
@@ -220,7 +220,7 @@ def _unseen(state: LoadState, tip: Tip, known: TipState) -> float:
     friction = law.contact.worn[0]
     pressure = -float(outcome.normal[first])
     shear = max(abs(float(outcome.tangential[first])) - friction * max(pressure, 0.0), 0.0)
-    return unseen_shear(known.intensity.K_I, float(away.min()), pressure, shear)
+    return unresolved_shear(known.intensity.K_I, float(away.min()), pressure, shear)
 
 
 def _jumps(state: LoadState) -> Floats:

@@ -43,7 +43,7 @@ from crackgrow.contact.solve import OVERLAP, ContactOutcome, PointStates
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loading import load, load_history
 from crackgrow.run.scene import make_scene
 

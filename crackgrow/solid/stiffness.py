@@ -23,7 +23,7 @@ from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.unchanged import Keys, element_keys, elements_of, take_over
+from crackgrow.solid.unchanged import Keys, element_keys, elements_of, reuse_unchanged
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -51,7 +51,7 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int, before
     block, changed = np.zeros((len(column), 2, 2)), np.ones(cover.n_functions, dtype=bool)
     keys = element_keys(arrays, within, around, np.column_stack([moduli, np.full(len(moduli), spacing)]))
     if before is not None:
-        changed = take_over(((on.start, on.values), of, keys, start, column, block), before)
+        changed = reuse_unchanged(((on.start, on.values), of, keys, start, column, block), before)
     lower = (start, column, block)
     n_integrated = _integrate(arrays, (on.start, on.values), within, around, moduli, 1.0 / spacing, changed, *lower)
     return Stiffness(SymmetricMatrix(*lower), on, keys, n_integrated)

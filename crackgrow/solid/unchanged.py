@@ -91,7 +91,7 @@ def elements_of(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
     return of, element
 
 
-def take_over(matrix: tuple[Any, ...], before: Stiffness) -> Bools:
+def reuse_unchanged(matrix: tuple[Any, ...], before: Stiffness) -> Bools:
     """Put the entries of a matrix that are known from `before` into its blocks; say which functions (n,) are changed.
 
     matrix: functions of elements, elements of functions, keys of elements, rows and columns and blocks of the triangle

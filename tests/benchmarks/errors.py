@@ -29,9 +29,9 @@ from crackgrow.case.accuracy import target_of
 from crackgrow.case.model import CriticalLoad, StrengthReduction
 from crackgrow.errors import CrackgrowError
 from crackgrow.run.checkpoint import beginning
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.layout import cover_of
-from crackgrow.run.loading import LoadsInTurn, NextStep
+from crackgrow.run.loading import LoadsInTurn, NextStepSolver
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import make_scene
 from crackgrow.run.strength_reduction import strength_reduction
@@ -181,7 +181,7 @@ def _off(solution: StepSolution, truth: Quantities, here: Quantities | None = No
     """What a solution, or the quantities of another one, are off by, over the largest values of the truth."""
     here = here or quantities(solution, solution.state.factor)
     nothing = np.zeros(len(here.ends))
-    off = errors_of(solution.scene.grading, replace(here, spread=nothing, unseen=nothing), truth)
+    off = errors_of(solution.scene.grading, replace(here, spread=nothing, unresolved=nothing), truth)
     return replace(off, largest=max(float(np.nanmax(np.hypot(*truth.K.T), initial=0.0)), here.small["K"]))
 
 
@@ -209,7 +209,7 @@ def _on_finer(solution: StepSolution, before: StepSolution | None, number: int, 
     if (n := cover_of(finer, cracks).n_dofs) > MOST_UNKNOWNS:
         raise MemoryError(f"{n} unknowns")
     if scene.case.growth is not None:
-        return quantities(*NextStep(cracks, before).companion(finer, solution, None))
+        return quantities(*NextStepSolver(cracks, before).companion(finer, solution, None))
     there = LoadsInTurn(finer, cracks).solution(number)
     return quantities(there, there.state.factor)
 

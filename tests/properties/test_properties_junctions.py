@@ -12,7 +12,7 @@ from crackgrow.case.model import Body, Case, EdgeRegion, EdgeTraction
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.elements import locate
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.solid.recovery import displacement_at
 from tests.scenes import specimen
 from tests.solving import face_vertices, solve_case

@@ -9,7 +9,7 @@ from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.errors import SolveError
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.reactions import reactions, total_load
 from tests.scenes import specimen
 from tests.solving import displacement_in, solve_case

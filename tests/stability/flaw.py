@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from crackgrow.case.model import Case
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.scene import make_scene
 from tests.one_size import one_size
 from tests.scenes import shipped_case

@@ -19,7 +19,7 @@ from crackgrow.errors import CaseError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case, told

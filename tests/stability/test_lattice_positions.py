@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from tests.solving import solve_case
 from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads, offset_with, tip_of
 

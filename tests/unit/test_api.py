@@ -20,7 +20,7 @@ from crackgrow import api
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
 from crackgrow.results.writer import RunWriter
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import RunEnd, StepResult
 from tests.scenes import shipped_case
 

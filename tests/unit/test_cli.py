@@ -24,8 +24,8 @@ from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.results.atomic import OutputError
-from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -35,7 +35,7 @@ Grow = Callable[[Case, object], Generator[StepResult, None, RunEnd]]
 
 def growing(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
     for step in range(3):
-        yield make_result(step, cautions=(Caution(Cause.NOTE, "thin cell"),))
+        yield make_result(step, step_warnings=(StepWarning(WarningCause.NOTE, "thin cell"),))
     return make_end(3)
 
 

@@ -19,7 +19,7 @@ LAYERS = (
     "quadrature", "linear", "solid", "contact", "fracture", "accuracy", "run", "results", "plan", "study", "api", "cli",
 )  # fmt: skip
 RESULTS_MAY_READ = (
-    "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.caution",
+    "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.warning_causes",
     "crackgrow.run.result", "crackgrow.results",
 )  # fmt: skip
 COMPRESSION = str(ROOT.parent / "cases" / "compression30.yaml")

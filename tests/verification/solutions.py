@@ -22,7 +22,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult

@@ -16,10 +16,10 @@ from scipy.optimize import brentq
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.case import Case
 from crackgrow.run import grow
-from crackgrow.run.caution import Cause
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
+from crackgrow.run.warning_causes import WarningCause
 from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE
 from tests.benchmarks.target_scenes import Known, alike
@@ -73,7 +73,7 @@ def test_K_is_within_the_target_and_the_bound_holds(name: str, target: float) ->
 
 def is_missed(step: StepResult) -> bool:
     """Whether the run says that its target is missed."""
-    return any(caution.cause is Cause.TARGET for caution in step.cautions)
+    return any(warning.cause is WarningCause.TARGET for warning in step.step_warnings)
 
 
 @pytest.mark.parametrize("number", [4, 22, 36])

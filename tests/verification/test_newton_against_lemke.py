@@ -15,7 +15,7 @@ from crackgrow.contact.problem import ContactProblem
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.run import grow
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.stiffness import stiffness

@@ -20,7 +20,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.figures import draw_load_curve
 from crackgrow.results.summary import K_error, load_point
 from crackgrow.run import grow
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import STICK, StepResult

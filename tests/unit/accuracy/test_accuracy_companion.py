@@ -16,7 +16,7 @@ from crackgrow.accuracy.companion import (
     errors_of,
     errors_of_record,
     record_of,
-    unseen_shear,
+    unresolved_shear,
 )
 from crackgrow.accuracy.features import Grading
 from crackgrow.accuracy.marking import COARSEST, MOST_AT_ONCE, coarsened, refined
@@ -50,7 +50,7 @@ def test_the_difference_of_a_crack_is_that_of_its_tip_where_it_is_largest() -> N
 
 
 def test_the_spread_of_the_integral_and_shear_that_no_mesh_sees_are_added() -> None:
-    noisy = replace(HERE, spread=np.array([0.0, 0.0, 0.3]), unseen=np.array([0.0, 0.0, 1.2]))
+    noisy = replace(HERE, spread=np.array([0.0, 0.0, 0.3]), unresolved=np.array([0.0, 0.0, 1.2]))
     errors = errors_of(GRADING, noisy, replace(HERE, K=HERE.K + np.array([[0.0, 0.0], [0.0, 0.0], [0.4, 0.0]])))
     assert pytest.approx((0.0, 0.0, 0.5 + 1.2 / BOUND)) == errors.K
 
@@ -87,9 +87,11 @@ def test_a_tip_that_opens_before_the_first_contact_point_loses_its_shear() -> No
     """All of it over the length a of K_I = p sqrt(8 a / pi), or up to the point."""
     y, p, c = 0.01, 4.0, 2.0
     a = 0.25 * y
-    assert unseen_shear(p * math.sqrt(8.0 * a / math.pi), y, p, c) == pytest.approx(c * math.sqrt(8.0 * a / math.pi))
-    assert unseen_shear(1e9, y, p, c) == pytest.approx(c * math.sqrt(8.0 * y / math.pi))
-    assert unseen_shear(-1.0, y, p, c) == unseen_shear(0.0, y, p, c) == 0.0
+    assert unresolved_shear(p * math.sqrt(8.0 * a / math.pi), y, p, c) == pytest.approx(
+        c * math.sqrt(8.0 * a / math.pi)
+    )
+    assert unresolved_shear(1e9, y, p, c) == pytest.approx(c * math.sqrt(8.0 * y / math.pi))
+    assert unresolved_shear(-1.0, y, p, c) == unresolved_shear(0.0, y, p, c) == 0.0
 
 
 def test_errors_come_back_from_plain_data() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.accuracy.energy_norm import Samples, error_estimate, fit, misfits
+from crackgrow.accuracy.energy_norm import Samples, error_estimate, fit, fit_residuals
 from crackgrow.solid.elasticity import energy_density
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
@@ -86,5 +86,5 @@ def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> 
     samples = Samples(np.zeros(2 * n, dtype=np.int64), patches, distance, weights, values[point])
     coefficients = fit(3, [samples])
     np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
-    assert misfits(coefficients, [samples], 1)[0] < 1e-16
+    assert fit_residuals(coefficients, [samples], 1)[0] < 1e-16
     assert not coefficients[2].any()

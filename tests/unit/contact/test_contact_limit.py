@@ -10,7 +10,7 @@ import pytest
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.contact.hold import alone, least_unbalanced
-from crackgrow.contact.loose import settled
+from crackgrow.contact.loose import deflated
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, Motions
 from crackgrow.solid.rigid_modes import FreePiece
@@ -110,7 +110,7 @@ def test_how_supports_hold_a_block_once_does_not_matter(
     held = replace(
         problem, compliance=problem.compliance + moved @ motions.force, free=problem.free + moved @ motions.pull
     )
-    lying, unknowns = settled(held)
+    lying, unknowns = deflated(held)
     found = solve_by_newton(lying)
     assert found.status == "solved"
     du, exact = problem.jump(known.unknowns), 1e-13 * max(softness, 1e4)

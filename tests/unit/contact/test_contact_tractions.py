@@ -7,8 +7,8 @@ import pytest
 
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.tractions import elastic_tractions
+from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import from_state, increment, unloaded
-from crackgrow.run.judging import StepSolution, judged
 from tests.unit.run.test_run_held import inside, on_plane, plate
 
 KEPT = {"cohesion": 10, "cohesion_after_slip": "kept"}
@@ -33,7 +33,7 @@ def solved(
     for factor in factors:
         state = increment(scene, start, factor)
         start = from_state(state)
-    return judged(state)
+    return evaluated(state)
 
 
 @pytest.mark.parametrize(("law", "factors", "state"), LAWS)

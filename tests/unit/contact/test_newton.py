@@ -10,10 +10,10 @@ import pytest
 import crackgrow.contact.newton as module
 from crackgrow.contact.condensed import Condensed
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.continuation import followed
+from crackgrow.contact.continuation import solve_by_continuation
 from crackgrow.contact.coulomb import OPEN, SLIP, ActiveSet, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations
-from crackgrow.contact.loose import settled
+from crackgrow.contact.loose import deflated
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from tests.contact_problems import crack_problem, dilating, random_problem, smooth, spread_problem
@@ -102,7 +102,7 @@ def test_every_start_gives_the_same(friction) -> None:
 
 def test_an_overlap_without_cure_ends_at_the_limit() -> None:
     assert solve_by_newton(NO_CURE).status == "limit"
-    assert followed(NO_CURE) is None
+    assert solve_by_continuation(NO_CURE) is None
 
 
 def test_without_load_nothing_acts() -> None:
@@ -123,7 +123,7 @@ def one_point(friction: float, free_n: float, free_t: float) -> ContactProblem:
 
 def on_its_way(problem: ContactProblem, exact: float = 1e-12) -> tuple[np.ndarray, ActiveSet]:
     """The solution that the way from points that all stick leads to."""
-    found = followed(problem)
+    found = solve_by_continuation(problem)
     assert found is not None
     assert complementarity_residual(problem, found[0]) < exact
     return found[0], found[1]
@@ -179,7 +179,7 @@ def test_points_that_are_solved_for_alone_lead_to_the_solution_of_all(friction: 
 @pytest.mark.parametrize("seed", [0, 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])
 def test_what_slides_outside_works_on_the_motions_that_remain(seed: int) -> None:
     """Blocks on faces that slip: their shear changes with the tractions of the points that are solved for."""
-    problem, _ = settled(drawn(seed).problem)
+    problem, _ = deflated(drawn(seed).problem)
     known = solve_by_newton(problem)
     branches = active_set(problem, known.traction, problem.jump(known.unknowns))
     slides = branches.states() == SLIP

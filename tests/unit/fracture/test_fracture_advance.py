@@ -16,12 +16,12 @@ from crackgrow.fracture.advance import (
     STARTS,
     TIE,
     GrowingCrack,
+    Segment,
     Start,
-    Way,
     advanced,
-    closed,
-    leaving,
+    advancing_sites,
     started,
+    without_tip,
 )
 from crackgrow.fracture.meeting import CORNER, Meeting
 
@@ -74,7 +74,7 @@ def test_which_tips_grow_and_where_cracks_start(
 ) -> None:
     counts = np.array(n_advances or [0] * len(criticality), dtype=np.int64)
     places = np.stack([np.arange(len(criticality), dtype=float), np.zeros(len(criticality))], axis=1)
-    assert leaving(np.array(criticality), counts, places, way).tolist() == expected
+    assert advancing_sites(np.array(criticality), counts, places, way).tolist() == expected
 
 
 @pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
@@ -82,10 +82,10 @@ def test_the_order_of_the_tips_does_not_matter(advance: Literal["most_critical",
     criticality = np.array([1.2, 1.0, 1.2, 1.2001, 0.999])
     places = np.array([(3.0, 1.0), (2.0, 0.0), (-1.0, 5.0), (-1.0 + 1e-12, 2.0), (0.0, 0.0)])
     n_advances = np.array([1, 0, 1, 1, 0])
-    expected = places[leaving(criticality, n_advances, places, advance)].tolist()
+    expected = places[advancing_sites(criticality, n_advances, places, advance)].tolist()
     for order in itertools.permutations(range(5)):
         these = list(order)
-        found = leaving(criticality[these], n_advances[these], places[these], advance)
+        found = advancing_sites(criticality[these], n_advances[these], places[these], advance)
         assert places[these][found].tolist() == expected
 
 
@@ -96,7 +96,7 @@ def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: 
     direction = np.array([np.cos(a), np.sin(a)])
     before = growing([tuple(-2.0 * direction), tuple(direction)])
     for at_end, tip, outward in ((True, direction, a), (False, -2.0 * direction, a + np.pi)):
-        after, met = advanced(before, at_end, Way(kink, 0.5), 3, PLATE)
+        after, met = advanced(before, at_end, Segment(kink, 0.5), 3, PLATE)
         assert met is None
         added = after.crack.points[-1 if at_end else 0]
         expected = tip + 0.5 * np.array([np.cos(outward + kink), np.sin(outward + kink)])
@@ -113,8 +113,13 @@ def test_a_segment_that_would_leave_ends_on_the_outline_or_a_hole_without_a_tip(
     holed = PLATE.difference(shapely.box(-9, -9, -8, -8)).difference(shapely.box(1.0, -1.0, 3.0, 1.0))
     number = next(k for k, hole in enumerate(holed.interiors) if hole.bounds[0] == 1.0)
     for points, way, place, expected in (
-        ([(0.0, 5.0), (9.5, 5.0)], Way(np.deg2rad(30.0), 2.0), [10.0, 5.0 + 0.5 * np.tan(np.deg2rad(30.0))], "outline"),
-        ([(-2.0, 0.0), (0.0, 0.0)], Way(0.0, 5.0), [1.0, 0.0], "hole"),  # 5 would reach beyond the hole
+        (
+            [(0.0, 5.0), (9.5, 5.0)],
+            Segment(np.deg2rad(30.0), 2.0),
+            [10.0, 5.0 + 0.5 * np.tan(np.deg2rad(30.0))],
+            "outline",
+        ),
+        ([(-2.0, 0.0), (0.0, 0.0)], Segment(0.0, 5.0), [1.0, 0.0], "hole"),  # 5 would reach beyond the hole
     ):
         after, met = advanced(growing(points if at_end else points[::-1]), at_end, way, 1, holed)
         assert met is not None
@@ -132,7 +137,7 @@ FLAW = [(0.0, 0.0), (4.0, 0.0)]
 
 def advance_flaw(*others: list[tuple[float, float]], kink_deg: float = 0.0) -> tuple[np.ndarray, Meeting | None]:
     cracks = [growing(points) for points in others]
-    after, met = advanced(growing(FLAW), True, Way(np.deg2rad(kink_deg), 1.0), 7, PLATE, cracks)
+    after, met = advanced(growing(FLAW), True, Segment(np.deg2rad(kink_deg), 1.0), 7, PLATE, cracks)
     assert after.can_grow(True) == (met is None)
     assert after.can_grow(False)
     assert [crack.can_grow(end) for crack in cracks for end in (False, True)] == [True] * 2 * len(cracks)
@@ -181,9 +186,9 @@ def test_a_segment_ends_on_what_it_crosses_or_comes_close_to_and_grows_on_along_
 def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
     """Its start is a junction; its tip is 0.04 from the other crack."""
     trunk, branch = growing([(-3.0, 0.0), (3.0, 0.0)]), growing([(0.0, 0.0), (0.04, 0.04)])
-    after, met = advanced(branch, True, Way(0.0, 1.0), 1, PLATE, [trunk])
+    after, met = advanced(branch, True, Segment(0.0, 1.0), 1, PLATE, [trunk])
     assert met is None
-    after, met = advanced(after, True, Way(np.deg2rad(-130.0), 1.0), 2, PLATE, [trunk])  # turns back
+    after, met = advanced(after, True, Segment(np.deg2rad(-130.0), 1.0), 2, PLATE, [trunk])  # turns back
     assert met is not None
     assert after.crack.points[-1][1] == 0.0
 
@@ -194,12 +199,12 @@ def test_a_crack_ends_on_its_own_older_path_or_other_tip() -> None:
         ((0.0, 0.0), 3.0, None, [2.0, 0.0], [True, False]),
         ((2.0, 0.05), 2.0, False, [2.0, 0.05], [False, False]),
     ):
-        after, met = advanced(growing([first, *bend]), True, Way(np.deg2rad(90.0), length), 1, PLATE)
+        after, met = advanced(growing([first, *bend]), True, Segment(np.deg2rad(90.0), length), 1, PLATE)
         assert met is not None
         assert (met.kind, met.end) == ("own_path", end)
         np.testing.assert_allclose(after.crack.points[-1], place, atol=1e-15)
         assert [after.can_grow(end) for end in (False, True)] == tips
-    short, met = advanced(growing([(0.0, 0.0), *bend]), True, Way(np.deg2rad(90.0), 1.5), 1, PLATE)
+    short, met = advanced(growing([(0.0, 0.0), *bend]), True, Segment(np.deg2rad(90.0), 1.5), 1, PLATE)
     assert met is None  # stops short of the first segment
     np.testing.assert_allclose(short.crack.points[-1], [2.0, 0.5], atol=1e-14)
 
@@ -212,12 +217,12 @@ def test_a_wing_leaves_its_own_flaw_and_meets_no_short_segment_that_it_goes_stra
     """A digitised trace has segments far shorter than an increment."""
     crack = growing([(-flaw_length, 0.0), (0.0, 0.0)])
     for step, (at_end, turn) in enumerate([(True, kink_deg), (False, kink_deg), (True, 0.0), (False, 0.0)], start=1):
-        crack, met = advanced(crack, at_end, Way(np.deg2rad(turn), 1.0), step, PLATE)
+        crack, met = advanced(crack, at_end, Segment(np.deg2rad(turn), 1.0), step, PLATE)
         assert met is None
     assert np.hypot(*np.diff(crack.crack.points, axis=0).T) == pytest.approx([1.0, 1.0, flaw_length, 1.0, 1.0])
     for last in (0.5, 0.02, 1e-6):
         trace = growing([(0.0, 0.0), (4.0, 0.0), (4.0 + last, 0.0)])
-        longer, met = advanced(trace, True, Way(np.deg2rad(30.0), 2.0), 1, PLATE)
+        longer, met = advanced(trace, True, Segment(np.deg2rad(30.0), 2.0), 1, PLATE)
         assert met is None
         assert np.hypot(*(longer.crack.points[-1] - longer.crack.points[-2])) == pytest.approx(2.0, rel=1e-12)
 
@@ -252,7 +257,7 @@ def test_whatever_lies_around_a_segment_meets_at_most_what_it_ends_on(seed: int)
             continue
         others = [other for number, other in enumerate(cracks) if number != index]
         before, increment = cracks[index], float(rng.uniform(0.2, 2.0))
-        after, met = advanced(before, at_end, Way(rng.uniform(-1.3, 1.3), increment), step, HOLED, others)
+        after, met = advanced(before, at_end, Segment(rng.uniform(-1.3, 1.3), increment), step, HOLED, others)
         points = after.crack.points[::-1] if at_end else after.crack.points
         tip, inner = points[1], shapely.LineString(before.crack.points)
         length = np.hypot(*(points[0] - tip))
@@ -273,7 +278,7 @@ def test_whatever_lies_around_a_segment_meets_at_most_what_it_ends_on(seed: int)
         cracks[index] = after
         if met is not None and met.kind == "crack" and met.end is not None:
             other = next(number for number, other in enumerate(cracks) if other is others[met.number])
-            cracks[other] = closed(others[met.number], met.end)
+            cracks[other] = without_tip(others[met.number], met.end)
     assert len(kinds) > 5
 
 
@@ -285,10 +290,10 @@ def line_of(growing: GrowingCrack) -> shapely.LineString:
 def test_a_segment_links_up_with_a_crack_that_it_heads_for_within_the_link_distance(link: float, met: bool) -> None:
     """It would end 0.3 of its length in front of the other crack; outlines are reached at the clearance."""
     wall = growing([(-3.0, 1.3), (3.0, 1.3)])
-    after, meeting = advanced(growing([(0.0, -2.0), (0.0, 0.0)]), True, Way(0.0, 1.0, link), 1, PLATE, [wall])
+    after, meeting = advanced(growing([(0.0, -2.0), (0.0, 0.0)]), True, Segment(0.0, 1.0, link), 1, PLATE, [wall])
     assert (meeting is not None) == met
     assert after.crack.points[-1, 1] == pytest.approx(1.3 if met else 1.0)
-    after, meeting = advanced(growing([(0.0, 7.0), (0.0, 8.7)]), True, Way(0.0, 1.0, link), 1, PLATE)
+    after, meeting = advanced(growing([(0.0, 7.0), (0.0, 8.7)]), True, Segment(0.0, 1.0, link), 1, PLATE)
     assert meeting is None
     assert after.crack.points[-1, 1] == pytest.approx(9.7)
 
@@ -301,23 +306,23 @@ def start_on_the_flaw(both_ways: bool = False) -> Start:
 
 def test_a_new_crack_leaves_the_one_that_it_starts_on() -> None:
     flaw = growing([(-1.0, 0.0), (1.0, 0.0)])
-    new, met = started(replace(start_on_the_flaw(), in_shear=True), Way(-0.2, 0.5, 0.5), 4, PLATE, [flaw])
+    new, met = started(replace(start_on_the_flaw(), in_shear=True), Segment(-0.2, 0.5, 0.5), 4, PLATE, [flaw])
     assert met == []
     np.testing.assert_allclose(new.crack.points, [[0.0, 0.0], [0.5 * np.sin(0.2), 0.5 * np.cos(0.2)]], atol=1e-15)
     assert new.steps.tolist() == [4, 4]
     assert (new.can_grow(False), new.can_grow(True)) == (False, True)
     assert (new.parent, new.in_shear, new.n_advances(True)) == (0, True, 0)
-    longer, _ = advanced(new, True, Way(0.0, 0.5), 5, PLATE, [flaw])
+    longer, _ = advanced(new, True, Segment(0.0, 0.5), 5, PLATE, [flaw])
     assert (longer.parent, longer.in_shear, longer.n_advances(True)) == (0, True, 1)
 
 
 def test_a_new_crack_ends_on_what_it_meets_and_goes_both_ways_in_the_rock() -> None:
     flaw, above, below = (growing([(-1.0, y), (1.0, y)]) for y in (0.0, 0.3, -0.2))
-    new, met = started(start_on_the_flaw(), Way(0.0, 0.5), 1, PLATE, [flaw, above])
+    new, met = started(start_on_the_flaw(), Segment(0.0, 0.5), 1, PLATE, [flaw, above])
     assert [(at_end, found.kind, found.number) for at_end, found in met] == [(True, "crack", 1)]
     assert not new.can_grow(True)
     np.testing.assert_allclose(new.crack.points[-1], [0.0, 0.3], atol=1e-15)
-    new, met = started(start_on_the_flaw(both_ways=True), Way(0.0, 1.0), 1, PLATE, [below])
+    new, met = started(start_on_the_flaw(both_ways=True), Segment(0.0, 1.0), 1, PLATE, [below])
     np.testing.assert_allclose(new.crack.points, [[0.0, -0.2], [0.0, 0.0], [0.0, 0.5]], atol=1e-15)
     assert [(at_end, found.kind) for at_end, found in met] == [(False, "crack")]
     assert (new.can_grow(False), new.can_grow(True)) == (False, True)

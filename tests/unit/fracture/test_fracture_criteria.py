@@ -150,7 +150,7 @@ def test_of_two_shear_planes_the_one_with_the_larger_shear_is_taken(sense: float
 @of_all_criteria
 @pytest.mark.parametrize("stress", [(0.1, -0.2, 0.05), (-5.0, -5.0, 0.0), (0.0, 0.0, 0.0)])
 def test_below_both_strengths_nothing_is_met(stress: tuple[float, float, float], criterion: Criterion) -> None:
-    verdict = criterion.judge([uniform(stress)], ROCK)[0]
+    verdict = criterion.at_tips([uniform(stress)], ROCK)[0]
     assert verdict.branch == "none"
     assert verdict.criticality < 1.0
 
@@ -190,7 +190,7 @@ def test_a_radius_stands_for_the_K_I_that_just_grows(criterion: Criterion, radiu
     toughness = limits.tension * np.sqrt(2.0 * np.pi * radius) / MODE_I[criterion.name]
     assert radius_of(criterion.name, limits.tension, toughness) == pytest.approx(radius, rel=1e-12)
     field = near_field(toughness * np.sqrt(RADIUS / radius), 0.0)  # made for RADIUS
-    assert criterion.judge([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
+    assert criterion.at_tips([field], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
 @of_all_criteria
@@ -202,11 +202,11 @@ def test_a_tip_with_a_toughness_opens_by_K_whatever_the_rest_of_the_stress(
     """K_eq is the largest of all kinks; where the tip goes is for the criterion, as without a toughness."""
     limits = Strength(MODE_I[criterion.name] * 0.3 / ROOT, cohesion=1e9, friction_angle=0.0, toughness=0.3)
     K_eq = largest_hoop(K_I, K_II)[1]
-    found = criterion.judge([near_field(f * K_I, f * K_II, along, pressure=pressure) for f in (1.0, 3.0)], limits)
+    found = criterion.at_tips([near_field(f * K_I, f * K_II, along, pressure=pressure) for f in (1.0, 3.0)], limits)
     assert [verdict.criticality for verdict in found] == pytest.approx([K_eq / 0.3, K_eq / 0.1], rel=1e-6)
     assert {verdict.mode for verdict in found} == {"tension"}
     pulled = [near_field(share * K_I, share * K_II, along, pressure=-1e3) for share in (1.0, 3.0)]
-    by_stress = criterion.judge(pulled, replace(limits, toughness=None))
+    by_stress = criterion.at_tips(pulled, replace(limits, toughness=None))
     assert [verdict.kink for verdict in found] == pytest.approx([verdict.kink for verdict in by_stress], abs=1e-9)
 
 
@@ -215,11 +215,11 @@ def test_a_toughness_leaves_shear_and_places_without_K_to_the_stress(criterion: 
     limits = Strength(tension=0.35, cohesion=0.58, friction_angle=32.0)
     tough = replace(limits, toughness=1e3)
     pressed = near_field(0.0, 1e-2, pressure=0.1)
-    (with_it,), (without) = criterion.judge([pressed], tough), criterion.judge([pressed], limits)[0]
+    (with_it,), (without) = criterion.at_tips([pressed], tough), criterion.at_tips([pressed], limits)[0]
     assert (with_it.mode, with_it.criticality) == ("shear", without.of_shear or without.criticality)
     start = near_field(0.02, 0.0, along=-1.0)
     unknown = without_K(start.field, RADIUS)
-    assert astuple(criterion.judge_starts([unknown], tough)[0]) == astuple(criterion.judge_starts([start], limits)[0])
+    assert astuple(criterion.at_starts([unknown], tough)[0]) == astuple(criterion.at_starts([start], limits)[0])
 
 
 def test_mean_factor_is_that_of_a_disc_with_weight_one_over_r() -> None:
@@ -235,7 +235,7 @@ def of_shear(sites: list[TipLoading], limits: Strength) -> list[Verdict]:
     return [shear_growth(site, limits) for site in sites]
 
 
-@pytest.mark.parametrize("judge", [*(criterion.judge for criterion in CRITERIA.values()), of_shear])
+@pytest.mark.parametrize("judge", [*(criterion.at_tips for criterion in CRITERIA.values()), of_shear])
 @pytest.mark.parametrize(
     ("limits", "K_I", "K_II", "pressure"),
     [
@@ -342,7 +342,7 @@ def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> No
     )
     radius = start_radius(growth, limits)
     site = without_K(near_field(4e4 * np.sqrt(RADIUS / radius), 0.0).field, radius)  # the field is made for RADIUS
-    assert criterion.judge_starts([site], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
+    assert criterion.at_starts([site], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
 @of_all_criteria
@@ -353,7 +353,7 @@ def test_a_branch_that_is_met_stays_met_as_the_load_rises(criterion: Criterion) 
         site = near_field(K_I, K_II, along, pressure=1.0)
         for last in (site, tough_in_shear(site.field)):
             loads = [TipLoading.between(last.none, last, share) for share in np.linspace(0.0, 2.0, 100)]
-            verdicts = criterion.judge(loads, weak)
+            verdicts = criterion.at_tips(loads, weak)
             met = np.array([verdict.largest >= 1.0 for verdict in verdicts])
             assert (np.diff(met.astype(int)) >= 0).all()
             assert all(verdict.largest >= verdict.criticality for verdict in verdicts)
@@ -374,7 +374,7 @@ def test_a_site_is_judged_alike_alone_and_among_others(criterion: Criterion) -> 
     narrow = [loading(replace(site.field, half_width=width)) for site in sites[:4] for width in (0.05, 0.4)]
     unseen = loading(replace(few, rays=np.full((N_RAYS, 3), np.nan)))
     sites += [*hidden, fewer, *narrow, tough_in_shear(sites[0].field), unseen, tough_in_shear(unseen.field)]
-    for judge in (criterion.judge, criterion.judge_starts):
+    for judge in (criterion.at_tips, criterion.at_starts):
         alone = [verdict for site in sites for verdict in judge([site], ROCK)]
         assert list(map(astuple, judge(sites, ROCK))) == list(map(astuple, alone))
         assert judge([], ROCK) == []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import crackgrow.fracture.sites as module
-from crackgrow.fracture.sites import BESIDE, Looked, Site, start_sites
+from crackgrow.fracture.sites import BESIDE, Site, StartRegions, start_sites
 from tests.near_tips import site_fields
 
 APART = 0.5
@@ -19,11 +19,11 @@ KINK = (6.05, 6.1)
 SLIGHT = np.rad2deg(np.arctan(0.25)) / 2  # half of the turn of GENTLE
 
 
-def looked(on_cracks: bool = False, on_rims: bool = False, in_rock: bool = False) -> Looked:
-    return Looked(on_cracks, on_rims, in_rock, 2.0, (APART,))
+def looked(on_cracks: bool = False, on_rims: bool = False, in_rock: bool = False) -> StartRegions:
+    return StartRegions(on_cracks, on_rims, in_rock, 2.0, (APART,))
 
 
-def sites(sample, where: Looked, began=()) -> list[Site]:
+def sites(sample, where: StartRegions, began=()) -> list[Site]:
     """Sites with their places as those of the sample, whose spacing is 1."""
     cover, origin = sample.cover, sample.lattice.to_lattice(np.zeros(2))
     found = start_sites(cover, [0] * len(cover.cracks), [place + origin for place in began], where)
@@ -74,11 +74,11 @@ def test_points_of_the_rock_keep_clear_of_rims_and_cracks(build) -> None:
     assert points.max() <= 12.0 - APART
     across = np.maximum(np.maximum(2.0 - points[:, 0], points[:, 0] - 10.0), 0.0)
     assert np.hypot(across, points[:, 1] - 5.0).min() > APART
-    assert sites(plate(build, BENT), Looked(True, True, True, 2.0, (None,))) == []
+    assert sites(plate(build, BENT), StartRegions(True, True, True, 2.0, (None,))) == []
 
 
 @pytest.mark.parametrize("where", [looked(on_rims=True), looked(in_rock=True)], ids=["rims", "rock"])
-def test_uniform_stress_is_averaged_exactly(build, where: Looked) -> None:
+def test_uniform_stress_is_averaged_exactly(build, where: StartRegions) -> None:
     sample = plate(build)
     nodes = sample.cover.patches.nodes
     u = np.stack([1e-3 * nodes[:, 0], 2e-4 * nodes[:, 1]], axis=1).ravel()

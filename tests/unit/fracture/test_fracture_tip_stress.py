@@ -10,7 +10,7 @@ import shapely
 
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.tip_stress import N_RAYS, TipField, field_readings
+from crackgrow.fracture.tip_stress import N_RAYS, TipField, stress_functionals
 from crackgrow.solid.elasticity import plane_elasticity
 from tests.near_tips import site_fields
 
@@ -117,7 +117,7 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
     tips = at_tips(cover)
     sites = [*tips, *(replace(tip, kind="crack") for tip in tips)]
     fields = site_fields(cover, [sample.material], u.ravel(), sites, radius)
-    readings = field_readings(cover, sites, radius)
+    readings = stress_functionals(cover, sites, radius)
     for site, field, points in zip(sites, fields, (reading.points for reading in readings), strict=True):
         toward = field.direction + field.angles
         whole, sight = ([part(site.point, angle, line) for angle in toward] for line in (rim, rim.union(paths)))

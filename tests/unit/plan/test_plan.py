@@ -27,7 +27,7 @@ COARSE = {
 
 
 def words_of(sizes: Sizes) -> tuple[str, ...]:
-    return tuple(caution.words for caution in sizes.cautions)
+    return tuple(warning.words for warning in sizes.scene_warnings)
 
 
 def coarse(name: str, *settings: str) -> Case:

@@ -19,7 +19,7 @@ from crackgrow.quadrature.rules import (
     square,
     triangle,
 )
-from crackgrow.quadrature.subdivision import MOST_HALVINGS, SHARE, subdivided
+from crackgrow.quadrature.subdivision import MOST_LEVELS, SHARE, subdivided
 
 POINTS = (1, 2, 3, 4, 6)
 
@@ -206,5 +206,5 @@ def test_a_kink_is_cut_out_and_no_singularity_is_followed_for_ever() -> None:
     line, limits = subdivided(ENDS, kinked)
     assert integral(kinked, line, limits) == pytest.approx(0.5 * 1.1**2, rel=20.0 * SHARE)
     line, limits = subdivided(ENDS, lambda at, _: (1.0 / np.abs(at[:, 1] - 5.0 + 1e-9))[:, None])
-    assert np.diff(limits, axis=1).min() >= 0.5**MOST_HALVINGS
+    assert np.diff(limits, axis=1).min() >= 0.5**MOST_LEVELS
     assert len(line) < 200

@@ -147,7 +147,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         mean_strain=(1e-4, -4e-4, 2e-5),
         crack_length=float(s[-1]),
         seconds={"cover": 0.1, "assembly": 0.2, "factorize": 0.3, "contact": 0.4, "criterion": 0.5, "output": 0.0625},
-        cautions=(),
+        step_warnings=(),
     )
     return replace(result, **changes)
 

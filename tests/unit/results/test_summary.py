@@ -17,8 +17,8 @@ from crackgrow.case.model import Case, Stage, Stages
 from crackgrow.results.gathered import MOST_PLACES, Gathered
 from crackgrow.results.log import Progress, step_line, told_line
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, git_state, summarize, summary_text
-from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.result import RunEnd, StartResult, StepResult
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
 
@@ -40,8 +40,8 @@ def test_the_summary_of_a_run() -> None:
     """A check that is nan is the worst one, and null in JSON."""
     tally = Tally()
     for step, residual in enumerate((1e-12, math.nan, 2e-12)):
-        cautions = (Caution(Cause.NOTE, "thin cell"),) if step else ()
-        tally.add(make_result(step, residual=residual, cautions=cautions))
+        cautions = (StepWarning(WarningCause.NOTE, "thin cell"),) if step else ()
+        tally.add(make_result(step, residual=residual, step_warnings=cautions))
     tally.add_seconds("output", 1.0)
     summary = written(tally, make_end(2))
     wanted = {
@@ -185,11 +185,11 @@ def test_a_stage_is_told_by_its_name() -> None:
     assert [line[1] for line in lines] == ["stage 'at rest'", "stage 'excavated'", "load factor 1.5"]
 
 
-def overlap(name: str, percent: float) -> Caution:
-    return Caution(Cause.OVERLAP, f"'{name}' overlaps by {percent:g} %", f"'{name}'", percent)
+def overlap(name: str, percent: float) -> StepWarning:
+    return StepWarning(WarningCause.OVERLAP, f"'{name}' overlaps by {percent:g} %", f"'{name}'", percent)
 
 
-CLOSE = Caution(Cause.RIPPLE, "close", "tip")
+CLOSE = StepWarning(WarningCause.RIPPLE, "close", "tip")
 
 
 @pytest.mark.parametrize(("cautions", "sentences"), [
@@ -199,18 +199,19 @@ CLOSE = Caution(Cause.RIPPLE, "close", "tip")
         ["steps 3 to 14, worst 7: 'b' overlaps by 30 %; likewise 'a', 'c'"],
     ),
     (  # the important ones come first
-        {0: [Caution(Cause.LEFT_OUT, "left out"), Caution(Cause.SAWING, "saw")],
-         1: [Caution(Cause.UNBALANCED, "unbalanced")]},
+        {0: [StepWarning(WarningCause.LEFT_OUT, "left out"), StepWarning(WarningCause.SAWING, "saw")],
+         1: [StepWarning(WarningCause.UNBALANCED, "unbalanced")]},
         ["step 1: unbalanced", "step 0: saw", "step 0: left out"],
     ),
     ({step: [CLOSE] for step in (0, 2, 3, 4, 9)}, ["steps 0, 2 to 4, 9: close"]),
     (  # notes that differ in numbers alone are one
-        {1: [Caution(Cause.NOTE, "left K_II at 0.12 of K"), Caution(Cause.NOTE, "another method")],
-         2: [Caution(Cause.NOTE, "left K_II at 3e-05 of K")]},
+        {1: [StepWarning(WarningCause.NOTE, "left K_II at 0.12 of K"),
+             StepWarning(WarningCause.NOTE, "another method")],
+         2: [StepWarning(WarningCause.NOTE, "left K_II at 3e-05 of K")]},
         ["steps 1 to 2: left K_II at 0.12 of K", "step 1: another method"],
     ),
 ])  # fmt: skip
-def test_a_cause_of_warnings_is_one_sentence(cautions: dict[int, list[Caution]], sentences: list[str]) -> None:
+def test_a_cause_of_warnings_is_one_sentence(cautions: dict[int, list[StepWarning]], sentences: list[str]) -> None:
     gathered = Gathered()
     for step, each in cautions.items():
         gathered.add(step, each)
@@ -226,7 +227,7 @@ def test_of_many_places_some_are_named() -> None:
 
 def test_only_what_is_new_is_news_and_records_bring_it_all_back() -> None:
     gathered = Gathered()
-    assert gathered.add(0, [overlap("a", 5.0), Caution(Cause.JUMP, "no room", "tip", math.inf)]) == [
+    assert gathered.add(0, [overlap("a", 5.0), StepWarning(WarningCause.JUMP, "no room", "tip", math.inf)]) == [
         "'a' overlaps by 5 %", "no room"
     ]  # fmt: skip
     again = Gathered.of(json.loads(json.dumps(gathered.records())))

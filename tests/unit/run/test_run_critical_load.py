@@ -15,8 +15,8 @@ from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import from_state, held_loads, increment
-from crackgrow.run.judging import StepSolution, judged
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case
 from tests.solving import solve_step
@@ -58,7 +58,7 @@ def is_first_met(configuration: Configuration, factor: float) -> bool:
     start = held_loads(configuration)
 
     def met(share: float) -> bool:
-        return criticality(judged(increment(configuration, start, share * factor))) >= 1.0
+        return criticality(evaluated(increment(configuration, start, share * factor))) >= 1.0
 
     return met(1.0 + 1e-6) and not any(met(share) for share in (0.0, 0.35, 0.8, 1.0 - 1e-6))
 
@@ -170,7 +170,7 @@ def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() ->
     factors = [solution.state.factor for solution in found]
     np.testing.assert_allclose(factors, factors[0], rtol=1e-8)
     start = held_loads(configuration)
-    near, beyond = (judged(increment(configuration, start, share * factors[0])) for share in (1.01, 1.4))
+    near, beyond = (evaluated(increment(configuration, start, share * factors[0])) for share in (1.01, 1.4))
     flaw = [max(tip.verdict.criticality for tip in solution.tips[:2]) for solution in (near, beyond)]
     assert flaw[0] > 1.0 > flaw[1]  # shielded by the bonds that have broken in between
     assert found[0].outcome.memory.broken.sum() < 0.3 * beyond.outcome.memory.broken.sum()
@@ -184,7 +184,7 @@ def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
     while True:
         factor += 0.02 * found.state.factor
         state = increment(configuration, start, factor)
-        if max(tip.verdict.criticality for tip in judged(state).tips[2:]) >= 1.0:  # those of the short crack
+        if max(tip.verdict.criticality for tip in evaluated(state).tips[2:]) >= 1.0:  # those of the short crack
             break
         start = from_state(state)
     assert found.state.factor == pytest.approx(factor, rel=0.025)

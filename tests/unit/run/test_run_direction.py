@@ -16,9 +16,9 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.advancing import Advance, BeforeAdvance
 from crackgrow.run.direction import MOST_SOLVES, advance_tips
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.propagation import AfterAdvance, BeforeAdvance
 from crackgrow.run.scene import Scene, make_scene
 from tests.solving import solve_step
 
@@ -42,7 +42,7 @@ def advance(
     chosen: np.ndarray = BOTH,
     fails_at: int = -1,
     walls: Sequence[GrowingCrack] = (),
-) -> tuple[Advance, int]:
+) -> tuple[AfterAdvance, int]:
     """The advance where the new tips have K_I = 1 and K_II as a function of the kink (degrees); number of solves."""
     scene, cracks, solution = start
     scene, cracks = replace(scene, crack_bodies=(0,) * (1 + len(walls))), (*cracks, *walls)
@@ -67,7 +67,7 @@ def unasked(_: Cracks) -> StepSolution:
     raise AssertionError
 
 
-def kinks_of(found: Advance) -> list[float]:
+def kinks_of(found: AfterAdvance) -> list[float]:
     kinks = np.rad2deg(kink_angles(found.cracks[0].crack.points))
     return [float(-kinks[0]), float(kinks[-1])] if len(kinks) == 2 else kinks.tolist()
 

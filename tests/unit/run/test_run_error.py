@@ -12,7 +12,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.elements import element_points
 from crackgrow.run import grow, layout
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.report import estimated_error
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene

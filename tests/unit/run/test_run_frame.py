@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.fracture.advance import GrowingCrack, Way, advanced
+from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import make_frame
-from crackgrow.run.judging import StepSolution
 from crackgrow.run.output_mesh import LONGEST, SHORTEST, OutputMesh, output_mesh
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
@@ -49,7 +49,7 @@ def solved(name: str) -> tuple[StepSolution, Frame]:
     scene = make_scene(case)
     growing = GrowingCrack.given(case.cracks[0])
     for step, kink in enumerate(kinks, start=1):
-        growing, _ = advanced(growing, True, Way(np.deg2rad(kink), 2e-3), step, scene.regions[0])
+        growing, _ = advanced(growing, True, Segment(np.deg2rad(kink), 2e-3), step, scene.regions[0])
     solution = solve_step(scene, (growing,), 1.0)
     return solution, make_frame(solution.cover, scene.materials, solution.outcome.u)
 

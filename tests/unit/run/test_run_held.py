@@ -17,8 +17,8 @@ from crackgrow.results.log import told_line
 from crackgrow.results.summary import K_error
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.evaluation import evaluated
 from crackgrow.run.increments import increment, unloaded
-from crackgrow.run.judging import judged
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case, specimen
 
@@ -158,7 +158,7 @@ def test_a_bond_that_holds_leaves_the_uniform_stress(angle: float, tips: str, pr
     """Edge cracks, which shear would open without the bond, and inner ones. They stay together at no pressure too."""
     path = inside(angle) if tips == "both" else edge_crack(angle, tips)
     scene = plate(path, on_plane(angle, pressure, sense * SHEAR), "numerics.spacing=2", tips=tips)
-    solved = judged(increment(scene, unloaded(scene), 1.0))
+    solved = evaluated(increment(scene, unloaded(scene), 1.0))
     outcome = solved.outcome
     assert set(outcome.points.state.tolist()) == {STICK}
     assert not outcome.memory.broken.any()
@@ -172,7 +172,7 @@ def test_a_bond_that_holds_leaves_the_uniform_stress(angle: float, tips: str, pr
 def test_a_bond_does_not_hold_faces_that_are_pulled_apart() -> None:
     """By a tension far below the shear: they open, and lose all of it."""
     scene = plate(inside(20.0), on_plane(20.0, -1.0, SHEAR), "numerics.spacing=2")
-    solved = judged(increment(scene, unloaded(scene), 1.0))
+    solved = evaluated(increment(scene, unloaded(scene), 1.0))
     assert set(solved.outcome.points.state.tolist()) == {OPEN}
     assert solved.outcome.memory.broken.all()
     assert abs(solved.tips[1].K[1]) == pytest.approx(OPENING, rel=0.1)  # a plate of three crack lengths

@@ -13,11 +13,11 @@ from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.fracture.advance import GrowingCrack, Way, advanced
+from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
-from crackgrow.run.increments import LoadState, carried, from_state, held_loads, increment, unloaded
-from crackgrow.run.judging import judged
+from crackgrow.run.evaluation import evaluated
+from crackgrow.run.increments import LoadState, from_state, held_loads, increment, mapped, unloaded
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene, make_scene
 from tests.scenes import shipped_case
@@ -202,7 +202,7 @@ def sheared() -> tuple[Scene, GrowingCrack, LoadState]:
 
 def longer(scene: Scene, growing: GrowingCrack, increment_m: float, kink: float = 0.0) -> GrowingCrack:
     """The crack with another segment at its end."""
-    return advanced(growing, True, Way(kink, increment_m), 1, scene.regions[0])[0]
+    return advanced(growing, True, Segment(kink, increment_m), 1, scene.regions[0])[0]
 
 
 @pytest.mark.parametrize("kink", [0.0, 0.3, 1.2])
@@ -211,8 +211,8 @@ def test_old_faces_remember_and_new_ones_know_nothing(
 ) -> None:
     scene, growing, state = sheared
     grown = assemble(scene, (longer(scene, growing, 5e-3, kink),))
-    start = carried(state, grown)
-    memory, faces, h = start.remembered.memory, grown.faces, scene.lattice.spacing
+    start = mapped(state, grown)
+    memory, faces, h = start.contact_history.memory, grown.faces, scene.lattice.spacing
     length = 0.02 / h
     new = faces.s > length + 2.0
     total = state.configuration.faces.weights @ state.outcome.memory.slip
@@ -220,7 +220,7 @@ def test_old_faces_remember_and_new_ones_know_nothing(
     assert 0.5 < memory.slip.max() / state.outcome.memory.slip.max() <= 1.05
     assert memory.broken[faces.s < length - 1e-6].all()
     assert not memory.broken[faces.s > length + 1e-6].any()
-    for values in (memory.slip, start.remembered.normal, start.remembered.tangential):
+    for values in (memory.slip, start.contact_history.normal, start.contact_history.tangential):
         assert not values[new].any()
     assert (start.level, start.grown) == ((state.factor, 1.0), True)
 
@@ -242,7 +242,7 @@ def test_stuck_faces_do_not_jump_back_when_the_crack_grows(sheared: tuple[Scene,
     """Friction holds the old faces, the new ones hardly slip: without memory all of the slip would be lost."""
     scene, growing, state = sheared
     grown = assemble(scene, (longer(scene, growing, 4e-3),))
-    after = increment(grown, carried(state, grown), state.factor)
+    after = increment(grown, mapped(state, grown), state.factor)
     s = np.linspace(1e-3, 19e-3, 50) / scene.lattice.spacing
     was, now = (
         gap_and_slip(x.configuration.cover, points_at(x.configuration.cover, 0, s), x.outcome.u)[1]
@@ -263,10 +263,10 @@ def test_growth_releases_the_energy_that_K_says(name: str, settings: tuple[str, 
     G = []
     for da in (0.0, 1e-3, 2e-3):
         cracks = (longer(scene, growing, da),) if da else (growing,)
-        solved = judged(through(assemble(scene, cracks), 1.0)[0])
+        solved = evaluated(through(assemble(scene, cracks), 1.0)[0])
         G.append(np.dot(solved.tips[1].K, solved.tips[1].K) / scene.materials[0].young_prime)
     grown = assemble(scene, (longer(scene, growing, 2e-3),))
-    after = increment(grown, carried(state, grown), 1.0)
+    after = increment(grown, mapped(state, grown), 1.0)
     assert after.energy.released == pytest.approx(2e-3 * np.dot([1, 4, 1], G) / 6.0, rel=0.03)
     assert after.energy.error < 1e-9
 
@@ -310,7 +310,7 @@ def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
     for one, other in pairwise(states):
         if abs(other.factor - one.factor) < 1e-3:
             continue
-        middle = configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.remembered.memory)
+        middle = configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.contact_history.memory)
         size = np.abs(one.states.tractions).max()
         mean = 0.5 * (one.states.tractions + other.states.tractions)
         np.testing.assert_allclose(middle.tractions, mean, atol=1e-8 * size)

@@ -11,7 +11,7 @@ from crackgrow.fracture.criteria import TipLoading
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.fracture.tip_stress import TipField
 from crackgrow.run.checkpoint import restored
-from crackgrow.run.judging import verdicts
+from crackgrow.run.evaluation import verdicts
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case
 from tests.whole_run import whole_run

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.subcritical import WAITS, mean_velocity
-from crackgrow.run.caution import Cause
-from crackgrow.run.leaving import COARSE_TIME
+from crackgrow.run.advances import COARSE_TIME
 from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.warning_causes import WarningCause
 from tests.slow_cracks import GROWTH, SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
@@ -56,7 +56,7 @@ def test_a_tip_beyond_its_toughness_is_told_and_has_no_more_than_the_largest_vel
     assert results[0].tips[0].criticality > 1.0
     assert results[0].tips[0].velocity == V_MAX
     assert results[1].time == pytest.approx(INCREMENT / V_MAX)
-    (told,) = [caution.words for caution in results[0].cautions if caution.cause == Cause.UNSTABLE]
+    (told,) = [warning.words for warning in results[0].step_warnings if warning.cause == WarningCause.UNSTABLE]
     assert told.startswith(f"the end of crack 'notch' is at {results[0].tips[0].criticality:.3g} of its toughness")
 
 

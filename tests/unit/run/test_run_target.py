@@ -13,12 +13,12 @@ from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
 from crackgrow.run import grow
 from crackgrow.run import target as target_file
-from crackgrow.run.caution import Cause
 from crackgrow.run.checkpoint import restored
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
+from crackgrow.run.warning_causes import WarningCause
 from tests.scenes import shipped_case
 
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
@@ -46,7 +46,7 @@ def shares(step: StepResult) -> list[float]:
 
 
 def told(step: StepResult) -> list[str]:
-    return [caution.words for caution in step.cautions if caution.cause is Cause.TARGET]
+    return [warning.words for warning in step.step_warnings if warning.cause is WarningCause.TARGET]
 
 
 def true_error(aim: Case, step: StepResult, solution: StepSolution) -> float:
@@ -75,7 +75,7 @@ def test_where_there_is_no_K_to_aim_at_nothing_is_told(accuracy: str, settings: 
     assert told(step) == []
     assert all(tip.K_I == tip.K_II == 0.0 for tip in step.tips) == known
     assert all(math.isnan(tip.K_I_error) for tip in step.tips) != known
-    assert [caution.cause for caution in step.cautions].count(Cause.UNMEASURED) == (accuracy == "standard")
+    assert [warning.cause for warning in step.step_warnings].count(WarningCause.UNMEASURED) == (accuracy == "standard")
     assert step.n_dofs < 20_000
 
 
@@ -111,7 +111,7 @@ def test_without_a_solution_on_the_companion_nothing_is_known(monkeypatch: pytes
     def unsolved(*_: object) -> None:
         raise SolveError("none")
 
-    monkeypatch.setattr("crackgrow.run.loading.NextStep.companion", unsolved)
+    monkeypatch.setattr("crackgrow.run.loading.NextStepSolver.companion", unsolved)
     step = next(grow(case("compression30", "1 %")))
     (words,) = told(step)
     assert words.endswith("the companion mesh has no solution to hold it against: none")
@@ -141,7 +141,7 @@ def test_loads_go_on_with_their_cells_where_smaller_ones_have_no_solution(monkey
     def unsolved(*_: object) -> None:
         raise SolveError("not solved")
 
-    monkeypatch.setattr("crackgrow.run.loading.History.solve", unsolved)
+    monkeypatch.setattr("crackgrow.run.loading.HistorySolver.solve", unsolved)
     steps = list(grow(case("cyclic_friction", "0.1 %", "numerics.goal=slip", "loading.history=[0.5, 1.0]")))
     assert [step.load_factor for step in steps] == [0.5, 1.0]
     (words,) = told(steps[0])

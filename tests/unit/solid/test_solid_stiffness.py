@@ -13,7 +13,7 @@ from crackgrow.ragged import Ragged, starts_of
 from crackgrow.solid.elasticity import energy_components, energy_density, plane_elasticity, principal
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.solid.stiffness import Stiffness, _pattern, stiffness
-from crackgrow.solid.unchanged import elements_of, take_over
+from crackgrow.solid.unchanged import elements_of, reuse_unchanged
 from tests.conftest import Sample
 
 E, NU = 70e9, 0.3
@@ -170,7 +170,7 @@ def test_only_entries_that_are_as_before_are_taken_over(
     on, of, dense = summed(after)
     start, column = _pattern(*on, *of)
     block = np.zeros((len(column), 2, 2))
-    changed = take_over((on, of, keys, start, column, block), earlier)
+    changed = reuse_unchanged((on, of, keys, start, column, block), earlier)
     np.testing.assert_array_equal(np.flatnonzero(~changed), known)
     row = np.repeat(np.arange(len(start) - 1), np.diff(start))
     taken = ~(changed[row] & changed[column])

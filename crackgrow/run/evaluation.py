@@ -1,4 +1,4 @@
-"""One step: a configuration of the cracks under its loads, and what its tips make of it."""
+"""One step: a configuration of the cracks under its loads, with K, stress and criteria evaluated at its tips."""
 
 from __future__ import annotations
 
@@ -21,10 +21,10 @@ from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.tip_stress import TipField, fields_of
-from crackgrow.run.caution import Cause
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
+from crackgrow.run.warning_causes import WarningCause
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -132,11 +132,11 @@ class StepSolution:
         if not isinstance(self.scene.case.loading, CriticalLoad):
             return [0.0] * len(self.tips)
         beyond = [0.0 if tip.verdict is None else tip.verdict.criticality - 1.0 for tip in self.tips]
-        limit = Cause.JUMP.limit
+        limit = WarningCause.JUMP.limit
         return [more if grows and more > limit else 0.0 for grows, more in zip(self.grows, beyond, strict=True)]
 
 
-def judged(state: LoadState) -> StepSolution:
+def evaluated(state: LoadState) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips."""
     configuration = state.configuration
     seconds = dict(configuration.seconds)
@@ -154,9 +154,9 @@ def stress_fields(state: LoadState) -> list[TipField | None]:
     fields: list[TipField | None] = [None] * len(sites)
     if state.scene.case.growth is None:
         return fields
-    readings = state.configuration.fields
-    found = fields_of(state.cover, state.materials, state.outcome.u, list(readings.values()))
-    for number, field in zip(readings, found, strict=True):
+    functionals = state.configuration.stress_functionals
+    found = fields_of(state.cover, state.materials, state.outcome.u, list(functionals.values()))
+    for number, field in zip(functionals, found, strict=True):
         fields[number] = field
     return fields
 
@@ -203,8 +203,8 @@ def verdicts(scene: Scene, sites: Sequence[Site], loadings: Sequence[TipLoading]
     for (body, at_tip), numbers in alike.items():
         growth, strength = scene.growing_in(body)
         criterion = CRITERIA[growth.criterion]
-        judge = criterion.judge if at_tip else criterion.judge_starts
-        found.update(zip(numbers, judge([loadings[number] for number in numbers], strength), strict=True))
+        evaluate = criterion.at_tips if at_tip else criterion.at_starts
+        found.update(zip(numbers, evaluate([loadings[number] for number in numbers], strength), strict=True))
         for number in numbers:
             if at_tip and sites[number].in_shear:
                 found[number] = _goes_on(found[number], shear_growth(loadings[number], strength))

@@ -1,4 +1,4 @@
-"""What is read off the displacement at a place, linear in the unknowns near by: rows of a matrix."""
+"""Linear functionals of the displacement near a place: rows of a matrix."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ from crackgrow.arrays import Floats, Ints
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reading:
-    """What is read off at a place."""
+class Functional:
+    """Linear functionals of the displacement near a place."""
 
     functions: Ints  # (k,) of a cover, ascending
     rows: Floats  # (q, k) of a component of the displacement, by the coefficients of these
     more: tuple[NDArray[Any], ...]  # that goes with it
 
     def of(self, u: Floats) -> Floats:
-        """What is read off (q, 2), by component, of the displacement `u` (n_dofs,)."""
+        """Their values (q, 2), by component, for the displacement `u` (n_dofs,)."""
         return np.asarray(self.rows @ u.reshape(-1, 2)[self.functions])

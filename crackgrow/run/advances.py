@@ -9,10 +9,10 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth
-from crackgrow.fracture.advance import STARTS, GrowingCrack, largest_first, leaving
+from crackgrow.fracture.advance import STARTS, GrowingCrack, advancing_sites, largest_first
 from crackgrow.fracture.subcritical import WAITS, lengths, mean_velocity, velocities
-from crackgrow.run.advancing import End
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.propagation import End
 
 COARSE = 3.0
 """Factor by which v may change along an increment: the time is off by 2 % then with n = 10, by 10 % with n = 2."""
@@ -27,7 +27,7 @@ NO_SITES = np.empty(0, dtype=np.int64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Leaving:
+class Advances:
     """The sites that advance after a solve, with lengths and velocities where growth takes time."""
 
     sites: Ints  # numbers of the sites, that of a new crack last
@@ -37,12 +37,12 @@ class Leaving:
     time: float = 0.0  # s, that the step would take with these
 
 
-def none_leaves(cracks: tuple[GrowingCrack, ...]) -> Leaving:
+def no_advance(cracks: tuple[GrowingCrack, ...]) -> Advances:
     """No site advances."""
-    return Leaving(NO_SITES, cracks)
+    return Advances(NO_SITES, cracks)
 
 
-def leaves(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...]) -> Leaving:
+def chosen_advances(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...]) -> Advances:
     """The sites that advance: by the criterion, or by velocities, the tip with the longest advance first.
 
     `cracks` are those of the solution, with what their tips have gathered.
@@ -54,11 +54,11 @@ def leaves(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, .
     n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
     n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in ends]
     places = _places(solution)
-    sites = leaving(criticality, n_advances, places, growth.advance)
+    sites = advancing_sites(criticality, n_advances, places, growth.advance)
     on_cracks = [solution.configuration.sites[site].kind == "crack" for site in sites[sites >= n_tips].tolist()]
     if not all(on_cracks):  # on rims and in rock equal ones are neighbours: the first relieves them
         sites = sites[: np.count_nonzero(sites < n_tips) + 1]
-    return Leaving(sites, cracks)
+    return Advances(sites, cracks)
 
 
 def site_criticality(solution: StepSolution) -> Floats:
@@ -71,25 +71,27 @@ def site_criticality(solution: StepSolution) -> Floats:
 
 
 @dataclass(frozen=True, slots=True)
-class Lapse:
+class TimeStep:
     """The time that the advance to a solution took, by the mean of the velocities before and after it."""
 
     time: float = 0.0  # s
-    short: Mapping[End, float] = field(default_factory=dict)  # m, by which tips have come less far than in that time
+    shortfall: Mapping[End, float] = field(default_factory=dict)  # m, by which tips lag behind that time
     notes: tuple[str, ...] = ()
 
-    def made_good(self, cracks: tuple[GrowingCrack, ...]) -> tuple[GrowingCrack, ...]:
+    def with_shortfall(self, cracks: tuple[GrowingCrack, ...]) -> tuple[GrowingCrack, ...]:
         """The cracks, whose tips have gathered the lengths that they lack, or are ahead by, for the next advance."""
-        if not self.short:
+        if not self.shortfall:
             return cracks
         return tuple(
-            replace(crack, gathered=(first + self.short.get((n, False), 0.0), last + self.short.get((n, True), 0.0)))
+            replace(
+                crack, gathered=(first + self.shortfall.get((n, False), 0.0), last + self.shortfall.get((n, True), 0.0))
+            )
             for n, crack in enumerate(cracks)
             for first, last in [crack.gathered]
         )
 
 
-def lapse(left: Leaving, solution: StepSolution) -> Lapse:
+def time_step(left: Advances, solution: StepSolution) -> TimeStep:
     """The time that the advance to a solution took, with a note where the increment is too coarse for it.
 
     The time is that of the tip with the largest mean velocity, of those that still are tips, and no less than others
@@ -98,7 +100,7 @@ def lapse(left: Leaving, solution: StepSolution) -> Lapse:
     """
     law = solution.scene.case.subcritical
     if law is None or not left.lengths:
-        return Lapse()
+        return TimeStep()
     now = dict(zip(solution.cover.tip_ends, velocities(site_criticality(solution), law).tolist(), strict=True))
     means = {end: mean_velocity(before, now.get(end) or before) for end, before in left.velocity.items()}
     time = max((_time_to_meeting(left, end, solution) for end in left.lengths if end not in now), default=0.0)
@@ -109,13 +111,13 @@ def lapse(left: Leaving, solution: StepSolution) -> Lapse:
         time = max(time, left.time * before / means[fastest])
     growth = solution.scene.case.growth
     most = WAITS * growth.increment if growth else 0.0
-    short = {
+    shortfall = {
         end: min(max(mean * time - left.velocity[end] * left.time, -most), most) for end, mean in means.items()
     }  # a step that is resolved is not off by more; what is more would make tips go ahead by turns
-    return Lapse(time, short, (COARSE_TIME,) if max(after / before, before / after) > COARSE else ())
+    return TimeStep(time, shortfall, (COARSE_TIME,) if max(after / before, before / after) > COARSE else ())
 
 
-def _time_to_meeting(left: Leaving, end: End, solution: StepSolution) -> float:
+def _time_to_meeting(left: Advances, end: End, solution: StepSolution) -> float:
     """The time (s) that a tip took to what it has met on its way."""
     index, at_end = end
     tip, before = (some[index].crack.points[-1 if at_end else 0] for some in (solution.cracks, left.cracks))
@@ -128,13 +130,13 @@ def _places(solution: StepSolution) -> Floats:
     return np.array([site.point for site in solution.configuration.sites]).reshape(-1, 2)
 
 
-def _in_time(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...], velocity: Floats) -> Leaving:
+def _in_time(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack, ...], velocity: Floats) -> Advances:
     """The advances by the velocities (n,) m/s of the tips."""
     ends, increment = solution.cover.tip_ends, growth.increment
     gathered = np.array([cracks[index].gathered[at_end] for index, at_end in ends])
     length, left, first = lengths(velocity, gathered, increment)
     if first is None:
-        return none_leaves(cracks)
+        return no_advance(cracks)
     waiting = dict(zip(ends, left.tolist(), strict=True))
     kept = tuple(
         replace(crack, gathered=(waiting.get((index, False), 0.0), waiting.get((index, True), 0.0)))
@@ -143,4 +145,4 @@ def _in_time(growth: Growth, solution: StepSolution, cracks: tuple[GrowingCrack,
     goes = largest_first(np.flatnonzero(length > 0.0), length, _places(solution))
     far = {ends[tip]: float(length[tip]) for tip in goes.tolist()}
     fast = {end: speed for end, speed in zip(ends, velocity.tolist(), strict=True) if speed > 0.0}
-    return Leaving(goes, kept, far, fast, float((increment - gathered[first]) / velocity[first]))
+    return Advances(goes, kept, far, fast, float((increment - gathered[first]) / velocity[first]))

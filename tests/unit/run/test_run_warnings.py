@@ -16,12 +16,12 @@ from crackgrow.contact.ripple import Ripple
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow
-from crackgrow.run.caution import Cause, Caution
-from crackgrow.run.cautions import _overlapping, ripples
-from crackgrow.run.judging import StepSolution
-from crackgrow.run.misfit import misfits
+from crackgrow.run.contact_violation import contact_violations
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.step_warnings import _overlapping, ripples
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.one_size import one_size
 from tests.scenes import shipped_case, told
 from tests.solving import solve_step
@@ -38,8 +38,8 @@ def solve_first(scene: Scene) -> StepSolution:
 
 def test_the_shipped_scenes_warn_of_nothing_but_their_loads() -> None:
     for scene in ("compression30", "tension0"):
-        overload, by_hand = first_step(scene).cautions
-        assert (overload.cause, by_hand.cause) == (Cause.OVERLOAD, Cause.UNMEASURED)
+        overload, by_hand = first_step(scene).step_warnings
+        assert (overload.cause, by_hand.cause) == (WarningCause.OVERLOAD, WarningCause.UNMEASURED)
         assert told(first_step(scene, "growth.steps=0").warnings) == []
     assert (
         told(first_step("compression30", "cracks.flaw.contact.friction=0.6").warnings) == []
@@ -59,7 +59,7 @@ def test_a_load_twice_the_critical_one_is_told_once(settings: list[str], times: 
     case = shipped_case("compression30", [*one_size("compression30"), *given, *settings])
     run = Gathered()
     for step in grow(case):
-        run.add(step.step, step.cautions)
+        run.add(step.step, step.step_warnings)
     words = [sentence for sentence in run.sentences() if "growth at this load is unstable" in sentence]
     assert len(words) == told
     assert all(" of crack 'flaw' the load is 2." in sentence for sentence in words)
@@ -134,50 +134,55 @@ def short_for_shear(share: float, criterion: str = "directional_strength") -> li
         (
             FLAW,
             ["bodies.rock.material.young=3 GPa"],
-            Cause.NOT_SMALL,
+            WarningCause.NOT_SMALL,
             ["the loads strain or turn body 'rock' by 3.2 %"],
         ),
-        (FLAW, ["bodies.rock.material.young=4 GPa"], Cause.NOT_SMALL, []),
-        (FLAW, turned(0.04), Cause.NOT_SMALL, ["the loads strain or turn body 'rock' by 4 %"]),
-        (FLAW, turned(0.02), Cause.NOT_SMALL, []),
-        (BLOCKS, slid(0.04), Cause.NOT_SMALL, ["the faces of 'upper/lower' part or slip by 4 % of its length"]),
-        (BLOCKS, slid(0.02), Cause.NOT_SMALL, []),
-        (FLAW, stressed(350.0), Cause.NOT_SMALL, ["the stress in the ground would strain body 'rock' by 3.3 %"]),
-        (FLAW, stressed(300.0), Cause.NOT_SMALL, []),
+        (FLAW, ["bodies.rock.material.young=4 GPa"], WarningCause.NOT_SMALL, []),
+        (FLAW, turned(0.04), WarningCause.NOT_SMALL, ["the loads strain or turn body 'rock' by 4 %"]),
+        (FLAW, turned(0.02), WarningCause.NOT_SMALL, []),
+        (BLOCKS, slid(0.04), WarningCause.NOT_SMALL, ["the faces of 'upper/lower' part or slip by 4 % of its length"]),
+        (BLOCKS, slid(0.02), WarningCause.NOT_SMALL, []),
+        (FLAW, stressed(350.0), WarningCause.NOT_SMALL, ["the stress in the ground would strain body 'rock' by 3.3 %"]),
+        (FLAW, stressed(300.0), WarningCause.NOT_SMALL, []),
         # half of the lower traction is missing: 50 MPa over 31 mm stand on two points
-        (FLAW, [*POINTS, "loads.1.traction=[0, 50]"], Cause.UNBALANCED, [SHORTENED.format(0), SHORTENED.format(1)]),
-        (FLAW, POINTS, Cause.UNBALANCED, []),
+        (
+            FLAW,
+            [*POINTS, "loads.1.traction=[0, 50]"],
+            WarningCause.UNBALANCED,
+            [SHORTENED.format(0), SHORTENED.format(1)],
+        ),
+        (FLAW, POINTS, WarningCause.UNBALANCED, []),
         (  # a couple
             FLAW,
             [*POINTS, "loads.0.traction=[1, -100]", "loads.1.traction=[-1, 100]"],
-            Cause.UNBALANCED,
+            WarningCause.UNBALANCED,
             ["supports.0", "supports.1"],
         ),
-        ("tension0", standing(1.0), Cause.UNBALANCED, []),
-        ("tension0", standing(0.9), Cause.UNBALANCED, [" N/m "]),
-        (FLAW, cohesive(0.0), Cause.JUMP, []),
-        (FLAW, cohesive(5.0), Cause.JUMP, ["jumps to", "jumps to"]),
-        (FLAW, [*POINTS, "cracks.flaw.tips=none"], Cause.NO_TIPS, ["but no crack has a tip"]),
-        (FLAW, [*starting("{at: outlines, spacing: 5}", 2.0), "cracks.flaw.tips=none"], Cause.NO_TIPS, []),
-        (FLAW, starting("cracks", 0.9), Cause.SHORT_START, ["below the averaging radius"]),
-        (FLAW, starting("cracks", 1.0), Cause.SHORT_START, []),
-        (FLAW, starting("ends", 0.9), Cause.SHORT_START, []),
-        (FLAW, short_for_shear(0.045), Cause.WIDE_SHEAR, []),
-        (FLAW, short_for_shear(0.055), Cause.WIDE_SHEAR, ["crack 'flaw'"]),
-        (FLAW, short_for_shear(0.055, "max_hoop_stress"), Cause.WIDE_SHEAR, []),
+        ("tension0", standing(1.0), WarningCause.UNBALANCED, []),
+        ("tension0", standing(0.9), WarningCause.UNBALANCED, [" N/m "]),
+        (FLAW, cohesive(0.0), WarningCause.JUMP, []),
+        (FLAW, cohesive(5.0), WarningCause.JUMP, ["jumps to", "jumps to"]),
+        (FLAW, [*POINTS, "cracks.flaw.tips=none"], WarningCause.NO_TIPS, ["but no crack has a tip"]),
+        (FLAW, [*starting("{at: outlines, spacing: 5}", 2.0), "cracks.flaw.tips=none"], WarningCause.NO_TIPS, []),
+        (FLAW, starting("cracks", 0.9), WarningCause.SHORT_START, ["below the averaging radius"]),
+        (FLAW, starting("cracks", 1.0), WarningCause.SHORT_START, []),
+        (FLAW, starting("ends", 0.9), WarningCause.SHORT_START, []),
+        (FLAW, short_for_shear(0.045), WarningCause.WIDE_SHEAR, []),
+        (FLAW, short_for_shear(0.055), WarningCause.WIDE_SHEAR, ["crack 'flaw'"]),
+        (FLAW, short_for_shear(0.055, "max_hoop_stress"), WarningCause.WIDE_SHEAR, []),
         (
             FLAW,
             [f"supports=[{EDGE}, {NOT_AS_IT}, {OFF_IT}]"],
-            Cause.CONTRADICTION,
+            WarningCause.CONTRADICTION,
             ["supports.2 holds a point of an edge otherwise than supports.0 does: y is 0 m and 0.3 mm at"],
         ),
     ],
 )
-def test_a_step_tells_of(scene: str, settings: list[str], cause: Cause, words: list[str]) -> None:
+def test_a_step_tells_of(scene: str, settings: list[str], cause: WarningCause, words: list[str]) -> None:
     """Each cause on either side of where it begins."""
-    found = [each for each in first_step(scene, *settings).cautions if each.cause is cause]
+    found = [each for each in first_step(scene, *settings).step_warnings if each.cause is cause]
     assert [word in each.words for word, each in zip(words, found, strict=True)] == [True] * len(words)
-    assert all(each.size > 1.5 for each in found if cause is Cause.JUMP)
+    assert all(each.size > 1.5 for each in found if cause is WarningCause.JUMP)
 
 
 @pytest.mark.parametrize(
@@ -211,7 +216,7 @@ def test_what_elastic_contact_does_not_resolve_is_said(settings: str, words: lis
 def test_what_is_used_already_is_no_remedy_for_tractions_that_oscillate(
     settings: str, remedy: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("crackgrow.run.cautions.worst_ripple", lambda *_: Ripple(0, 0.17))
+    monkeypatch.setattr("crackgrow.run.step_warnings.worst_ripple", lambda *_: Ripple(0, 0.17))
     case = shipped_case("compression30", [f"numerics.contact={settings}", "growth.steps=0"])
     (told,) = ripples(solve_first(make_scene(case)))
     assert remedy in told.words
@@ -265,17 +270,17 @@ def test_a_block_at_rest_on_a_plane_warns_of_nothing(spacing: float) -> None:
     assert told(result.warnings) == []
 
 
-def told_of(cause: Cause, result: StepResult) -> list[Caution]:
-    return [caution for caution in result.cautions if caution.cause is cause]
+def told_of(cause: WarningCause, result: StepResult) -> list[StepWarning]:
+    return [warning for warning in result.step_warnings if warning.cause is cause]
 
 
 def test_faces_without_contact_that_lie_in_each_other_are_told_first_with_the_size() -> None:
     result = first_step("compression30", "numerics.spacing=3", "cracks.flaw.contact=none")
     assert result.tips[0].K_I < 0.0
-    assert result.cautions[0].cause is Cause.CONTACT_NONE
+    assert result.step_warnings[0].cause is WarningCause.CONTACT_NONE
     (face,) = result.faces
     assert f"lie in each other by {-1e3 * face.opening.min():.2g} mm" in result.warnings[0]
-    assert told_of(Cause.CONTACT_NONE, first_step("tension0", "cracks.flaw.contact=none")) == []
+    assert told_of(WarningCause.CONTACT_NONE, first_step("tension0", "cracks.flaw.contact=none")) == []
 
 
 @pytest.mark.parametrize(("direction", "told"), [("explicit", 2), ("implicit", 0)])
@@ -285,9 +290,9 @@ def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> 
         "compression30", [*one_size("compression30"), *settings, "growth.steps=4", "output.frames=none"]
     )
     *_, last = grow(case)
-    sawing = told_of(Cause.SAWING, last)
+    sawing = told_of(WarningCause.SAWING, last)
     assert len(sawing) == told
-    assert all("use growth.direction: implicit" in caution.words for caution in sawing)
+    assert all("use growth.direction: implicit" in warning.words for warning in sawing)
 
 
 def test_pressed_faces_that_stand_apart_or_overlap_are_told() -> None:
@@ -298,15 +303,15 @@ def test_pressed_faces_that_stand_apart_or_overlap_are_told() -> None:
     opening = np.zeros(len(face.s))
     opening[3] = 0.3 * np.abs(face.slip).max()
     apart = replace(face, opening=opening)
-    (missed,) = misfits(solution, (apart,))
+    (missed,) = contact_violations(solution, (apart,))
     (told,) = _overlapping([missed])
     assert missed.share > 1.0
     assert f"stand apart under pressure by {1e6 * opening[3]:.2g} um" in told.words
     state = face.state.copy()
     state[4] = OPEN
-    (missed,) = misfits(solution, (replace(apart, state=state),))
+    (missed,) = contact_violations(solution, (replace(apart, state=state),))
     assert missed.share == 0.0
-    (missed,) = misfits(solution, (replace(face, opening=np.full_like(opening, -1e-3), slip=0.0 * opening),))
+    (missed,) = contact_violations(solution, (replace(face, opening=np.full_like(opening, -1e-3), slip=0.0 * opening),))
     (told,) = _overlapping([missed])
-    assert missed.share == pytest.approx(1.0 / Cause.OVERLAP.limit)  # all of the jump
+    assert missed.share == pytest.approx(1.0 / WarningCause.OVERLAP.limit)  # all of the jump
     assert "by 1 mm between contact points, 100 % of their largest jump" in told.words

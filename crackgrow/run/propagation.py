@@ -12,14 +12,14 @@ from crackgrow.arrays import Floats
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.surface import end_word
 from crackgrow.cover.shapes import body_index
-from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Start, Way, advanced, closed, started
+from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Segment, Start, advanced, started, without_tip
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.geometry.tolerance import SAME_PLACE
-from crackgrow.run.judging import StepSolution
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import Event
 from crackgrow.run.scene import Scene
 
-LEAVES = 2.0
+LONGEST_SEGMENT = 2.0
 """Sizes of the scene: so long a segment ends outside. Where a much longer one meets something has lost its digits."""
 
 End = tuple[int, bool]
@@ -36,17 +36,17 @@ class BeforeAdvance:
     lengths: Mapping[End, float] = field(default_factory=dict)  # m, of ends that go by another increment
     starts: tuple[Start, ...] = ()  # of new cracks
 
-    def way(self, end: End, kink: float) -> Way:
+    def segment(self, end: End, kink: float) -> Segment:
         """How a crack goes on from an end at a kink (rad), no farther than what leads out of the rock."""
         case = self.scene.case
         assert case.growth is not None
         link, length = case.growth.link_distance, self.lengths.get(end, case.growth.increment)
-        length = min(length, LEAVES * scene_size(case))
-        return Way(kink, length) if link is None else Way(kink, length, min(link / length, 1.0))
+        length = min(length, LONGEST_SEGMENT * scene_size(case))
+        return Segment(kink, length) if link is None else Segment(kink, length, min(link / length, 1.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Advance:
+class AfterAdvance:
     """The cracks after an advance."""
 
     cracks: tuple[GrowingCrack, ...]
@@ -59,7 +59,7 @@ class Advance:
         return self.cracks[index].can_grow(at_end)
 
 
-def advanced_by(before: BeforeAdvance, ends: Sequence[End], kinks: Floats) -> Advance:
+def advanced_by(before: BeforeAdvance, ends: Sequence[End], kinks: Floats) -> AfterAdvance:
     """All cracks, with the tips `ends` advanced by `kinks` one after the other: each sees what those before have made.
 
     A tip that one before it has met is no tip any more and stays: an event of its own. The numbers after the last crack
@@ -69,25 +69,25 @@ def advanced_by(before: BeforeAdvance, ends: Sequence[End], kinks: Floats) -> Ad
     grown = list(before.cracks)
     events: list[Event] = []
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
-        way = before.way((index, at_end), kink)
+        segment = before.segment((index, at_end), kink)
         if index >= len(before.cracks):
-            events += _started(before, before.starts[index - len(before.cracks)], grown, way)
+            events += _started(before, before.starts[index - len(before.cracks)], grown, segment)
             continue
         if not grown[index].can_grow(at_end):
             continue
         others = [grown[number] for number in range(len(grown)) if number != index]
         region = scene.regions[scene.crack_bodies[index]]
         earlier = list(grown)
-        grown[index], met = advanced(grown[index], at_end, way, step, region, others)
+        grown[index], met = advanced(grown[index], at_end, segment, step, region, others)
         if met is not None:
-            events += _told(before, earlier, grown, (index, at_end, met))
-    return Advance(tuple(grown), tuple(events))
+            events += _events_of(before, earlier, grown, (index, at_end, met))
+    return AfterAdvance(tuple(grown), tuple(events))
 
 
-def _started(before: BeforeAdvance, start: Start, grown: list[GrowingCrack], way: Way) -> Iterator[Event]:
+def _started(before: BeforeAdvance, start: Start, grown: list[GrowingCrack], segment: Segment) -> Iterator[Event]:
     """Add a new crack to those that have grown, and tell what has happened."""
     scene, earlier, n = before.scene, list(grown), len(before.cracks)
-    place, near = shapely.Point(start.point), CLEARANCE * way.length
+    place, near = shapely.Point(start.point), CLEARANCE * segment.length
     pairs = zip(grown[:n], before.cracks, strict=True)
     ends = [
         now.crack.points[k] for now, old in pairs for k in (0, -1) if (now.crack.points[k] != old.crack.points[k]).any()
@@ -96,14 +96,14 @@ def _started(before: BeforeAdvance, start: Start, grown: list[GrowingCrack], way
     if any(shapely.dwithin(shapely.Point(end), place, near) for end in ends):
         return
     body = body_index(scene.case.bodies, start.crack.body)
-    crack, meetings = started(start, way, before.step, scene.regions[body], grown)
+    crack, meetings = started(start, segment, before.step, scene.regions[body], grown)
     grown.append(crack)
     yield Event(before.step, "initiation", crack.crack.name, end_word(False), start.point, start.where)
     for at_end, met in meetings:
-        yield from _told(before, earlier, grown, (len(earlier), at_end, met))
+        yield from _events_of(before, earlier, grown, (len(earlier), at_end, met))
 
 
-def _told(
+def _events_of(
     before: BeforeAdvance, earlier: Sequence[GrowingCrack], grown: list[GrowingCrack], met_by: tuple[int, bool, Meeting]
 ) -> Iterator[Event]:
     """What is to be told of an end (number of its crack, whether its end) that has met something; ends met are closed.
@@ -117,7 +117,7 @@ def _told(
     if met.end is None:
         return
     number = index if met.kind == "own_path" else numbers[met.number]
-    grown[number] = closed(grown[number], met.end)
+    grown[number] = without_tip(grown[number], met.end)
     if earlier[number].can_grow(met.end):
         name = "its own path" if number == index else grown[index].crack.surface.words
         yield Event(before.step, kind, grown[number].crack.name, end_word(met.end), met.point, name)

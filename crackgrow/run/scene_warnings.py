@@ -1,4 +1,4 @@
-"""What makes the results of a scene doubtful before anything is solved."""
+"""Warnings of a scene: what makes results doubtful before anything is solved."""
 
 from __future__ import annotations
 
@@ -30,10 +30,10 @@ from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
-from crackgrow.run.caution import Cause, Caution
+from crackgrow.run.missing_loads import free_edges
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
-from crackgrow.run.unsaid import free_edges
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 from crackgrow.solid.loads import point_forces
 from crackgrow.vectors import cross
 
@@ -48,27 +48,27 @@ LEAST_SUPPORT = 2.0
 """Half width of a patch, in spacings, below which rock that hardly changes its volume locks."""
 
 
-def settings_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
+def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """What holds for all steps."""
     case = scene.case
     growth, given = case.growth, tuple(map(GrowingCrack.given, case.cracks))
     starts = any(site.kind != "tip" for site in sites_of(scene, cover, given))
     if not case.numerics.measured and (cover.tips or any(length.where is not None for length in scene.lengths)):
-        yield Cause.UNMEASURED.at()
+        yield WarningCause.UNMEASURED.at()
     yield from _wide_in_shear(scene)
     yield from _short_starts(scene)
     growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
     if growth is not None and growth.steps > 0 and not growing and not starts:
-        yield Cause.NO_TIPS.at(steps=growth.steps)
+        yield WarningCause.NO_TIPS.at(steps=growth.steps)
     for load in case.loads:
         if isinstance(load, PointForce) and any(load.force):
-            yield Cause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
+            yield WarningCause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
     yield from _soft_contact(scene, cover)
     yield from _contact_layers(scene, cover)
     yield from _incompressible(scene)
     for crack in case.cracks:
         if crack.left_out:
-            yield Cause.LEFT_OUT.at(crack.surface.words, crack.left_out)
+            yield WarningCause.LEFT_OUT.at(crack.surface.words, crack.left_out)
     yield from free_edges(scene)
     yield from _contradictions(scene, cover)
     yield from _tiny_cracks(case)
@@ -76,7 +76,7 @@ def settings_cautions(scene: Scene, cover: Cover) -> Iterator[Caution]:
     yield from _cut(scene)
 
 
-def _tiny_cracks(case: Case) -> Iterator[Caution]:
+def _tiny_cracks(case: Case) -> Iterator[StepWarning]:
     """Bodies with cracks that are all in so small a part of them that their unit may be another one."""
     for body in case.bodies:
         lines = [crack.points for crack in case.cracks if crack.body == body.name]
@@ -85,11 +85,11 @@ def _tiny_cracks(case: Case) -> Iterator[Caution]:
             if lines
             else 1.0
         )
-        if share < Cause.TINY_CRACKS.limit:
-            yield Cause.TINY_CRACKS.at(f"body '{body.name}'", share)
+        if share < WarningCause.TINY_CRACKS.limit:
+            yield WarningCause.TINY_CRACKS.at(f"body '{body.name}'", share)
 
 
-def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
+def _contradictions(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """Points on an edge that are held otherwise than the edge is there."""
     supports, there = list(enumerate(scene.case.supports)), {body.name for body in cover.bodies}
     edges = [
@@ -104,10 +104,14 @@ def _contradictions(scene: Scene, cover: Cover) -> Iterator[Caution]:
             continue
         for component, *pair in zip("xy", support.displacement, edge.displacement, strict=True):
             mine, its = (_at_point(displacement, support.point) for displacement in pair)
-            if mine is None or its is None or abs(mine - its) <= Cause.CONTRADICTION.limit * max(abs(mine), abs(its)):
+            if (
+                mine is None
+                or its is None
+                or abs(mine - its) <= WarningCause.CONTRADICTION.limit * max(abs(mine), abs(its))
+            ):
                 continue
             told = {"mine": Metres(mine), "its": Metres(its), "point": place_text(support.point + scene.case.origin)}
-            yield Cause.CONTRADICTION.at(
+            yield WarningCause.CONTRADICTION.at(
                 f"supports.{n}", abs(mine - its), other=f"supports.{m}", component=component, **told
             )
 
@@ -127,70 +131,76 @@ def _by_shear_toughness(scene: Scene) -> Iterator[tuple[float, Crack]]:
                 yield radius, crack
 
 
-def _wide_in_shear(scene: Scene) -> Iterator[Caution]:
+def _wide_in_shear(scene: Scene) -> Iterator[StepWarning]:
     """Cracks so short beside the length that shear is averaged over that the average is not that of their K."""
     if scene.case.growth is None or scene.case.growth.criterion in BY_K:
         return  # the given cracks go on in tension alone
     for radius, crack in _by_shear_toughness(scene):
         share = radius / line_length(crack.points)
-        if share > Cause.WIDE_SHEAR.limit:
+        if share > WarningCause.WIDE_SHEAR.limit:
             told = {"radius": Metres(radius), "percent": 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))}
-            yield Cause.WIDE_SHEAR.at(crack.surface.words, share, **told)
+            yield WarningCause.WIDE_SHEAR.at(crack.surface.words, share, **told)
 
 
-def _short_starts(scene: Scene) -> Iterator[Caution]:
+def _short_starts(scene: Scene) -> Iterator[StepWarning]:
     """Increments whose kinks, at which cracks may start, follow each other within the averaging radius."""
     growth = scene.case.growth
     if growth is None or growth.steps == 0 or growth.initiation.at in ("tips", "ends"):
         return
     radius = max(scene.start_radius(n) for n, body in enumerate(scene.case.bodies) if body.strength is not None)
-    if growth.increment < Cause.SHORT_START.limit * radius:
+    if growth.increment < WarningCause.SHORT_START.limit * radius:
         increment, long = Metres(growth.increment), Metres(radius)
         size = radius / growth.increment
-        yield Cause.SHORT_START.at(size=size, increment=increment, radius=long, at=growth.initiation.at)
+        yield WarningCause.SHORT_START.at(size=size, increment=increment, radius=long, at=growth.initiation.at)
 
 
-def _moved(scene: Scene) -> Iterator[Caution]:
+def _moved(scene: Scene) -> Iterator[StepWarning]:
     """What was brought to what it nearly touched when the case was read."""
     moved, told = scene.case.moved, changes_of(scene.case)[0]
     if told:
         shown = _listed(told)
         shown += "; ends of cracks that were moved are no tips" if any(move.end for move in moved) else ""
-        yield Cause.MOVED.at(share=SNAP, metres=Metres(SNAP * scene_size(scene.case)), shown=shown)
+        yield WarningCause.MOVED.at(share=SNAP, metres=Metres(SNAP * scene_size(scene.case)), shown=shown)
 
 
-def _cut(scene: Scene) -> Iterator[Caution]:
+def _cut(scene: Scene) -> Iterator[StepWarning]:
     """What of cracks was left out when the case was read."""
     told = changes_of(scene.case)[1]
     if told:
-        yield Cause.CUT.at(n=len(told), shown=_listed(told))
+        yield WarningCause.CUT.at(n=len(told), shown=_listed(told))
 
 
 def _listed(told: list[str]) -> str:
     return ", ".join([*told[:MOST_MOVED], *([f"and {len(told) - MOST_MOVED} more"] if len(told) > MOST_MOVED else [])])
 
 
-def _soft_contact(scene: Scene, cover: Cover) -> Iterator[Caution]:
+def _soft_contact(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """Surfaces whose elastic contact holds their faces apart too little."""
     stiffness = scene.case.numerics.contact.stiffness
     if stiffness is None:
         return
-    softest, limit = min(material.young_prime for material in scene.materials), Cause.SOFT_CONTACT.limit
+    softest, limit = min(material.young_prime for material in scene.materials), WarningCause.SOFT_CONTACT.limit
     for index, (surface, law) in enumerate(zip(cover.surfaces, scene.laws, strict=True)):
         share = cover.surfaces[index].in_cells.mean_size / float(arc_lengths(surface.line.points)[-1])
         ratio = 0.0 if law.contact is None or law.joint else 0.5 * share * softest / law.stiffness
         if ratio > limit:
             told = {"stiffness": stiffness, "percent": 100.0 / (1.0 + ratio), "enough": stiffness * ratio / limit}
-            yield Cause.SOFT_CONTACT.at(f"'{surface.name}'", ratio, **told)
+            yield WarningCause.SOFT_CONTACT.at(f"'{surface.name}'", ratio, **told)
 
 
-def _contact_layers(scene: Scene, cover: Cover) -> Iterator[Caution]:
+def _contact_layers(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """Tips at which faces give way over less than contact points resolve, and by more than next to nothing.
 
     The K_I of that layer is the pressure times the root of its length.
     """
     contact = scene.case.numerics.contact
-    least, most, points, much, other = 0.0, Cause.CONTACT_LAYER.limit, "gauss points", "a quarter of the spacing", ""
+    least, most, points, much, other = (
+        0.0,
+        WarningCause.CONTACT_LAYER.limit,
+        "gauss points",
+        "a quarter of the spacing",
+        "",
+    )
     if contact.discretization == "mortar":
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "
@@ -198,13 +208,13 @@ def _contact_layers(scene: Scene, cover: Cover) -> Iterator[Caution]:
         size = np.array([cover.surfaces[index].in_cells.mean_size * scene.lattice.spacing])
         layer = 0.5 * scene.materials[body].young_prime * float(law.compliance(size)[0]) / float(size[0])  # cells
         if law.contact is not None and least < layer < most:
-            yield Cause.CONTACT_LAYER.at(points=points, much=much, other=other)
+            yield WarningCause.CONTACT_LAYER.at(points=points, much=much, other=other)
             return
 
 
-def _incompressible(scene: Scene) -> Iterator[Caution]:
+def _incompressible(scene: Scene) -> Iterator[StepWarning]:
     """What bodies that hardly change their volume cost in accuracy."""
-    cause, least = Cause.NEARLY_INCOMPRESSIBLE, LEAST_SUPPORT
+    cause, least = WarningCause.NEARLY_INCOMPRESSIBLE, LEAST_SUPPORT
     for index, body in enumerate(scene.case.bodies if scene.case.plane == "strain" else ()):
         ratio, place = body.material.poisson, f"body '{body.name}'"
         if ratio <= cause.limit:
@@ -217,7 +227,7 @@ def _incompressible(scene: Scene) -> Iterator[Caution]:
             yield cause.at(place, ratio, ratio=ratio, and_so=f": {off}")
 
 
-def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
+def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """Loads that only points could carry: what supports at points must bear where nothing else holds the scene.
 
     Weight is left out, unless it balances the others: who holds a heavy body at points means to. Their size is that of
@@ -233,9 +243,9 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[Caution]:
         others, size = _resultant(case, cover, [x for x in loads if not isinstance(x, InSituStress | Gravity)])
         size += stress_size
         left = min(max(np.hypot(x, y), abs(turn)) for x, y, turn in (stress + others, stress + others + weight))
-        if left > Cause.UNBALANCED.limit * size:
+        if left > WarningCause.UNBALANCED.limit * size:
             what = f"{left:.3g} N/m of the loads ({100.0 * left / size:.2g} %)"
-            yield Cause.UNBALANCED.at(size=left / size, what=what)
+            yield WarningCause.UNBALANCED.at(size=left / size, what=what)
 
 
 def _resultant(case: Case, cover: Cover, loads: Sequence[Load]) -> tuple[Floats, float]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 
-class Cause(Enum):
+class WarningCause(Enum):
     """What makes results doubtful, the most important first.
 
     (limit, what it is of, what was measured beyond it, what is said: with its place, the limit, and numbers by name)
@@ -167,23 +167,23 @@ class Cause(Enum):
     def __init__(self, limit: float, of: str, effect: str, template: str) -> None:
         self.limit, self.of, self.effect, self.template = limit, of, effect, template
 
-    def at(self, place: str = "", size: float = 0.0, **values: object) -> Caution:
-        """What to say of a place; of cautions of one cause the larger `size` is the worse."""
+    def at(self, place: str = "", size: float = 0.0, **values: object) -> StepWarning:
+        """What to say of a place; of warnings of one cause the larger `size` is the worse."""
         words = self.template.format(place=place, size=size, limit=self.limit, **values)
-        return Caution(self, words, place, float(size))
+        return StepWarning(self, words, place, float(size))
 
 
-RANK = {cause: number for number, cause in enumerate(Cause)}
+RANK = {cause: number for number, cause in enumerate(WarningCause)}
 
 
 @dataclass(frozen=True, slots=True)
-class Caution:
+class StepWarning:
     """One thing that makes the results of a step doubtful."""
 
-    cause: Cause
+    cause: WarningCause
     words: str  # a sentence of this place alone
     place: str = ""  # "crack 'flaw'", "the end of crack 'flaw'"; empty: the whole scene
-    size: float = 0.0  # of cautions of one cause the larger is the worse; may be infinite
+    size: float = 0.0  # of warnings of one cause the larger is the worse; may be infinite
 
     @property
     def rank(self) -> int:

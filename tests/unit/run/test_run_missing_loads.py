@@ -10,8 +10,8 @@ import crackgrow
 from crackgrow.case.model import Case
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cover_of
+from crackgrow.run.missing_loads import dry_joints, free_edges
 from crackgrow.run.scene import make_scene
-from crackgrow.run.unsaid import dry_joints, free_edges
 
 PLATE = {"rectangle": {"center": [0, 0], "width": 100, "height": 100}}
 ROCK = {"young": "30 GPa", "poisson": 0.2, "density": 2600}
@@ -39,7 +39,7 @@ STRESS = {"stress": [-2, -10, 0]}
 
 
 def told(case: Case) -> list[str]:
-    return [caution.words for caution in free_edges(make_scene(case))]
+    return [warning.words for warning in free_edges(make_scene(case))]
 
 
 def on(edge: str, traction: list[float], **more: Any) -> dict[str, Any]:
@@ -109,8 +109,8 @@ def joints(**paths: list[list[float]]) -> dict[str, Any]:
 def dry(case: Case) -> list[str]:
     made = make_scene(case)
     found = list(dry_joints(made, cover_of(made, beginning(case).cracks)))
-    assert all(", where a fluid presses, and stays dry" in caution.words for caution in found)
-    return [caution.place for caution in found]
+    assert all(", where a fluid presses, and stays dry" in warning.words for warning in found)
+    return [warning.place for warning in found]
 
 
 WET = {"crack": "wet", "pressure": 2}

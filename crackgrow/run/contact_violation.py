@@ -1,4 +1,4 @@
-"""What faces miss their contact law by between contact points: it holds on average there."""
+"""Violation of the contact law by faces between contact points: it holds on average there."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.run.caution import Cause
+from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import LoadState
-from crackgrow.run.judging import StepSolution
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.surface_laws import SurfaceLaw
+from crackgrow.run.warning_causes import WarningCause
 
 PRESSED_FLAT = 0.03
 """Overlap of a crack's faces, over what the rock of a cell gives way to the largest pressure, that is small:
@@ -25,8 +25,8 @@ between two corners next to nothing; two cells a block 0.3."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Misfit:
-    """What the faces of one surface miss its contact law by."""
+class ContactViolation:
+    """By how much the faces of one surface violate its contact law."""
 
     face: CrackFaces
     overlap: float  # m, the largest beyond what the contact stiffness explains
@@ -41,21 +41,21 @@ class Misfit:
         return float(self.shares.max())
 
 
-def misfits(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[Misfit]:
+def contact_violations(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> list[ContactViolation]:
     """Overlap, or gap under pressure, of each surface. It is small beside its jump, or what pressure does to rock."""
     strain, found = pressed_strain(solution, faces), []
     for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
-        overlap = np.zeros(len(face.s)) if law.contact is None else np.abs(np.minimum(unexplained(law, face), 0.0))
+        overlap = np.zeros(len(face.s)) if law.contact is None else np.abs(np.minimum(inelastic_gap(law, face), 0.0))
         ways = (("overlap", overlap), ("stand apart under pressure", _apart(law, face)))
         how, off = max(ways, key=lambda way: float(way[1].max()))
         part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
-        small = np.maximum(Cause.OVERLAP.limit * largest_jump(face), part * strain * face.cell_size)
+        small = np.maximum(WarningCause.OVERLAP.limit * largest_jump(face), part * strain * face.cell_size)
         shares = np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
-        found.append(Misfit(face, float(overlap.max()), how, off, shares, strain))
+        found.append(ContactViolation(face, float(overlap.max()), how, off, shares, strain))
     return found
 
 
-def unexplained(law: SurfaceLaw, face: CrackFaces) -> Floats:
+def inelastic_gap(law: SurfaceLaw, face: CrackFaces) -> Floats:
     """Gap (n,) m along a surface beyond what its stiffness explains; negative where faces overlap."""
     return np.asarray(face.opening - law.elastic_gap(face.cell_size, face.normal_traction))
 

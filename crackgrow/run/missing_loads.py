@@ -13,8 +13,8 @@ from crackgrow.case.formula import component_at
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
-from crackgrow.run.caution import Cause, Caution
 from crackgrow.run.scene import Scene
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 from crackgrow.solid.in_situ import InSitu
 from crackgrow.vectors import across, outward_normals
 
@@ -28,7 +28,7 @@ MOST_NAMED = 6
 Fluid = model.FluidPressure | model.EdgePressure
 
 
-def free_edges(scene: Scene) -> Iterator[Caution]:
+def free_edges(scene: Scene) -> Iterator[StepWarning]:
     """Edges of outlines, body by body, where nothing takes the traction of the in-situ stress: there it relaxes.
 
     Holes are openings, whose walls are to give way.
@@ -44,13 +44,15 @@ def free_edges(scene: Scene) -> Iterator[Caution]:
             shapely.MultiLineString(lines), shapely.points(places), SAME_PLACE * scene.lattice.spacing
         )
         left[near] = 0.0
-        sides = np.flatnonzero((left > Cause.FREE_EDGES.limit * size).reshape(-1, POINTS).any(axis=1))
+        sides = np.flatnonzero((left > WarningCause.FREE_EDGES.limit * size).reshape(-1, POINTS).any(axis=1))
         names = list(dict.fromkeys(body.rings[0].edge_names[side] for side in sides))
         if names:
             more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
             what = f"edge{'s' if len(names) > 1 else ''} {', '.join(names[:MOST_NAMED])}{more} of body '{body.name}'"
             are = "are" if len(names) > 1 else "is"
-            yield Cause.FREE_EDGES.at(f"body '{body.name}'", left.max(), what=what, are=are, stress=1e-6 * left.max())
+            yield WarningCause.FREE_EDGES.at(
+                f"body '{body.name}'", left.max(), what=what, are=are, stress=1e-6 * left.max()
+            )
 
 
 def _left_over(case: model.Case, body: model.Body, places: Floats, outward: Floats) -> tuple[float, Floats]:
@@ -77,7 +79,7 @@ def _left_over(case: model.Case, body: model.Body, places: Floats, outward: Floa
     return float(np.hypot(*stress.sum(axis=0).T).max()), np.minimum(apart, sizes[2])
 
 
-def dry_joints(scene: Scene, cover: Cover) -> Iterator[Caution]:
+def dry_joints(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """Pairs of a dry surface and of a fluid that it meets and that presses there.
 
     The fluid is in another surface, or on an edge that the dry one ends on.
@@ -101,7 +103,7 @@ def dry_joints(scene: Scene, cover: Cover) -> Iterator[Caution]:
         for words, load, fluid in wet:
             dry = line if isinstance(load, model.FluidPressure) else line.boundary
             if shapely.dwithin(dry, fluid, ON_LINE) and _presses(scene, load, fluid, dry):
-                yield Cause.DRY.at(f"{name.words} at {words}", dry=name.words, fluid=words)
+                yield WarningCause.DRY.at(f"{name.words} at {words}", dry=name.words, fluid=words)
 
 
 def _presses(scene: Scene, load: Fluid, fluid: shapely.Geometry, dry: shapely.Geometry) -> bool:
