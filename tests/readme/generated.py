@@ -27,7 +27,8 @@ NO_DEFAULT: Final = ("may be left out", "that of its keys", "empty")
 SHORTER: Final = (
     (r' or a formula in x and y such as "0.09\*x - 0.1"', " or formula"),
     (", .msh, .vtu, .vtk, .inp, .xdmf, .med, .mesh, .bdf, .nas, .su2", " or of a mesh"),
-    ("`m`; `cm`; `mm`; `um`; `km`", "a unit of length"),
+    ("`m`; `cm`; `mm`; `um`; `km`; `in`; `ft`", "a unit of length"),
+    ("`Pa`; `kPa`; `MPa`; `GPa`; `psi`; `ksi`", "a unit of stress"),
     (r"^list of 2, each a (\w+ or formula), or mapping", r"[x, y] or {x, y}, each a \1"),
     (r"^(word or )?mapping, or a name from \w+,", "name, or mapping"),
     (r"^(mapping with the keys of laws.NAME): (`\w+`)", r"\2, \1"),
