@@ -79,7 +79,7 @@ def commands() -> str:
 def keys() -> str:
     """The units of quantities, and every key of a case, a table for each that a case begins with."""
     units = {kind: next(key.units for key in case_keys() if kind in key.kind) for kind in UNITS}
-    units["stiffness"] = " over ".join(", ".join(UNITS[kind]) for kind in ("stress", "length"))
+    units["stiffness"] = "a unit of stress over one of length, such as MPa/mm"
     parts, names = [table(("quantity", "units"), units.items())], {key.name for key in case_keys()}
     single = [found[0] for _, found in sections() if len(found) == 1]
     for name, found in (("title", single), *((name, found) for name, found in sections() if len(found) > 1)):
