@@ -217,7 +217,7 @@ def check_agreement(scene: Scene) -> None:
     """Report components of a displacement that another support prescribes otherwise at a place of both.
 
     Edges that meet at a corner have no part in common: what a corner alone would have to do two ways, no edge is held
-    to. Points on a held edge are warned of (`run.scene_cautions`).
+    to. Points on a held edge are warned of (`run.scene_warnings`).
     """
     earlier: list[int] = []
     for index, _ in scene.items("supports", "displacement"):

@@ -2,30 +2,40 @@
 
 A crack is straight between its vertices. K of a tip goes by the direction of the last segment: one that is off by 1.4
 degrees, as that of a half circle of 64 equal segments, puts K_I off by 3.6 %. So the last segments are tangents of the
-curve, and those beside them shorter than in the middle.
+curve, and those beside them shorter than in the middle. Segments there turn by so little that what ends on the curve
+ends on them within the tolerance of a scene.
 """
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import Context
 
-MOST_TURN: Final = np.deg2rad(3.0)
+MOST_TURN: Final = np.deg2rad(1.0)
 """rad, from one segment to the next in the middle of a curve."""
 
-LEAST_TURN: Final = np.deg2rad(1.0)
-"""rad, at its ends: K of a half circle is within 5e-4."""
+LEAST_TURN: Final = np.deg2rad(0.5)
+"""rad, at its ends: K of a half circle is within 1e-3."""
 
 NEAR_END: Final = 0.1
 """Of the length of a curve: within that of an end segments turn by less, in proportion to the distance."""
 
-SAMPLES: Final = 4001
-"""Places on a curve at which its direction is taken."""
+STRAIGHT: Final = 0.01
+"""Segments that a part of a curve would have: with less it is straight."""
+
+FEWEST: Final = 3
+"""Segments of an arc, or between two places of a spline."""
+
+SAMPLES: Final = 4000
+"""Steps along a curve at which its direction is taken, FEWEST_SAMPLES at least between two places."""
+
+FEWEST_SAMPLES: Final = 20
 
 
 def with_curve_points(value: object, path: Path, context: Context) -> object:
@@ -33,32 +43,36 @@ def with_curve_points(value: object, path: Path, context: Context) -> object:
     if not isinstance(value, dict) or not ({"arc", "spline"} & value.keys()):
         return value
     if "arc" in value:
-        arc = value["arc"]
-        turn = arc["to"] - arc["from"]
-        if not 0.0 < abs(turn) < 360.0:
-            message = f"from {arc['from']:g} to {arc['to']:g} deg given; wanted: angles that differ by less than 360"
-            return context.refused((*path, "arc"), message)
-        t = np.deg2rad(np.linspace(arc["from"], arc["to"], SAMPLES))
+        key, arc = "arc", value["arc"]
+        if not 0.0 < abs(arc["to"] - arc["from"]) < 360.0:
+            message = f"from {arc['from']:g} to {arc['to']:g} deg given; wanted: angles that differ, by less than 360"
+            return context.refused((*path, key), message)
+        t = np.deg2rad(np.linspace(arc["from"], arc["to"], SAMPLES + 1))
         curve = np.array(arc["center"], dtype=float) + arc["radius"] * np.stack([np.cos(t), np.sin(t)], axis=1)
+        places = np.array([0, SAMPLES])
     else:
-        points = np.array(value["spline"], dtype=float).reshape(-1, 2)
+        key, points = "spline", np.array(value["spline"], dtype=float).reshape(-1, 2)
         if len(points) < 3 or not np.hypot(*np.diff(points, axis=0).T).all():
             message = f"{len(points)} points given; wanted: three or more, no two of which in turn are the same"
-            return context.refused((*path, "spline"), message)
-        curve = _spline(points)
-    return {"points": [context.units.coordinates(point) for point in _vertices(curve).tolist()]}
+            return context.refused((*path, key), message)
+        curve, places = _spline(points)
+    if not np.hypot(*np.diff(curve, axis=0).T).all():
+        return context.refused((*path, key), "is too small for where it lies: its places are one after rounding")
+    return {"points": [context.units.coordinates(point) for point in _vertices(curve, places).tolist()]}
 
 
-def _spline(points: Floats) -> Floats:
-    """The cubic spline (SAMPLES, 2) through points (n, 2), over the length of their chords, not a knot."""
+def _spline(points: Floats) -> tuple[Floats, Ints]:
+    """The cubic spline (m, 2) through points (n, 2), over the length of their chords, not a knot; where these lie."""
     from scipy.interpolate import CubicSpline  # here: loading it takes a time that other cases save
 
     along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    return np.asarray(CubicSpline(along, points)(np.linspace(0.0, along[-1], SAMPLES)))
+    steps = max(SAMPLES // (len(points) - 1), FEWEST_SAMPLES)
+    at = np.linspace(along[:-1], along[1:], steps, endpoint=False).T.ravel()
+    return np.asarray(CubicSpline(along, points)(np.append(at, along[-1]))), np.arange(len(points)) * steps
 
 
-def _vertices(curve: Floats) -> Floats:
-    """Vertices (n, 2) on a densely sampled curve, both of its ends among them."""
+def _vertices(curve: Floats, places: Ints) -> Floats:
+    """Vertices (n, 2) on a densely sampled curve; the samples `places`, of which its ends are two, are among them."""
     steps = np.diff(curve, axis=0)
     along = np.append(0.0, np.cumsum(np.hypot(*steps.T)))
     middle = 0.5 * (along[1:] + along[:-1]) / along[-1]
@@ -66,11 +80,16 @@ def _vertices(curve: Floats) -> Floats:
     direction = np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
     turned = np.abs(np.gradient(direction))
     segments = np.append(0.0, np.cumsum(turned / np.maximum(turn, LEAST_TURN)))
-    n = max(int(np.ceil(segments[-1])), 1)
-    at = np.interp(np.linspace(0.0, segments[-1], n + 1), segments, along) if segments[-1] > 0.0 else along[[0, -1]]
+    parts = []
+    for first, last in pairwise(places.tolist()):
+        span = segments[last] - segments[first]
+        n = max(int(np.ceil(span)), FEWEST) if span > STRAIGHT else 1
+        inner = np.linspace(segments[first], segments[last], n + 1)[1:-1]
+        parts.append(np.append(along[first], np.interp(inner, segments, along)))
+    at = np.append(np.concatenate(parts), along[-1])
     found = np.stack([np.interp(at, along, coordinate) for coordinate in curve.T], axis=1)
-    if n > 2:
-        for end, beside, tangent in ((0, 1, steps[0]), (-1, -2, -steps[-1])):
+    for part, end, beside, tangent in ((parts[0], 0, 1, steps[0]), (parts[-1], -1, -2, -steps[-1])):
+        if len(part) > 1:
             length = np.hypot(*(found[beside] - found[end]))
             found[beside] = found[end] + length * tangent / np.hypot(*tangent)
     return found

@@ -63,6 +63,8 @@ UNITS["stiffness"] = {
     for stress, one in UNITS["stress"].items()
 }
 
+IMPERIAL = ("psi", "ksi")  # stresses whose toughness goes by inches
+
 # No number of a rock-mechanics case comes near these; their squares and products stay finite.
 LARGEST = 1e60
 SMALLEST = 1e-60
@@ -131,7 +133,7 @@ class Units:
         chosen = {
             "length": self.length,
             "stress": self.stress,
-            "toughness": f"{self.stress} sqrt(m)",
+            "toughness": f"{self.stress} sqrt({'in' if self.stress in IMPERIAL else 'm'})",
             "stiffness": f"{self.stress}/{self.length}",
         }
         return chosen.get(kind) or next(iter(UNITS[kind]))
@@ -140,7 +142,7 @@ class Units:
         """Whether a bare number says all: of a toughness in a case in mm it might be MPa sqrt(m) or MPa sqrt(mm)."""
         if kind == "force":  # in N/m in SI alone
             return (self.length, self.stress) == ("m", "Pa")
-        return kind != "toughness" or self.length == "m"
+        return kind != "toughness" or (self.length == "m" and self.stress not in IMPERIAL)
 
     def show(self, value: float, kind: str, digits: int = 6) -> str:
         """Write an SI value in the units of the case, for messages."""

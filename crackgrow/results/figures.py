@@ -24,7 +24,7 @@ from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.placing import in_rows, with_bar
 from crackgrow.results.style import own_style
-from crackgrow.results.summary import LoadPoint, larger_stress
+from crackgrow.results.summary import Curve, LoadPoint
 from crackgrow.results.units import LENGTHS, STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
@@ -155,20 +155,17 @@ def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
 
 
 @own_style()
-def draw_stress_strain(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
-    """Plot the specimen's mean stress over its mean strain, step by step, along the axis that bears more.
-
-    Compression counts positive where it is that. Raises OutputError.
-    """
-    along, sense, stress, strain = larger_stress([p.stress for p in curve], [p.strain for p in curve])
+def draw_stress_strain(path: Path, case: Case, curve: Curve) -> None:
+    """Plot the specimen's mean stress over its mean strain, step by step. Raises OutputError."""
+    along, sense, stress, strain = curve
     size, unit = unit_of(stress.tolist(), STRESSES)
     figure = Figure(figsize=(5.2, 4.0), dpi=DPI)
     axes = figure.add_subplot()
     axes.plot(1e3 * strain, stress / size, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-    named = range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS))
+    named = range(0, len(stress), -(-len(stress) // MOST_STEP_TICKS))
     for (x, y), steps in _labels(1e3 * strain, stress / size, list(named)):
         axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
-    peak = int(np.argmax(stress))
+    peak = int(np.nanargmax(stress))
     axes.axhline(stress[peak] / size, color="0.6", linewidth=0.6, linestyle="--")
     axes.set(
         xlabel=f"{sense} strain along {along} [1e-3]",

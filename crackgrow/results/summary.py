@@ -16,7 +16,7 @@ import numpy as np
 
 from crackgrow import __version__
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case
+from crackgrow.case.model import Case, Stages, StrengthReduction
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import or_null
 from crackgrow.run.result import Event, RunEnd, Safety, StepResult, TipResult, event_of, event_record
@@ -26,6 +26,9 @@ NOTHING = 1e-3
 
 Joints that stick under a stress of 12 MPa in the ground have 4e-6 of it, with bounds of 7e-4.
 """
+
+STEADY = 1e-6
+"""Of the largest stress: one that varies by less is the same in all steps, but for round-off."""
 
 MEMORY_FILE = Path("/proc/self/status")  # of Linux
 CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
@@ -50,7 +53,7 @@ class Tally:
     load_factor_error: float = math.nan  # percent
     goal_error: float = math.nan  # percent
     time: float = math.nan  # s, of the last step
-    peak: float = -math.inf  # the largest load factor
+    peak: float = math.nan  # the largest load factor
     peak_step: int = 0
 
     @property
@@ -72,7 +75,7 @@ class Tally:
         self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
         self.goal_error = max((self.goal_error, result.goal_error), key=_known)
         self.time = float(result.time)
-        if result.load_factor > self.peak:
+        if not result.load_factor <= self.peak:
             self.peak, self.peak_step = float(result.load_factor), int(result.step)
         for phase, seconds in result.seconds.items():
             self.add_seconds(phase, seconds)
@@ -123,15 +126,20 @@ def load_point(result: StepResult) -> LoadPoint:
     return LoadPoint(result.load_factor, result.load_displacement, result.crack_length, *means, slip)
 
 
-def larger_stress(stresses: Sequence[Sequence[float]], strains: Sequence[Sequence[float]]) -> Curve:
-    """The stress-strain curve along the axis with the larger mean stress: axis, sense, stress (n,) Pa and strain (n,).
+def stress_strain(stresses: Sequence[Sequence[float]], strains: Sequence[Sequence[float]]) -> Curve | None:
+    """The curve along the axis with the larger mean stress: axis, sense, stress (n,) Pa and strain (n,).
 
-    Both are positive in the sense that the largest stress has.
+    Both are positive in the sense that the largest stress has. None where that stress hardly varies.
     """
     stress, strain = np.array(stresses, dtype=float), np.array(strains, dtype=float)
-    step, axis = np.unravel_index(np.argmax(np.abs(stress[:, :2])), (len(stress), 2))
-    sign = -1.0 if stress[step, axis] < 0.0 else 1.0
-    return "xy"[axis], "compressive" if sign < 0.0 else "tensile", sign * stress[:, axis], sign * strain[:, axis]
+    largest = np.nan_to_num(np.abs(stress)).max(axis=0)
+    axis = int(np.argmax(largest[:2]))
+    along, across = stress[:, axis], strain[:, axis]
+    known = along[np.isfinite(along)]
+    if not len(known) or not np.ptp(known) > STEADY * largest.max():
+        return None
+    sign = -1.0 if known[np.argmax(np.abs(known))] < 0.0 else 1.0
+    return "xy"[axis], "compressive" if sign < 0.0 else "tensile", sign * along, sign * across
 
 
 def summarize(
@@ -166,7 +174,7 @@ def summarize(
         "resumed_with_steps": list(resumed),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
         **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
-        "peak_load": {"load_factor": tally.peak, "step": tally.peak_step} if tally.steps else None,
+        "peak_load": _peak(case, tally),
         "worst_checks": {
             check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
         },
@@ -183,6 +191,13 @@ def summarize(
         "warnings": tally.warnings,
         "cautions": [{**record, "size": or_null(record["size"])} for record in tally.cautions.records()],
     }
+
+
+def _peak(case: Case, tally: Tally) -> dict[str, object] | None:
+    """The largest load factor and its step; None where there is none, or it is no factor of loads."""
+    if not tally.steps or isinstance(case.loading, Stages | StrengthReduction):
+        return None
+    return {"load_factor": or_null(tally.peak), "step": tally.peak_step}
 
 
 def _safety(safety: Safety) -> dict[str, object]:

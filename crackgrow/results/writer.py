@@ -28,6 +28,7 @@ from crackgrow.results.summary import (
     load_point,
     peak_memory_mb,
     program_commit,
+    stress_strain,
     summarize,
     summary_text,
 )
@@ -303,8 +304,9 @@ class RunWriter:
             figures.draw_contact(folder / "contact.png", self.case, last)
         if len({point.factor for point in self._curve}) > 1:
             figures.draw_load_curve(folder / "load_curve.png", self.case, self._curve)
-        if len({tuple(point.stress) for point in self._curve}) > 1:
-            figures.draw_stress_strain(folder / "stress_strain.png", self.case, self._curve)
+        curve = stress_strain([point.stress for point in self._curve], [point.strain for point in self._curve])
+        if curve is not None:
+            figures.draw_stress_strain(folder / "stress_strain.png", self.case, curve)
 
     def _draw_sigma_1(self, name: str, result: StepResult) -> None:
         from crackgrow.results import figures  # as above

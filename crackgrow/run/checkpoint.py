@@ -71,7 +71,7 @@ def packed(state: RunState) -> Checkpoint:
     if origin.start is not None:
         start = origin.start
         values["start"] = {
-            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "good_to": start.round_off
+            **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "round_off": start.round_off
         }  # fmt: skip
         of_start = {**start.contact_history.arrays, "conjugates": start.conjugates}
         arrays.update({f"{START}{name}": array for name, array in of_start.items()})
@@ -113,6 +113,6 @@ def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
         ContactHistory.of_arrays(own),
         Energy(**values["energy"]),
         own["conjugates"],
-        values["good_to"],
+        values["round_off"],
         values["grown"],
     )

@@ -4,9 +4,10 @@ With the displacement u and the outward normal n along the outer outline of the 
 
     mean strain = 1/(2 A) int (u n' + n u') ds,    mean stress = 1/A int sigma dA    (Hill 1963),
 
-so that the opening and slip of cracks are in the strain, and holes are a part of A. The functions of the patches hold
-a linear displacement with the places x of their nodes as coefficients: with the internal forces f = K u the integral
-of the stress is the sum of (x f' + f x')/2 over the patches, to which the in-situ stress comes.
+so that the opening and slip of cracks are in the strain. Holes are a part of A that bears no stress, whatever presses
+on their rims. The functions of the patches hold a linear displacement with the places x of their nodes as coefficients:
+with the internal forces f = K u the integral of the stress is the sum of (x f' + f x')/2 over the patches, to which the
+in-situ stress comes.
 """
 
 from __future__ import annotations

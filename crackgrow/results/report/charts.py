@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.results.folder import HISTORY, RunFolder
-from crackgrow.results.summary import larger_stress
+from crackgrow.results.folder import HISTORY, RunFolder, TextTable
+from crackgrow.results.summary import Curve, stress_strain
 from crackgrow.results.tables import COMPONENTS
 from crackgrow.results.units import (
     ENERGIES,
@@ -61,11 +61,10 @@ def charts(run: RunFolder) -> list[Chart]:
         load = {"load factor": factor}
         found.append(_chart("Load curve", "load factor", load, NO_UNIT, xlabel=xlabel, x=x, steps=run.solved))
         found.append(by_step("Load factor", "load factor", load, NO_UNIT))
-    if "mean_stress_xx" in table.columns:  # not of a run by a version before
-        means = [[table.numbers(f"mean_{what}_{xx}") for xx in COMPONENTS] for what in ("stress", "strain")]
-        along, sense, stress, strain = larger_stress(*(np.array(mean).T.tolist() for mean in means))
+    if curve := _stress_strain(table):
+        along, sense, stress, strain = curve
+        x, xlabel = rounded_all(strain, 1e-3), f"{sense} strain along {along} [1e-3]"
         what = f"{sense} stress along {along}"
-        xlabel, x = f"{sense} strain along {along} [1e-3]", rounded_all(strain, 1e-3)
         found.append(_chart("Stress and strain", what, {what: stress}, STRESSES, xlabel=xlabel, x=x, steps=run.solved))
     for title, values in (("Crack length", length), ("Displacement of the loads", displacement)):
         found.append(by_step(title, title.lower(), {title.lower(): values}, LENGTHS))
@@ -77,6 +76,14 @@ def charts(run: RunFolder) -> list[Chart]:
         x, xlabel, grown = rounded_all(time, size), f"time [{unit}]", {"crack length": length}
         found.append(_chart("Growth in time", "crack length", grown, LENGTHS, xlabel=xlabel, x=x, steps=run.solved))
     return found
+
+
+def _stress_strain(table: TextTable) -> Curve | None:
+    """The stress-strain curve of the steps; None where there is none, as of a run by a version before."""
+    if "mean_stress_xx" not in table.columns:
+        return None
+    means = [[table.numbers(f"mean_{what}_{xx}") for xx in COMPONENTS] for what in ("stress", "strain")]
+    return stress_strain(*(np.array(mean).T.tolist() for mean in means))
 
 
 def drawn_tips(run: RunFolder) -> list[tuple[str, ...]]:

@@ -395,11 +395,11 @@ def test_a_short_crack_is_not_bent_by_what_is_near(tmp_path: Path):
     assert case.moved == ()
 
 
-@pytest.mark.parametrize(("start", "end"), [(0.0, 180.0), (180.0, 0.0), (-30.0, 40.0)])
+@pytest.mark.parametrize(("start", "end"), [(0.0, 180.0), (180.0, 0.0), (-30.0, 40.0), (0.0, 2.0)])
 def test_an_arc_lies_on_its_circle_and_ends_along_it(start: float, end: float):
     arc = f"cracks.flaw.path={{arc: {{center: [1, -2], radius: 3, from: {start}, to: {end}}}}}"
     points = compression(arc).cracks[0].points * 1e3 - [1.0, -2.0]
-    np.testing.assert_allclose(np.hypot(*points.T), 3.0, rtol=5e-4)
+    np.testing.assert_allclose(np.hypot(*points.T), 3.0, rtol=1e-4)
     ends = np.deg2rad([start, end])
     np.testing.assert_allclose(points[[0, -1]], 3.0 * np.stack([np.cos(ends), np.sin(ends)], axis=1), atol=1e-9)
     along = np.sign(end - start) * np.stack([-np.sin(ends), np.cos(ends)], axis=1)
@@ -410,7 +410,7 @@ def test_an_arc_lies_on_its_circle_and_ends_along_it(start: float, end: float):
 def test_a_spline_through_places_of_a_parabola_is_that_parabola():
     places = [[x, 0.1 * x * x] for x in range(-6, 6)]
     points = compression(f"cracks.flaw.path={{spline: {places}}}").cracks[0].points * 1e3
-    assert points[[0, -1]].tolist() == pytest.approx(np.array([places[0], places[-1]]))
+    assert max(np.hypot(*(points - place).T).min() for place in places) < 1e-12
     assert np.abs(points[:, 1] - 0.1 * points[:, 0] ** 2).max() < 0.01
 
 

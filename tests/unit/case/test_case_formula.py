@@ -174,3 +174,10 @@ def test_formula_in_a_case(given: str, text: str):
 def test_plain_components_stay_numbers(unit: str, given: str, value: float):
     case = compression(f"units.length={unit}", f"supports.2.displacement.x={given}")
     assert case.supports[2].displacement == (value, None)
+
+
+@pytest.mark.parametrize("stress", ["psi", "ksi"])
+@pytest.mark.parametrize("length", ["in", "m"])
+def test_a_bare_toughness_by_pounds_needs_a_unit(stress: str, length: str):
+    with pytest.raises(QuantityError, match=rf"needs a unit, such as {stress} sqrt\(in\)"):
+        parse_quantity("1", "toughness", Units(length, stress))

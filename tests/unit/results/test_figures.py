@@ -22,7 +22,7 @@ from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.field_picture import Look
 from crackgrow.results.style import own_style
-from crackgrow.results.summary import LoadPoint, load_point
+from crackgrow.results.summary import LoadPoint, load_point, stress_strain
 from crackgrow.run.result import STICK
 from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
@@ -305,3 +305,23 @@ def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monk
         done = finished(words)
         assert (done.returncode, done.stderr) == (0, "")
     assert (tmp_path / "out" / "figures" / "path.png").is_file()
+
+
+@pytest.mark.parametrize(
+    ("stress", "drawn"),
+    [
+        ([(0.0, -1e6, 0.0), (0.0, -2e6, 1e3), (0.0, -1.5e6, 0.0)], ("y", "compressive", [1e6, 2e6, 1.5e6])),
+        ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan)], None),
+        ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan), (4e6, -1e6, 0.0)], ("x", "tensile", [3e6, np.nan, 4e6])),
+        ([(1e-9, 2e-9, 1e6), (3e-9, 1e-9, 2e6)], None),
+        ([(0.0, 1e6, 0.0), (0.0, 1e6 + 1e-9, 0.0)], None),
+    ],
+    ids=["compression", "one step", "nan", "pure shear", "steady"],
+)
+def test_the_curve_is_of_the_axis_that_bears_more_and_none_of_round_off(stress: list, drawn: tuple | None) -> None:
+    found = stress_strain(stress, [(0.0, 0.0, 0.0)] * len(stress))
+    if drawn is None:
+        assert found is None
+    else:
+        assert found[:2] == drawn[:2]
+        np.testing.assert_allclose(found[2], drawn[2])
