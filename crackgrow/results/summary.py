@@ -174,7 +174,6 @@ def summarize(
         "resumed_with_steps": list(resumed),
         **({} if end.safety is None else {"safety": _safety(end.safety)}),
         **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
-        "peak_load": _peak(case, tally),
         "worst_checks": {
             check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
         },
@@ -187,6 +186,7 @@ def summarize(
             "load_factor_percent_at_most": or_null(tally.load_factor_error),
             "goal_percent_at_most": or_null(tally.goal_error),
         },
+        "peak_load": _peak(case, tally),
         "events": [{**event_record(event), "words": event.words} for event in (*tally.events, *end.events)],
         "warnings": tally.warnings,
         "cautions": [{**record, "size": or_null(record["size"])} for record in tally.cautions.records()],

@@ -55,7 +55,7 @@ def advance(
         kinks = np.rad2deg(kink_angles(grown[0].crack.points))
         states = []
         for state, kink in zip(solution.tips, (-kinks[0], kinks[-1]), strict=True):
-            intensity = StressIntensity(1.0, K_II(kink), 0.0, 0.0, 1.0, False, "")
+            intensity = StressIntensity(1.0, K_II(kink), 0.0, 0.0, 0.0, 0.0, 1.0, False, "")
             states.append(replace(state, intensity=intensity))
         return replace(solution, tips=tuple(states), seconds={"contact": 1.0})
 
