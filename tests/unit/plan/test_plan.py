@@ -184,6 +184,7 @@ def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureF
 
 UNTOLD = {
     **dict.fromkeys(("en_echelon", "tunnel_excavated"), "three and more rounds of refinement in a step"),
+    "13_curved": "two rounds: cells to begin with take no heed of curves",
     "05_initiation": "cracks that are not there yet",
     "08_safety": "one factor after the other is tried",
 }
