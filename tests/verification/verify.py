@@ -1,6 +1,6 @@
 """The verification table: every row computed and written, the worst of each quantity printed. Exit code 1: a row fails.
 
-python -m tests.verification.verify [--out DIR] [--only SUBJECT ...] [--jobs N]
+python -m tests.verification.verify [--out DIR] [--only SUBJECT ...] [--slow] [--jobs N]
 """
 
 from __future__ import annotations
@@ -30,9 +30,9 @@ def rows_of(subject: str) -> list[Row]:
     return rows
 
 
-def outcomes_of(subject: str) -> list[Outcome]:
-    """All rows of a subject, computed."""
-    return [evaluate(row) for row in rows_of(subject)]
+def outcomes_of(subject: str, slow: bool) -> list[Outcome]:
+    """The rows of a subject, computed; those that take minutes where `slow` ones are asked for."""
+    return [evaluate(row) for row in rows_of(subject) if slow or not row.slow]
 
 
 def write(outcomes: Sequence[Outcome], path: Path) -> None:
@@ -63,12 +63,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="verify", description="Compute the verification table.")
     parser.add_argument("--out", type=Path, default=Path("outputs/verification"), metavar="DIR")
     parser.add_argument("--only", nargs="+", choices=SUBJECTS, default=list(SUBJECTS), metavar="SUBJECT")
+    parser.add_argument("--slow", action="store_true", help="with the rows that take a minute or more each")
     parser.add_argument("--jobs", type=int, default=min(2, os.cpu_count() or 1), metavar="N", help="processes")
     asked = parser.parse_args(argv)
     started = time.perf_counter()
     asked.out.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(asked.jobs) as pool:
-        outcomes = [found for each in pool.map(outcomes_of, asked.only) for found in each]
+        subjects = pool.map(outcomes_of, asked.only, [asked.slow] * len(asked.only))
+        outcomes = [found for each in subjects for found in each]
     write(outcomes, asked.out / "table.csv")
     print(worst(outcomes))
     missed = [found for found in outcomes if not found.within]
