@@ -104,6 +104,7 @@ class Tally:
 
 
 Curve = tuple[str, str, Floats, Floats]
+"""A stress-strain curve: axis, sense, stress (n,) Pa and strain (n,)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,12 +135,12 @@ def stress_strain(stresses: Sequence[Sequence[float]], strains: Sequence[Sequenc
     stress, strain = np.array(stresses, dtype=float), np.array(strains, dtype=float)
     largest = np.nan_to_num(np.abs(stress)).max(axis=0)
     axis = int(np.argmax(largest[:2]))
-    along, across = stress[:, axis], strain[:, axis]
+    along = stress[:, axis]
     known = along[np.isfinite(along)]
     if not len(known) or not np.ptp(known) > STEADY * largest.max():
         return None
     sign = -1.0 if known[np.argmax(np.abs(known))] < 0.0 else 1.0
-    return "xy"[axis], "compressive" if sign < 0.0 else "tensile", sign * along, sign * across
+    return "xy"[axis], "compressive" if sign < 0.0 else "tensile", sign * along, sign * strain[:, axis]
 
 
 def summarize(

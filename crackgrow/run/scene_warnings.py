@@ -194,13 +194,8 @@ def _contact_layers(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     The K_I of that layer is the pressure times the root of its length.
     """
     contact = scene.case.numerics.contact
-    least, most, points, much, other = (
-        0.0,
-        WarningCause.CONTACT_LAYER.limit,
-        "gauss points",
-        "a quarter of the spacing",
-        "",
-    )
+    least, most = 0.0, WarningCause.CONTACT_LAYER.limit
+    points, much, other = "gauss points", "a quarter of the spacing", ""
     if contact.discretization == "mortar":
         least, most, points, much = THINNEST_LAYER * contact.spacing, contact.spacing, "mortar nodes", "their distance"
         other = "numerics.contact.discretization gauss with "

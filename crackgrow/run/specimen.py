@@ -40,12 +40,14 @@ def _stress_integral(state: LoadState) -> Floats:
     nodes = lattice.to_metres(cover.patches.nodes)
     forces = (state.configuration.stiffness.matrix @ state.outcome.u).reshape(-1, 2)[: len(nodes)]
     total = _symmetric(nodes.T @ forces)
-    if any(any(material.initial.uniform) or material.initial.varying for material in state.materials):
+    for region, material in zip(state.scene.regions, state.materials, strict=True):
+        total += region.area * np.array(material.initial.uniform)
+    if any(material.initial.varying for material in state.materials):
         at = element_points(cover, state.scene.case.numerics.quadrature)
         body, places = cover.elements.body[at.element], lattice.to_metres(at.points)
         for number, material in enumerate(state.materials):
             mine = body == number
-            total += lattice.spacing**2 * at.weights[mine] @ material.initial.at(places[mine])
+            total += lattice.spacing**2 * at.weights[mine] @ material.initial.more_at(places[mine])
     return total
 
 
