@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -76,22 +77,19 @@ class SurfaceLaw:
         return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
 
 
-def contact_stiffness(case: Case, bodies: tuple[str, ...]) -> float:
-    """kappa E (Pa) of contact, E of the softer body; infinite for rigid contact."""
-    kappa = case.numerics.contact.stiffness
-    if kappa is None:
-        return np.inf
-    young = min(body.material.young for body in case.bodies if body.name in bodies)
-    return kappa * young
+def surface_law(case: Case, contact: CoulombContact | Literal["bonded"] | None, *bodies: str) -> SurfaceLaw:
+    """What holds the faces of a surface on some bodies, of which the case says this; E is that of the softer one."""
+    kappa, law = case.numerics.contact.stiffness, contact if isinstance(contact, CoulombContact) else None
+    softer = min(body.material.young for body in case.bodies if body.name in bodies)
+    return SurfaceLaw(law, contact == "bonded", np.inf if kappa is None else kappa * softer)
 
 
 def laws_at_points(
     laws: Sequence[SurfaceLaw], cover: Cover, faces: ContactFaces, growing: Sequence[GrowingCrack]
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    compliance, along, weakening = np.zeros((3, faces.n))
-    most, rough, wall = np.full(faces.n, np.inf), np.zeros(faces.n), np.ones(faces.n)
-    decays = np.zeros(faces.n, dtype=bool)
+    compliance, along, weakening, rough = np.zeros((4, faces.n))
+    most, wall, decays = np.full(faces.n, np.inf), np.ones(faces.n), np.zeros(faces.n, dtype=bool)
     tables = [law.table for law in laws]
     n_rows = max((table.shape[1] for table in tables), default=2)
     rows = np.zeros((5, n_rows, faces.n))

@@ -6,13 +6,11 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
-from crackgrow.accuracy.companion import Errors, Quantities, errors_of, unresolved_shear
+from crackgrow.accuracy.companion import Errors, Quantities, coarsened, errors_of, refined, unresolved_shear
 from crackgrow.accuracy.features import Grading
-from crackgrow.accuracy.marking import coarsened, refined
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.faces import points_at
@@ -23,12 +21,12 @@ from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.contact_violation import mean_stress
 from crackgrow.run.evaluation import StepSolution, TipState
 from crackgrow.run.increments import LoadState
 from crackgrow.run.layout import cells_of, cover_of
-from crackgrow.run.reactions import reactions
+from crackgrow.run.loading import HistorySolver, NextStepSolver
 from crackgrow.run.scene import Scene
+from crackgrow.run.state_values import mean_stress, reactions
 
 MOST_ROUNDS = 5
 """Times that cells are refined for one step."""
@@ -44,16 +42,7 @@ PLACES = 65
 """Along each surface, at which jumps are held against each other."""
 
 
-class StepSolver(Protocol):
-    """Solves a step on other cells, which may reuse what they have in common with a configuration."""
-
-    def solve(self, scene: Scene, like: Configuration | None, /) -> StepSolution:
-        """The step."""
-
-    def companion(
-        self, scene: Scene, solution: StepSolution, like: Configuration | None, /
-    ) -> tuple[StepSolution, float]:
-        """What a solution is held against on the cells of a companion, and the load factor of its own path."""
+StepSolver = NextStepSolver | HistorySolver
 
 
 def solved_to_target(solution: StepSolution, solver: StepSolver, last: Configuration | None) -> StepSolution:

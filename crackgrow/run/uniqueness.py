@@ -91,10 +91,13 @@ def _normalised(compliance: Floats, weights: Floats) -> Floats:
 def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
     """Solutions (m,) Pa that differ from the one `known` (m,), as far as starts from stick and slip lead to any.
 
-    One that is found is a proof; none is no proof of there being none.
+    One that is found is a proof; none is no proof of there being none. Faces lie elsewhere in another one: what
+    redundant points share is not asked.
     """
+    least = DIFFERENT * np.abs(problem.free).max(initial=0.0)
     for solution in _attempts(problem):
-        if solution.status == "solved" and _differ(problem, known, solution.traction):
+        moved = problem.compliance @ (known - solution.traction)
+        if solution.status == "solved" and np.abs(moved).max(initial=0.0) > least:
             yield solution.traction
 
 
@@ -111,12 +114,6 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
         yield solve_by_lemke(problem)
     except NotSolvedError:  # the compliance has no inverse: Newton's attempts are all there are
         return
-
-
-def _differ(problem: ContactProblem, p: Floats, q: Floats) -> bool:
-    """Whether faces lie elsewhere under tractions p than under q (m,): what redundant points share is not asked."""
-    change = np.abs(problem.compliance @ (p - q)).max(initial=0.0)
-    return bool(change > DIFFERENT * np.abs(problem.free).max(initial=0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,8 +144,7 @@ def under_its_loads(case: Case) -> Case:
 def _found(solution: StepSolution) -> str:
     """What is known of the solutions of a loaded configuration."""
     contact, points = solution.contact, solution.outcome.points
-    why = why_not_examined(contact, points)
-    if why:
+    if why := why_not_examined(contact, points):
         return why
     limit = proven_limit(contact, points)
     if limit is None:
@@ -195,10 +191,11 @@ def proven_limit(contact: ContactSystem, points: PointStates) -> float | None:
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
     """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound."""
     points = outcome.points
-    if why_not_examined(contact, points):
+    problem, rows = points.problem, points.rows
+    if why_not_examined(contact, points) or problem is None or points.solution is None:
         return None
-    limit, problem, rows = proven_limit(contact, points), points.problem, points.rows
-    if limit is None or problem is None or points.solution is None:
+    limit = proven_limit(contact, points)
+    if limit is None:
         return None
     known = points.solution.traction
     for p in other_solutions(problem, known):
