@@ -30,7 +30,6 @@ from typing import Any
 import numpy as np
 import shapely
 
-from crackgrow.accuracy.features import Changes, Grading
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Goal
 
@@ -43,8 +42,6 @@ BOUND = 3.0
 NOTHING = 1e-9
 """Of the largest K: a K below is round-off."""
 
-HALF_INFINITE = 8.0 / math.pi
-
 MOST_AT_ONCE = 3
 """Levels in one round."""
 
@@ -54,9 +51,6 @@ STUCK = 0.8
 ROOM = 0.6
 """Of the target: so far the next step may come with coarser cells, each level of which doubles the error."""
 
-NO_ERROR = 1e-9
-"""Of a target."""
-
 COARSEST = -2
 """Levels below those that a run begins with: features that nothing needs any more are of old kinks, grown far from."""
 
@@ -65,6 +59,32 @@ CLOSE = 0.5
 
 End = tuple[int, bool]
 """Number of a crack, and whether it is its end or its start."""
+
+Changes = tuple[tuple[int, float, float], ...]
+"""Where contact status changes: crack, x and y (m)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grading:
+    """Refinement levels that errors have asked for, and whether cells are those of a companion mesh, each quartered."""
+
+    nested: bool = False  # False: cells by hand, without a companion
+    companion: bool = False
+    cracks: tuple[int, ...] = ()  # crack by crack; those beyond have the level 0
+    rest: int = 0  # of corners, and of theta
+    changes: Changes = field(default=(), repr=False)
+
+    @property
+    def quartered(self) -> bool:
+        """Whether cells are those of the companion mesh, each quartered."""
+        return self.nested and not self.companion
+
+    def level(self, crack: int) -> int:
+        """The level of a crack."""
+        return self.cracks[crack] if crack < len(self.cracks) else 0
+
+
+BY_HAND = Grading()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -178,7 +198,7 @@ def unresolved_shear(K_I: float, y: float, pressure: float, shear: float) -> flo
     """
     if K_I <= 0.0:
         return 0.0
-    return shear * min(math.sqrt(HALF_INFINITE * y), K_I / pressure if pressure > 0.0 else math.inf)
+    return shear * min(math.sqrt(8.0 / math.pi * y), K_I / pressure if pressure > 0.0 else math.inf)
 
 
 def errors_of_record(record: Mapping[str, Any]) -> Errors:
@@ -226,8 +246,8 @@ def coarsened(errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats
     rest_too = grading.rest > 0 and bool(2.0 * np.fmax.reduce(shares, initial=math.nan) < ROOM)
     for crack, share in enumerate((shares * 2.0**rest_too).tolist()):
         if share < ROOM:  # neither where it is not known
-            fewer = int(math.log2(ROOM / max(share, NO_ERROR)))
-            levels[crack] = max(levels[crack] - min(fewer, MOST_AT_ONCE), min(levels[crack], COARSEST))
+            fewer = int(math.log2(ROOM / max(share, ROOM * 0.5**MOST_AT_ONCE)))
+            levels[crack] = max(levels[crack] - fewer, min(levels[crack], COARSEST))
     return replace(grading, cracks=tuple(levels), rest=grading.rest - rest_too, changes=changes)
 
 

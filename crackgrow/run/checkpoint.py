@@ -16,7 +16,8 @@ from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Excavated
-from crackgrow.run.increments import FROM_REST, Origin, Start
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.increments import Origin, Start
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import ContactHistory
 from crackgrow.run.result import Checkpoint, CrackPath, Energy, Event, event_of, event_record
@@ -53,14 +54,14 @@ def beginning(case: Case) -> RunState:
     return RunState(0, tuple(map(GrowingCrack.given, case.cracks)))
 
 
-def packed(state: RunState) -> Checkpoint:
-    """The state as plain data."""
-    origin = state.origin or FROM_REST
+def packed(state: RunState, solution: StepSolution) -> Checkpoint:
+    """The state whose step has this solution, as plain data."""
+    origin, errors = solution.origin, solution.errors
     values: dict[str, Any] = {
         "events": [event_record(event) for event in state.events],
         "n_pieces": state.n_pieces,
-        "factorizations": state.factorizations,
-        "notes": list(state.notes),
+        "factorizations": solution.factorizations,
+        "notes": list(solution.notes),
         "guess": origin.guess,
         "cracks": [
             {
@@ -76,7 +77,7 @@ def packed(state: RunState) -> Checkpoint:
         "time": state.time,
         "start": None,
         "gone": [rock.body for rock in origin.excavated],
-        "errors": None if state.errors is None else asdict(state.errors),
+        "errors": None if errors is None else asdict(errors),
     }
     arrays: dict[str, NDArray[Any]] = {}
     for number, growing in enumerate(state.cracks):

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from crackgrow.accuracy.companion import End
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Growth
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
@@ -15,7 +16,6 @@ from crackgrow.fracture.subcritical import WAITS, lengths, mean_velocity, veloci
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.propagation import End
 from crackgrow.run.result import RunEnd
 from crackgrow.solid.rigid_modes import all_pieces
 

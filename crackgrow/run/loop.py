@@ -175,11 +175,4 @@ def _reported(state: RunState, solution: StepSolution, chosen: Container[int] = 
     """The step's result, with what a run can go on from; of its tips the `chosen` advance."""
     output = solution.scene.case.output
     result = step_result(state, solution, chosen, output.frames != "none" or output.figures)
-    solved = replace(
-        state,
-        origin=solution.origin,
-        factorizations=solution.factorizations,
-        notes=solution.notes,
-        errors=solution.errors,
-    )
-    return replace(result, checkpoint=packed(solved))
+    return replace(result, checkpoint=packed(state, solution))

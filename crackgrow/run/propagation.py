@@ -16,6 +16,7 @@ from itertools import zip_longest
 import numpy as np
 import shapely
 
+from crackgrow.accuracy.companion import End
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.meetings import scene_size
 from crackgrow.case.surface import end_word
@@ -50,9 +51,6 @@ SLOPES = (0.1, 20.0)
 
 LARGEST_CORRECTION = np.deg2rad(30.0)
 """rad, of one trial."""
-
-End = tuple[int, bool]
-"""Number of a crack, and whether it is its end or its start."""
 
 Solve = Callable[[tuple[GrowingCrack, ...]], StepSolution]
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import shapely
 
-from crackgrow.accuracy.features import BY_HAND, Grading
+from crackgrow.accuracy.companion import BY_HAND, Grading
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case import model
 from crackgrow.case.features import Length, rim_lengths

@@ -104,7 +104,7 @@ def _apart(law: SurfaceLaw, face: CrackFaces, elastic: Floats) -> Floats:
         return apart  # of dilation that wears slip alone does not tell what it has opened
     closed = face.state != OPEN
     within = closed[1:-1] & closed[:-2] & closed[2:]
-    risen = law.dilation * np.abs(face.slip) + elastic
+    risen = float(law.table[4, 0]) * np.abs(face.slip) + elastic  # the tangent of the dilation angle
     apart[1:-1][within] = np.maximum(face.opening - risen, 0.0)[1:-1][within]
     return apart
 

@@ -62,7 +62,9 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
     n = len(weights)
     if n == 0:
         return float("inf")
-    A = _normalised(compliance, weights)
+    root, size = np.tile(np.sqrt(weights), 2), np.tile(np.sqrt(compliance.diagonal()[:n]), 2)
+    A = compliance * (root / size)[:, None] / (root * size)  # no unit: forces for pressures, any size a point
+    A = 0.5 * (A + A.T)
     try:
         normal, tangential = np.linalg.cholesky(A[:n, :n]), np.linalg.cholesky(A[n:, n:])
     except np.linalg.LinAlgError:
@@ -74,18 +76,6 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
         return float("inf")
     uncoupled = np.linalg.eigvalsh(A[:n, :n])[0] / np.linalg.eigvalsh(A[n:, n:])[-1]
     return float(np.sqrt(max(1.0 - gamma_sq, 0.0) / gamma_sq * uncoupled))
-
-
-def _normalised(compliance: Floats, weights: Floats) -> Floats:
-    """The symmetric A (2 n, 2 n) without a unit: forces for pressures, and any size a point, the same for its rows."""
-    n = len(weights)
-    root = np.tile(np.sqrt(weights), 2)
-    size = np.tile(np.sqrt(compliance.diagonal()[:n]), 2)
-    A: Floats = compliance * (root / size)[:, None]
-    A /= root * size
-    A += A.T.copy()
-    A *= 0.5
-    return A
 
 
 def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:

@@ -14,6 +14,7 @@ from crackgrow.accuracy.companion import (
     COARSEST,
     MOST_AT_ONCE,
     Errors,
+    Grading,
     Quantities,
     coarsened,
     errors_of,
@@ -21,7 +22,6 @@ from crackgrow.accuracy.companion import (
     refined,
     unresolved_shear,
 )
-from crackgrow.accuracy.features import Grading
 from crackgrow.arrays import Floats
 
 NAN = math.nan
