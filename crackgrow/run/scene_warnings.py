@@ -37,6 +37,9 @@ POINTS = 8
 MOST_NAMED = 6
 """Of more edges only the number is told."""
 
+LEAST_SUPPORT = 2.0
+"""Half width of a patch, in spacings, below which rock that hardly changes its volume locks."""
+
 Fluid = model.FluidPressure | model.EdgePressure
 
 
@@ -54,6 +57,9 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     for load in case.loads:
         if isinstance(load, model.PointForce) and any(load.force):
             yield WarningCause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
+    for body in case.bodies if case.plane == "strain" and case.numerics.support < LEAST_SUPPORT else ():
+        if (ratio := body.material.poisson) > WarningCause.LOCKING.limit:
+            yield WarningCause.LOCKING.at(f"body '{body.name}'", ratio, least=LEAST_SUPPORT)
     yield from free_edges(scene)
     yield from _contradictions(scene, cover)
     yield from _of_files(case)

@@ -29,6 +29,7 @@ class WarningCause(Enum):
     OVERLAP = auto()
     JUMP = auto()
     RIPPLE = auto()
+    LOCKING = auto()
     WIDE_SHEAR = auto()
     SHORT_START = auto()
     MEMORY = auto()
