@@ -56,36 +56,28 @@ def size_field(scene: Scene, cracks: Sequence[CrackGeometry]) -> SizeField:
     """Depths at features, in the largest cells, and rings of cells of each size round them.
 
     Tips have as many as the support: no larger patches than those at the tip hold it, on which its functions would be
-    too few. A companion has half of the others, since the step's cells, each quartered, have twice as many.
+    too few. A companion has half of the others, since the step's cells, each quartered, have twice as many. The
+    refinement levels of a case by hand take the place of lengths.
     """
-    grading, rings = scene.grading, scene.case.numerics.refine.rings
-    at_tips = max(rings, scene.lattice.support)
-    times, elsewhere = (2.0, 0.5 * rings) if grading.nested else (1.0, at_tips)
-    found = [(place, times * size, tip) for place, size, tip in features(scene, cracks) if times * size < 1.0]
-    is_tip = np.array([tip for *_, tip in found], dtype=bool)
-    return SizeField(
-        np.array([place for place, *_ in found], dtype=object),
-        np.array([size for _, size, _ in found]),
-        np.where(is_tip, at_tips, elsewhere) * THETA_OF_REST**grading.rest,
-    )
-
-
-def features(scene: Scene, cracks: Sequence[CrackGeometry]) -> Iterator[tuple[shapely.Geometry, float, bool]]:
-    """All features, and which are tips; the refinement levels of a case by hand take the place of lengths."""
-    refine, spacing = scene.case.numerics.refine, scene.case.numerics.spacing / scene.lattice.spacing
-    tips = _tips(scene, cracks)
-    classes: tuple[tuple[int | str, Features], ...] = (
-        (refine.tips, tips),
-        (refine.kinks, chain(_kinks(scene, cracks), _ends(scene, cracks), _meetings(scene, cracks))),
-        (refine.corners, _sharp_corners(scene, cracks)),
-    )
-    for levels, found in classes:
-        for place, size in found:
-            yield place, size if not isinstance(levels, int) else spacing * 0.5**levels, found is tips
-    others = [_rims(scene)] if refine.corners == AUTO else []
-    if scene.grading.nested:
-        others += [_changes_of_status(scene, cracks), _pressures(scene, cracks)]
-    yield from ((place, size, False) for place, size in chain(*others))
+    refine, grading = scene.case.numerics.refine, scene.grading
+    at_tips = max(refine.rings, scene.lattice.support)
+    times, rings = (2.0, 0.5 * refine.rings) if grading.nested else (1.0, at_tips)
+    classes: list[tuple[int | str, float, Features]] = [
+        (refine.tips, at_tips, _tips(scene, cracks)),
+        (refine.kinks, rings, chain(_kinks(scene, cracks), _ends(scene, cracks), _meetings(scene, cracks))),
+        (refine.corners, rings, _sharp_corners(scene, cracks)),
+        (AUTO, rings, _rims(scene) if refine.corners == AUTO else iter(())),
+    ]
+    if grading.nested:
+        classes.append((AUTO, rings, chain(_changes_of_status(scene, cracks), _pressures(scene, cracks))))
+    found: list[tuple[shapely.Geometry, float, float]] = []
+    for levels, n_rings, features in classes:
+        by_hand = scene.case.numerics.spacing / scene.lattice.spacing * 0.5**levels if isinstance(levels, int) else None
+        sizes = ((place, times * (by_hand or size)) for place, size in features)
+        found += [(place, size, n_rings) for place, size in sizes if size < 1.0]
+    places, depths, widths = zip(*found, strict=True) if found else ((), (), ())
+    theta = np.array(widths, dtype=float) * THETA_OF_REST**grading.rest
+    return SizeField(np.array(places, dtype=object), np.array(depths, dtype=float), theta)
 
 
 def _along(scene: Scene, length: float, kind: Kind, level: int = 0) -> float:
@@ -95,7 +87,10 @@ def _along(scene: Scene, length: float, kind: Kind, level: int = 0) -> float:
 
 def _tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Tips: by the crack, the stretch behind, what it grows by, and its room; never coarser than a run begins with."""
-    growth, lines = scene.case.growth, _lines(scene, cracks)
+    growth = scene.case.growth
+    rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
+    others = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
+    lines = np.array([shapely.LineString(points) for points in others], dtype=object)
     tree = shapely.STRtree(lines)
     for number, crack in enumerate(cracks):
         for end in crack.tips():
@@ -238,10 +233,3 @@ def _pressures(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
             over = varies * s[1] / np.maximum(change, SAME_PLACE * varies)
             for place, length in zip(places[over < line.length / 2], over[over < line.length / 2], strict=True):
                 yield shapely.Point(place), _along(scene, float(length), "load", scene.grading.level(number))
-
-
-def _lines(scene: Scene, cracks: Sequence[CrackGeometry]) -> np.ndarray[tuple[int], np.dtype[np.object_]]:
-    """All lines that a tip may come near to, those of the cracks first."""
-    rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
-    lines = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
-    return np.array([shapely.LineString(points) for points in lines], dtype=object)
