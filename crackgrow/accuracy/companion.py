@@ -148,12 +148,13 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
         return Errors(grading, here.ends, unknown, largest, unknown, unknown)
     other = [there.ends.index(end) if end in there.ends else -1 for end in here.ends]
     K_there, T_there, kinks_there = (
-        np.append(values, values[:1] * np.nan, axis=0) for values in (there.K, there.T, there.kinks)
+        np.append(values, np.full((1, *values.shape[1:]), np.nan), axis=0)[other]
+        for values in (there.K, there.T, there.kinks)
     )
-    apart = np.hypot(*(here.K - _row(K_there, other)).T) if n else np.zeros(0)
+    apart = np.hypot(*(here.K - K_there).T)
     D = _largest_of_crack(here.ends, np.hypot(apart, here.spread)) + here.unresolved / BOUND
-    D_T = _largest_of_crack(here.ends, np.hypot(here.T - _row(T_there, other), here.T_spread))
-    turned = _largest_of_crack(here.ends, np.abs(here.kinks - _row(kinks_there, other)))
+    D_T = _largest_of_crack(here.ends, np.hypot(here.T - T_there, here.T_spread))
+    turned = _largest_of_crack(here.ends, np.abs(here.kinks - kinks_there))
     of_K, some = np.full(n, np.nan), NOTHING * largest < K
     of_K[some] = D[some] / K[some]  # what directions and critical loads follow from
     turned = np.where(np.isfinite(turned), np.fmax(turned, np.minimum(of_K, math.pi)), turned)
@@ -166,20 +167,12 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
     return Errors(grading, here.ends, tuple(D.tolist()), largest, tuple(D_T.tolist()), tuple(turned.tolist()), shares)
 
 
-def _row(values: Floats, rows: Sequence[int]) -> Floats:
-    """Some rows of values, the last of which are nan."""
-    return np.asarray(values[rows]) if len(values) else np.full((len(rows), *values.shape[1:]), np.nan)
-
-
 def _largest_of_crack(ends: Sequence[End], values: Floats) -> Floats:
-    """Tip by tip (n,) the largest value of its crack's tips; nan where none is known."""
+    """Tip by tip (n,) the largest value of its crack's tips; nan where it is not known."""
     cracks = np.array([crack for crack, _ in ends], dtype=np.int64)
-    found = np.full(len(ends), np.nan)
-    for crack in np.unique(cracks):
-        known = values[cracks == crack]
-        known = known[np.isfinite(known)]
-        found[cracks == crack] = known.max() if len(known) else np.nan
-    return np.where(np.isfinite(values), found, np.nan)
+    largest = np.full(cracks.max(initial=-1) + 1, np.nan)
+    np.fmax.at(largest, cracks, values)
+    return np.where(np.isnan(values), np.nan, largest[cracks])
 
 
 def _share(here: Floats, there: Floats, small: float) -> float:

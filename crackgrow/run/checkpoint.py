@@ -6,7 +6,6 @@ follows from it to the same bits. It becomes plain data (`Checkpoint`), for file
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -22,8 +21,6 @@ from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import ContactHistory
 from crackgrow.run.result import Checkpoint, CrackPath, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
-
-Arrays = Mapping[str, NDArray[Any]]
 
 START = "start_"
 """What names of the arrays of a start begin with."""
@@ -105,7 +102,12 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         crack = replace(crack, points=arrays[f"points{number}"], tip_at_start=first, tip_at_end=last)
         at_start, at_end = its["gathered"]
         cracks.append(GrowingCrack(crack, arrays[f"steps{number}"], parent, its["in_shear"], (at_start, at_end)))
-    start = None if values["start"] is None else _start(values["start"], arrays)
+    start = None
+    if (of_start := values["start"]) is not None:
+        own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
+        level, energy = LoadLevel(of_start["factor"], of_start["holding"]), Energy(**of_start["energy"])
+        history, grown = ContactHistory.of_arrays(own), of_start["grown"]
+        start = Start(level, history, energy, own["conjugates"], of_start["round_off"], grown)
     excavated = tuple(Excavated(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,
@@ -117,16 +119,4 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         tuple(values["notes"]),
         None if values["errors"] is None else errors_of_record(values["errors"]),
         values["time"],
-    )
-
-
-def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
-    own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
-    return Start(
-        LoadLevel(values["factor"], values["holding"]),
-        ContactHistory.of_arrays(own),
-        Energy(**values["energy"]),
-        own["conjugates"],
-        values["round_off"],
-        values["grown"],
     )

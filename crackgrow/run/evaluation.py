@@ -10,6 +10,7 @@ import numpy as np
 from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad
+from crackgrow.case.toughness import averaging_radius
 from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
@@ -159,7 +160,8 @@ def _tip_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[TipSt
     intensities = configuration.integrals.intensities(materials, u, tips, tractions, forces)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
     strong = [tip for tip in tips if tip in fields]
-    loadings = [TipLoading(fields[tip], *found[tip].K, scene.averaging_radius(bodies[tip])) for tip in strong]
+    radii = [averaging_radius(*scene.growing_in(bodies[tip])) for tip in strong]
+    loadings = [TipLoading(fields[tip], *found[tip].K, radius) for tip, radius in zip(strong, radii, strict=True)]
     said = verdicts(scene, [configuration.sites[tip] for tip in strong], loadings)
     for tip, loading, verdict in zip(strong, loadings, said, strict=True):
         found[tip] = replace(found[tip], loading=loading, verdict=verdict)

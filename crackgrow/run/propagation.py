@@ -74,11 +74,6 @@ class AfterAdvance:
     events: tuple[Event, ...]  # tips that have met something
     solution: StepSolution | None = None  # of `cracks`, where the search for the direction has solved them
 
-    def can_grow(self, end: End) -> bool:
-        """Whether there still is a tip at an end."""
-        index, at_end = end
-        return self.cracks[index].can_grow(at_end)
-
 
 def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, solve: Solve) -> AfterAdvance:
     """The cracks after they have left the sites `chosen` of a solution; `solve` gives the step that follows.
@@ -101,7 +96,7 @@ def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, so
         kinks.append(verdict.kink)
     first = _advanced_by(before, turns, np.array(kinks))
     implicit = growth is not None and growth.direction == "implicit"
-    if not implicit or not any(turning and first.can_grow(end) for end, turning in turns.items()):
+    if not implicit or not any(turning and first.cracks[n].can_grow(end) for (n, end), turning in turns.items()):
         return first
     return _without_shear(before, turns, np.array(kinks), first, solve)
 
@@ -224,7 +219,7 @@ def _shear(advance: AfterAdvance, solution: StepSolution, turns: Mapping[End, bo
     """K_II / K (n,) at the new tips, zero where one keeps its direction or has met something; what counts as zero."""
     shear, nothing = np.zeros(len(turns)), np.full(len(turns), SMALL_SHEAR)
     for number, (end, turning) in enumerate(turns.items()):
-        if not turning or not advance.can_grow(end):
+        if not turning or not advance.cracks[end[0]].can_grow(end[1]):
             continue
         tip = solution.tips[solution.cover.tip_ends.index(end)]
         if size := float(np.hypot(*tip.K)):  # else nothing turns it

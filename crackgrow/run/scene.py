@@ -168,18 +168,14 @@ class Scene:
         assert strength is not None
         return growth, strength
 
-    def averaging_radius(self, body: int) -> float:
-        """Radius (m) of the criterion in such a body."""
-        return averaging_radius(*self.growing_in(body))
-
     def start_radius(self, body: int) -> float:
-        """The same (m) where cracks start, and at tips of those that have started in shear."""
+        """Radius (m) of the criterion in such a body where cracks start, and at tips of those that have so in shear."""
         return start_radius(*self.growing_in(body))
 
     def radius_at(self, site: Site) -> float:
         """Radius (m) over which stress is averaged at a site in such a body."""
-        starts = site.kind != "tip" or site.in_shear
-        return self.start_radius(site.body) if starts else self.averaging_radius(site.body)
+        radius = start_radius if site.kind != "tip" or site.in_shear else averaging_radius
+        return radius(*self.growing_in(site.body))
 
     def shear_radius_at(self, site: Site) -> float | None:
         """The same (m) for shear at a tip that may grow in it by a toughness; None elsewhere.
