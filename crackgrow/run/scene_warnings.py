@@ -106,15 +106,15 @@ def _contradictions(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         at = place_text(support.point + scene.case.origin)
         for component, *pair in zip("xy", support.displacement, edge.displacement, strict=True):
             mine, its = (_at_point(displacement, support.point) for displacement in pair)
-            apart = 0.0 if mine is None or its is None else abs(mine - its)
-            if mine is not None and its is not None and apart > cause.limit * max(abs(mine), abs(its)):
+            if (apart := abs(mine - its)) > cause.limit * max(abs(mine), abs(its)):
                 told = {"component": component, "mine": Metres(mine), "its": Metres(its), "point": at}
                 yield cause.at(f"supports.{n}", apart, other=f"supports.{m}", **told)
 
 
-def _at_point(displacement: model.Component | None, point: Floats) -> float | None:
-    """A displacement (m) at a point (2,) m; None where it is free."""
-    return float(displacement(point[None])[0]) if callable(displacement) else displacement
+def _at_point(displacement: model.Component | None, point: Floats) -> float:
+    """A displacement (m) at a point (2,) m; nan where it is free."""
+    given = displacement(point[None])[0] if callable(displacement) else displacement
+    return float("nan") if given is None else float(given)
 
 
 def _of_growth(scene: Scene) -> Iterator[StepWarning]:
