@@ -172,7 +172,7 @@ class Solution(_Tables):
         inside, local, elements = self._located(at)
         solved = self._solved
         found = np.full((len(at), 3), np.nan)
-        found[inside] = recovery.stress_at(solved.cover, solved.materials, solved.outcome.u, local, elements)
+        found[inside] = recovery.stress_at(solved.cover, solved.state.materials, solved.outcome.u, local, elements)
         for tip in solved.cover.tips:
             found[inside[np.hypot(*(local - tip.point).T) < ON_LINE]] = np.nan
         return found.reshape(*shape, 3)

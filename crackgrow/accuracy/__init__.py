@@ -1,1 +1,1 @@
-"""Mesh size field, companion mesh, error estimates and marking: which cells a step is solved on, and its errors."""
+"""Companion mesh, error estimates and marking: the errors of a step, and which cells it is refined at."""

@@ -14,36 +14,77 @@ can see is shear that faces carry beyond friction where a tip is open more close
 lies (`unresolved_shear`).
 
 Targets are of the estimate, as is usual where cells follow from errors: a target on the bound is met by errors of a
-fifth of it in the median, for three times the unknowns where cracks are many.
+fifth of it in the median, for three times the unknowns where cracks are many. Cells are refined for a target at the
+features of what is off, or everywhere where that leaves too much. K of a crack is also off by what cells miss at
+features of others close by: such neighbours are refined together.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
+import shapely
 
-from crackgrow.accuracy.features import Grading
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Goal
 
-EXPECTED: Final = 1.6
+EXPECTED = 1.6
 """D over the error in the median: tests/benchmarks/errors.md."""
 
-BOUND: Final = 3.0
+BOUND = 3.0
 """The error is below so many D in 97 % of all quantities there."""
 
-NOTHING: Final = 1e-9
+NOTHING = 1e-9
 """Of the largest K: a K below is round-off."""
 
-HALF_INFINITE: Final = 8.0 / math.pi
+MOST_AT_ONCE = 3
+"""Levels in one round."""
+
+STUCK = 0.8
+"""An error of which this is left does not come from features of cracks alone: theta and corners are refined, too."""
+
+ROOM = 0.6
+"""Of the target: so far the next step may come with coarser cells, each level of which doubles the error."""
+
+COARSEST = -2
+"""Levels below those that a run begins with: features that nothing needs any more are of old kinks, grown far from."""
+
+CLOSE = 0.5
+"""Of the shorter of two cracks: neighbours are nearer to each other than that."""
 
 End = tuple[int, bool]
 """Number of a crack, and whether it is its end or its start."""
+
+Changes = tuple[tuple[int, float, float], ...]
+"""Where contact status changes: crack, x and y (m)."""
+
+
+@dataclass(frozen=True, slots=True)
+class Grading:
+    """Refinement levels that errors have asked for, and whether cells are those of a companion mesh, each quartered."""
+
+    nested: bool = False  # False: cells by hand, without a companion
+    companion: bool = False
+    cracks: tuple[int, ...] = ()  # crack by crack; those beyond have the level 0
+    rest: int = 0  # of corners, and of theta
+    changes: Changes = field(default=(), repr=False)
+
+    @property
+    def quartered(self) -> bool:
+        """Whether cells are those of the companion mesh, each quartered."""
+        return self.nested and not self.companion
+
+    def level(self, crack: int) -> int:
+        """The level of a crack."""
+        return self.cracks[crack] if crack < len(self.cracks) else 0
+
+
+BY_HAND = Grading()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,12 +148,13 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
         return Errors(grading, here.ends, unknown, largest, unknown, unknown)
     other = [there.ends.index(end) if end in there.ends else -1 for end in here.ends]
     K_there, T_there, kinks_there = (
-        np.append(values, values[:1] * np.nan, axis=0) for values in (there.K, there.T, there.kinks)
+        np.append(values, np.full((1, *values.shape[1:]), np.nan), axis=0)[other]
+        for values in (there.K, there.T, there.kinks)
     )
-    apart = np.hypot(*(here.K - _row(K_there, other)).T) if n else np.zeros(0)
+    apart = np.hypot(*(here.K - K_there).T)
     D = _largest_of_crack(here.ends, np.hypot(apart, here.spread)) + here.unresolved / BOUND
-    D_T = _largest_of_crack(here.ends, np.hypot(here.T - _row(T_there, other), here.T_spread))
-    turned = _largest_of_crack(here.ends, np.abs(here.kinks - _row(kinks_there, other)))
+    D_T = _largest_of_crack(here.ends, np.hypot(here.T - T_there, here.T_spread))
+    turned = _largest_of_crack(here.ends, np.abs(here.kinks - kinks_there))
     of_K, some = np.full(n, np.nan), NOTHING * largest < K
     of_K[some] = D[some] / K[some]  # what directions and critical loads follow from
     turned = np.where(np.isfinite(turned), np.fmax(turned, np.minimum(of_K, math.pi)), turned)
@@ -125,20 +167,12 @@ def errors_of(grading: Grading, here: Quantities, there: Quantities | None) -> E
     return Errors(grading, here.ends, tuple(D.tolist()), largest, tuple(D_T.tolist()), tuple(turned.tolist()), shares)
 
 
-def _row(values: Floats, rows: Sequence[int]) -> Floats:
-    """Some rows of values, the last of which are nan."""
-    return np.asarray(values[rows]) if len(values) else np.full((len(rows), *values.shape[1:]), np.nan)
-
-
 def _largest_of_crack(ends: Sequence[End], values: Floats) -> Floats:
-    """Tip by tip (n,) the largest value of its crack's tips; nan where none is known."""
+    """Tip by tip (n,) the largest value of its crack's tips; nan where it is not known."""
     cracks = np.array([crack for crack, _ in ends], dtype=np.int64)
-    found = np.full(len(ends), np.nan)
-    for crack in np.unique(cracks):
-        known = values[cracks == crack]
-        known = known[np.isfinite(known)]
-        found[cracks == crack] = known.max() if len(known) else np.nan
-    return np.where(np.isfinite(values), found, np.nan)
+    largest = np.full(cracks.max(initial=-1) + 1, np.nan)
+    np.fmax.at(largest, cracks, values)
+    return np.where(np.isnan(values), np.nan, largest[cracks])
 
 
 def _share(here: Floats, there: Floats, small: float) -> float:
@@ -157,16 +191,11 @@ def unresolved_shear(K_I: float, y: float, pressure: float, shear: float) -> flo
     """
     if K_I <= 0.0:
         return 0.0
-    return shear * min(math.sqrt(HALF_INFINITE * y), K_I / pressure if pressure > 0.0 else math.inf)
-
-
-def record_of(errors: Errors) -> dict[str, Any]:
-    """Errors as plain data, whose numbers may be nan."""
-    return asdict(errors)
+    return shear * min(math.sqrt(8.0 / math.pi * y), K_I / pressure if pressure > 0.0 else math.inf)
 
 
 def errors_of_record(record: Mapping[str, Any]) -> Errors:
-    """The errors that were written as plain data."""
+    """The errors that were written as plain data (`asdict`), whose numbers may be nan."""
     values = {name: _as_tuples(value) for name, value in record.items()}
     grading = {name: _as_tuples(value) for name, value in record["grading"].items()}
     return Errors(**{**values, "grading": Grading(**grading)})
@@ -174,3 +203,56 @@ def errors_of_record(record: Mapping[str, Any]) -> Errors:
 
 def _as_tuples(value: Any) -> Any:
     return tuple(map(_as_tuples, value)) if isinstance(value, list | tuple) else value
+
+
+def neighbours(cracks: Sequence[Floats]) -> Ints:
+    """Pairs (2, k) of cracks, by their points (n, 2), that are close to each other; both ways round."""
+    lines = np.array([shapely.LineString(points) for points in cracks], dtype=object)
+    first, second = shapely.STRtree(lines).query(lines, "dwithin", distance=CLOSE * shapely.length(lines))
+    close = shapely.distance(lines[first], lines[second]) <= CLOSE * shapely.length(lines[second])
+    return np.stack([first[close], second[close]])
+
+
+def refined(
+    errors: Errors, before: Errors | None, target: float, goal: Goal, cracks: Sequence[Floats], changes: Changes
+) -> Grading:
+    """The grading after a round whose errors are beyond the target, and after one `before` it in the same step.
+
+    Depths at features have an error of the first order in the sizes of cells. Contact status changes at some places.
+    Where errors are not known cells may be too large for a companion to have a solution at all.
+    """
+    grading = errors.grading
+    unknown = math.isinf(errors.estimate(goal))
+    stuck = not unknown and before is not None and errors.estimate(goal) > STUCK * before.estimate(goal)
+    levels = [grading.level(crack) for crack in range(len(cracks))]
+    for crack, share in enumerate((_shares(errors, goal, cracks) / target).tolist()):
+        if share > 1.0 or unknown:
+            levels[crack] += 1 if stuck or unknown else math.ceil(math.log2(min(share, 2.0**MOST_AT_ONCE)))
+    none = all(level == grading.level(crack) for crack, level in enumerate(levels))
+    return replace(grading, cracks=tuple(levels), rest=grading.rest + (stuck or none), changes=changes)
+
+
+def coarsened(errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats], changes: Changes) -> Grading:
+    """The grading that the next step begins with; contact status changes at some places by now."""
+    grading = errors.grading
+    levels, shares = [grading.level(crack) for crack in range(len(cracks))], _shares(errors, goal, cracks) / target
+    rest_too = grading.rest > 0 and bool(2.0 * np.fmax.reduce(shares, initial=math.nan) < ROOM)
+    for crack, share in enumerate((shares * 2.0**rest_too).tolist()):
+        if share < ROOM:  # neither where it is not known
+            fewer = int(math.log2(ROOM / max(share, ROOM * 0.5**MOST_AT_ONCE)))
+            levels[crack] = max(levels[crack] - fewer, min(levels[crack], COARSEST))
+    return replace(grading, cracks=tuple(levels), rest=grading.rest - rest_too, changes=changes)
+
+
+def _shares(errors: Errors, goal: Goal, cracks: Sequence[Floats]) -> Floats:
+    """What the goal is off by (n,) of its largest value, crack by crack, each with its neighbours; nan: not known.
+
+    A crack without tips has the largest of all: any K may hang on it.
+    """
+    own = errors.estimate_by_crack(goal, len(cracks))
+    tipless = np.setdiff1d(np.arange(len(cracks)), [crack for crack, _ in errors.ends])
+    own[tipless] = errors.estimate(goal) if math.isfinite(errors.estimate(goal)) else math.nan
+    found = own.copy()
+    first, second = neighbours(cracks)
+    np.fmax.at(found, first, own[second])
+    return found

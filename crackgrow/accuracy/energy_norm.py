@@ -19,11 +19,11 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from crackgrow.approximation.basis import fields_at, values_at
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.quadrature.elements import ElementPoints, element_points
-from crackgrow.ragged import Ragged, by_row, numbered
+from crackgrow.ragged import numbered
 from crackgrow.solid.elasticity import PlaneElasticity, energy_components
 from crackgrow.solid.recovery import stress_of
 
@@ -73,15 +73,10 @@ def error_estimate(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, singular: Sequence[SingularStress]
 ) -> ErrorEstimate:
     """Estimate for displacements `u` (n_dofs,) m in bodies of `materials`, in-situ stress included."""
-    n_patches = len(cover.patches.nodes)
-    acting = np.zeros((len(singular), n_patches), dtype=bool)
-    for row, part in zip(acting, singular, strict=True):
-        row[:] = part.patches
-    patch, part_there = np.nonzero(acting.T)
-    acting_on = by_row(patch, part_there, n_patches)
-    everywhere = element_points(cover, N_POINTS)
+    n_patches, everywhere = len(cover.patches.nodes), element_points(cover, N_POINTS)
+    acting = [(part, part.patches) for part in singular]
     some = [slice(start, start + AT_ONCE) for start in range(0, len(everywhere.points), AT_ONCE)]
-    blocks = [_sampled(cover, materials, u, everywhere, block, singular, acting_on) for block in some]
+    blocks = [_sampled(cover, materials, u, everywhere, block, acting) for block in some]
     samples, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
     parts = fit_residuals(fit(n_patches, samples), samples, cover.elements.n)
     area = cover.lattice.spacing**2
@@ -94,10 +89,9 @@ def _sampled(
     u: Floats,
     at: ElementPoints,
     block: slice,
-    singular: Sequence[SingularStress],
-    acting: Ragged,
+    acting: Sequence[tuple[SingularStress, Bools]],
 ) -> tuple[list[Samples], float]:
-    """Samples at a block of points, and the integral of their squares; `acting` are the singular parts on patches."""
+    """Samples at a block of points, and the integral of their squares; singular parts act on some of the patches."""
     points, weights, element = at.points[block], at.weights[block], at.element[block]
     body = cover.elements.body[element]
     gradient = fields_at(cover, u.reshape(-1, 2), points, element)[1:].transpose(1, 2, 0)
@@ -112,13 +106,11 @@ def _sampled(
         np.maximum(basis.values[0, basis.functions < len(cover.patches.nodes)], 0.0),
     )
     less = np.zeros((len(point), 3))  # patch by patch, what is told apart there
-    seen, place = acting.places(patches.values)
-    parts = acting.values[place].astype(np.min_scalar_type(len(singular)))  # short numbers are sorted by their digits
-    order = np.argsort(parts, kind="stable")
-    for sees in np.split(order, np.flatnonzero(np.diff(parts[order])) + 1) if len(order) else ():
-        part, sees = singular[parts[sees[0]]], seen[sees]
+    for part, acts in acting:
+        sees = np.flatnonzero(acts[patches.values])
         mine, back = numbered(point[sees], len(points))
-        less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
+        if len(mine):
+            less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
     half = cover.patches.half[patches.values] / cover.lattice.support
     distance = (points[point] - cover.patches.nodes[patches.values]) / half[:, None]
     owner, area, own = element[point], weights[point] * phi, values[point] - less

@@ -13,9 +13,8 @@ from crackgrow.cover.squares import QUANTA
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.overview import estimated_nodes
 from crackgrow.run.layout import cells_of, contact_faces, cover_of, n_constraints_of
-from crackgrow.run.missing_loads import dry_joints
 from crackgrow.run.scene import make_scene
-from crackgrow.run.scene_warnings import scene_warnings, unbalanced_loads
+from crackgrow.run.scene_warnings import dry_joints, scene_warnings, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
 from crackgrow.run.warning_causes import StepWarning
 

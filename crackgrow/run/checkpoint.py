@@ -6,23 +6,21 @@ follows from it to the same bits. It becomes plain data (`Checkpoint`), for file
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 from numpy.typing import NDArray
 
-from crackgrow.accuracy.companion import Errors, errors_of_record, record_of
+from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Excavated
-from crackgrow.run.increments import FROM_REST, Origin, Start
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.increments import Origin, Start
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import ContactHistory
-from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
+from crackgrow.run.result import Checkpoint, CrackPath, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
-
-Arrays = Mapping[str, NDArray[Any]]
 
 START = "start_"
 """What names of the arrays of a start begin with."""
@@ -42,28 +40,41 @@ class RunState:
     errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time
 
+    @property
+    def paths(self) -> tuple[CrackPath, ...]:
+        """The cracks as they lie."""
+        return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in self.cracks)
+
 
 def beginning(case: Case) -> RunState:
     """Nothing is solved yet."""
     return RunState(0, tuple(map(GrowingCrack.given, case.cracks)))
 
 
-def packed(state: RunState) -> Checkpoint:
-    """The state as plain data."""
-    origin = state.origin or FROM_REST
+def packed(state: RunState, solution: StepSolution) -> Checkpoint:
+    """The state whose step has this solution, as plain data."""
+    origin, errors = solution.origin, solution.errors
     values: dict[str, Any] = {
         "events": [event_record(event) for event in state.events],
         "n_pieces": state.n_pieces,
-        "factorizations": state.factorizations,
-        "notes": list(state.notes),
+        "factorizations": solution.factorizations,
+        "notes": list(solution.notes),
         "guess": origin.guess,
-        "tips": [[g.crack.tip_at_start, g.crack.tip_at_end] for g in state.cracks],
-        "started": [[g.crack.name, g.crack.body, g.parent, g.in_shear] for g in state.cracks if g.steps.min() > 0],
-        "gathered": [list(g.gathered) for g in state.cracks],
+        "cracks": [
+            {
+                "name": growing.crack.name,
+                "body": growing.crack.body,
+                "parent": growing.parent,
+                "in_shear": growing.in_shear,
+                "tips": [growing.crack.tip_at_start, growing.crack.tip_at_end],
+                "gathered": list(growing.gathered),
+            }
+            for growing in state.cracks
+        ],
         "time": state.time,
         "start": None,
         "gone": [rock.body for rock in origin.excavated],
-        "errors": None if state.errors is None else record_of(state.errors),
+        "errors": None if errors is None else asdict(errors),
     }
     arrays: dict[str, NDArray[Any]] = {}
     for number, growing in enumerate(state.cracks):
@@ -82,16 +93,21 @@ def packed(state: RunState) -> Checkpoint:
 def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     """The state that was packed in an earlier run of the case."""
     values, arrays = checkpoint.values, checkpoint.arrays
-    cracks = list(map(GrowingCrack.given, case.cracks))
-    for name, body, parent, in_shear in values["started"]:
-        new = GrowingCrack.given(new_crack(case, cracks, name, body, parent))
-        cracks.append(replace(new, parent=parent, in_shear=in_shear))
-    for number, (growing, tips) in enumerate(zip(cracks, values["tips"], strict=True)):
-        crack = replace(growing.crack, points=arrays[f"points{number}"], tip_at_start=tips[0], tip_at_end=tips[1])
-        cracks[number] = replace(growing, crack=crack, steps=arrays[f"steps{number}"])
-    for number, lengths in enumerate(values["gathered"]):
-        cracks[number] = replace(cracks[number], gathered=tuple(lengths))
-    start = None if values["start"] is None else _start(values["start"], arrays)
+    cracks: list[GrowingCrack] = []
+    for number, its in enumerate(values["cracks"]):
+        name, body, parent = its["name"], its["body"], its["parent"]
+        started = number >= len(case.cracks)
+        crack = new_crack(case, cracks, name, body, parent) if started else case.cracks[number]
+        first, last = its["tips"]
+        crack = replace(crack, points=arrays[f"points{number}"], tip_at_start=first, tip_at_end=last)
+        at_start, at_end = its["gathered"]
+        cracks.append(GrowingCrack(crack, arrays[f"steps{number}"], parent, its["in_shear"], (at_start, at_end)))
+    start = None
+    if (of_start := values["start"]) is not None:
+        own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
+        level, energy = LoadLevel(of_start["factor"], of_start["holding"]), Energy(**of_start["energy"])
+        history, grown = ContactHistory.of_arrays(own), of_start["grown"]
+        start = Start(level, history, energy, own["conjugates"], of_start["round_off"], grown)
     excavated = tuple(Excavated(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,
@@ -103,16 +119,4 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         tuple(values["notes"]),
         None if values["errors"] is None else errors_of_record(values["errors"]),
         values["time"],
-    )
-
-
-def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
-    own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
-    return Start(
-        LoadLevel(values["factor"], values["holding"]),
-        ContactHistory.of_arrays(own),
-        Energy(**values["energy"]),
-        own["conjugates"],
-        values["round_off"],
-        values["grown"],
     )

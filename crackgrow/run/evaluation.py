@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -10,6 +10,7 @@ import numpy as np
 from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad
+from crackgrow.case.toughness import averaging_radius
 from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
@@ -25,7 +26,6 @@ from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.run.warning_causes import WarningCause
-from crackgrow.solid.elasticity import PlaneElasticity
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,11 +92,6 @@ class StepSolution:
         return self.configuration.cracks
 
     @property
-    def materials(self) -> tuple[PlaneElasticity, ...]:
-        """Materials, body by body, in-situ stress included."""
-        return self.state.materials
-
-    @property
     def cover(self) -> Cover:
         """The cover of the configuration."""
         return self.configuration.cover
@@ -117,61 +112,43 @@ class StepSolution:
         return self.state.outcome
 
     @property
-    def loads(self) -> Floats:
-        """Loads (n_dofs,) N/m."""
-        return self.configuration.loads(self.state.level)
-
-    @property
-    def grows(self) -> list[bool]:
-        """Whether each tip may advance."""
-        return [self.cracks[crack].can_grow(at_end) for crack, at_end in self.cover.tip_ends]
-
-    @property
     def jumps(self) -> list[float]:
         """What the criticality of each tip is beyond 1 at a critical load factor, where bonds break: 0 elsewhere."""
         if not isinstance(self.scene.case.loading, CriticalLoad):
             return [0.0] * len(self.tips)
+        limit, ends = WarningCause.JUMP.limit, self.cover.tip_ends
         beyond = [0.0 if tip.verdict is None else tip.verdict.criticality - 1.0 for tip in self.tips]
-        limit = WarningCause.JUMP.limit
-        return [more if grows and more > limit else 0.0 for grows, more in zip(self.grows, beyond, strict=True)]
+        grows = [self.cracks[crack].can_grow(at_end) for crack, at_end in ends]
+        return [more if may and more > limit else 0.0 for may, more in zip(grows, beyond, strict=True)]
 
 
 def evaluated(state: LoadState) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips."""
     configuration = state.configuration
-    seconds = dict(configuration.seconds)
-    seconds["contact"] = state.seconds
+    seconds = {**configuration.seconds, "contact": state.seconds}
     with timed(seconds, "criterion"):
-        found = stress_fields(state)
-        tips = tip_states(state, found[: len(configuration.cover.tips)])
-        starts = tuple(_starts(configuration, found))
+        fields = _stress_fields(state)
+        tips, starts = _tip_states(state, fields), _start_states(state, fields)
     return StepSolution(state, tips, starts, seconds)
 
 
-def stress_fields(state: LoadState) -> list[TipField | None]:
-    """The stress round every site, None where nothing can grow."""
-    sites = state.configuration.sites
-    fields: list[TipField | None] = [None] * len(sites)
+def _stress_fields(state: LoadState) -> dict[int, TipField]:
+    """The stress round every site at which something can grow, by its number."""
     if state.scene.case.growth is None:
-        return fields
+        return {}
     functionals = state.configuration.stress_functionals
     found = fields_of(state.cover, state.materials, state.outcome.u, list(functionals.values()))
-    for number, field in zip(functionals, found, strict=True):
-        fields[number] = field
-    return fields
+    return dict(zip(functionals, found, strict=True))
 
 
-def _starts(configuration: Configuration, fields: Sequence[TipField | None]) -> Iterator[StartState]:
-    """What the places say at which cracks may start, of the stress round all sites."""
-    scene, n_tips = configuration.scene, len(configuration.cover.tips)
-    sites, loadings = configuration.sites[n_tips:], []
-    for site, field in zip(sites, fields[n_tips:], strict=True):
-        assert field is not None  # they are in rock that has a strength
-        loadings.append(without_K(field, scene.start_radius(site.body)))
-    yield from map(StartState, sites, loadings, verdicts(scene, sites, loadings))
+def _start_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[StartState, ...]:
+    """What the places say at which cracks may start: they are in rock that has a strength."""
+    scene, sites, n_tips = state.scene, state.configuration.sites, len(state.cover.tips)
+    loadings = [without_K(fields[n], scene.start_radius(sites[n].body)) for n in range(n_tips, len(sites))]
+    return tuple(map(StartState, sites[n_tips:], loadings, verdicts(scene, sites[n_tips:], loadings)))
 
 
-def tip_states(state: LoadState, fields: Sequence[TipField | None]) -> tuple[TipState, ...]:
+def _tip_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[TipState, ...]:
     """Fracture quantities of all tips, with the stress `fields` round them."""
     configuration, scene, cover = state.configuration, state.scene, state.cover
     materials, u = state.materials, state.outcome.u
@@ -182,12 +159,9 @@ def tip_states(state: LoadState, fields: Sequence[TipField | None]) -> tuple[Tip
     forces = [scene.body_force(body, state.factor) for body in bodies]
     intensities = configuration.integrals.intensities(materials, u, tips, tractions, forces)
     found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
-    strong = [tip for tip, field in enumerate(fields) if field is not None]
-    loadings = [
-        TipLoading(field, *tip.K, scene.averaging_radius(body))
-        for tip, field, body in zip(found, fields, bodies, strict=True)
-        if field is not None
-    ]
+    strong = [tip for tip in tips if tip in fields]
+    radii = [averaging_radius(*scene.growing_in(bodies[tip])) for tip in strong]
+    loadings = [TipLoading(fields[tip], *found[tip].K, radius) for tip, radius in zip(strong, radii, strict=True)]
     said = verdicts(scene, [configuration.sites[tip] for tip in strong], loadings)
     for tip, loading, verdict in zip(strong, loadings, said, strict=True):
         found[tip] = replace(found[tip], loading=loading, verdict=verdict)

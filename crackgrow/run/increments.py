@@ -36,7 +36,7 @@ from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.path import MOST_JUMPS, ContactHistory, next_piece
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
-from crackgrow.run.surface_samples import along_surfaces
+from crackgrow.run.state_values import along_surfaces
 from crackgrow.solid.elasticity import PlaneElasticity
 
 MOST_PIECES = 2000

@@ -5,15 +5,16 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from crackgrow.accuracy.features import graded, graded_cells
 from crackgrow.contact.faces import ContactFaces, gauss_faces
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.cover.refinement import divided, refined
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.cover.squares import Squares
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PART
 from crackgrow.run.scene import Scene
+from crackgrow.run.size_field import size_field
 from crackgrow.solid.supports import Constraints, constraints, n_constraints, tied
 
 
@@ -22,14 +23,15 @@ def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | No
 
     Raises GeometryError where it can't be made.
     """
-    cracks = _geometries(scene, growing)
-    lattice = graded(scene.at_start, cracks, None if before is None else before.lattice)
+    cracks, base = _geometries(scene, growing), None if before is None else before.lattice
+    lattice = refined(scene.lattice, size_field(scene.at_start, cracks), base, quartered=scene.grading.quartered)
     return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
 
 
 def cells_of(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Squares:
     """The cells of `cover_of`, without the lattice that is made of them."""
-    return graded_cells(scene.at_start, _geometries(scene, growing))
+    cells = divided(scene.lattice, size_field(scene.at_start, _geometries(scene, growing)))
+    return cells.quartered() if scene.grading.quartered else cells
 
 
 def _geometries(scene: Scene, growing: tuple[GrowingCrack, ...]) -> list[CrackGeometry]:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from itertools import islice
 
 from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import NotSolvedError
@@ -13,19 +14,13 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.evaluation import StepSolution, evaluated
-from crackgrow.run.history import history_of
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, from_state, held_loads, increment, mapped
 from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
+from crackgrow.run.state_values import history_of
 
-
-def _add_cost(seconds: Counter[str], state: LoadState, paid: Configuration | None) -> int:
-    """Add what a state has cost, its configuration unless that is the `paid` one; return factorizations, 1 or 0."""
-    seconds.update({"contact": state.seconds})
-    if state.configuration is paid:
-        return 0
-    seconds.update(state.configuration.seconds)
-    return 1
+States = Iterator[tuple[LoadState, Origin]]
+"""States in turn, and what each goes on from."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -35,15 +30,24 @@ class NextStepSolver:
     cracks: tuple[GrowingCrack, ...]
     before: StepSolution | None  # its state is gone on from where steps do not start unloaded
 
-    def solve(self, scene: Scene, like: Configuration | None) -> StepSolution:
+    def solve(self, scene: Scene, like: Configuration | None, origin: Origin | None = None) -> StepSolution:
         """The step. Raises GeometryError or SolveError where a state can't be solved.
 
-        `like` is a configuration that may have parts in common with this one.
+        `like` is a configuration that may have parts in common with this one. A step that was solved before has the
+        `origin` that it had then.
         """
-        if isinstance(scene.case.loading, Stages):
-            return _at_last(through_stages(scene, self.cracks))
+        if isinstance(scene.case.loading, Stages):  # every step begins with the first of them
+            return replace(_solved(through_stages(scene, self.cracks)), origin=FROM_REST)
         configuration = assemble(scene, self.cracks, like)
-        return _loaded(configuration, self._origin(configuration))
+        origin = origin or self._origin(configuration)
+        if origin.start is not None:
+            state = increment(configuration, origin.start, origin.start.level.factor)
+            solution = _solved(iter([(state, origin)]))
+        elif isinstance(scene.case.loading, CriticalLoad):
+            solution = critically_loaded(configuration, origin.guess)
+        else:
+            solution = _solved(_through_history(configuration))
+        return replace(solution, origin=origin)
 
     def companion(self, scene: Scene, solution: StepSolution, like: Configuration | None) -> tuple[StepSolution, float]:
         """The solution on the cells of a companion at the load factor of the step, and the factor of its own path.
@@ -72,13 +76,6 @@ def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | 
     return NextStepSolver(cracks, before).solve(scene, None if before is None else before.configuration)
 
 
-def load_again(scene: Scene, cracks: tuple[GrowingCrack, ...], origin: Origin) -> StepSolution:
-    """What `load` has made of the cracks, from the origin of that solution. Raises as it does."""
-    if isinstance(scene.case.loading, Stages):
-        return load(scene, cracks)  # every step begins with the first of them
-    return _loaded(assemble(scene, cracks), origin)
-
-
 class LoadsInTurn:
     """The cracks at every factor of the case's history, or at the end of every stage."""
 
@@ -93,36 +90,22 @@ class LoadsInTurn:
         """From number `first` on, whose `origin` is given. `like` may have parts in common with this configuration."""
         self.scene, self._next = scene, first
         self._paid: Configuration | None = None
-        if isinstance(scene.case.loading, Stages):
-            self._states = through_stages(scene, cracks, first, origin)
-        else:
-            self._states = _through_history(assemble(scene, cracks, like), first, origin)
-
-    def state(self, number: int) -> tuple[LoadState, Origin, tuple[Counter[str], int]]:
-        """The state under a load that has not been asked for, what it goes on from, and its cost.
-
-        The cost is that of the states that were passed by, too. Raises GeometryError or SolveError where there is none.
-        """
-        seconds, factorizations = Counter[str](), 0
-        for state, origin in self._states:
-            factorizations += _add_cost(seconds, state, self._paid)
-            self._paid = state.configuration
-            self._next += 1
-            if self._next > number:
-                return state, origin, (seconds, factorizations)
-        raise NotSolvedError("an earlier load of the history has no solution on these cells")
+        staged = isinstance(scene.case.loading, Stages)
+        self._states = (
+            through_stages(scene, cracks, first, origin)
+            if staged
+            else _through_history(assemble(scene, cracks, like), first, origin)
+        )
 
     def solution(self, number: int) -> StepSolution:
-        """The solution under a load that has not been asked for. Raises as `state` does."""
-        state, origin, (seconds, factorizations) = self.state(number)
-        solution = evaluated(state)
-        return replace(
-            solution,
-            origin=origin,
-            passed=history_of(state)[:-1],
-            factorizations=factorizations,
-            seconds={**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0), **seconds},
-        )
+        """The solution under a load that has not been asked for; its cost is that of those that were passed by, too.
+
+        Raises GeometryError or SolveError where there is none.
+        """
+        n, self._next = number + 1 - self._next, number + 1
+        solution = _solved(self._states, n, self._paid)
+        self._paid = solution.configuration
+        return solution
 
 
 def load_history(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Iterator[StepSolution]:
@@ -158,26 +141,8 @@ class HistorySolver:
         return solution, solution.state.factor
 
 
-def _loaded(configuration: Configuration, origin: Origin) -> StepSolution:
-    """A configuration under the last load of the case."""
-    if origin.start is None and isinstance(configuration.scene.case.loading, CriticalLoad):
-        solution = critically_loaded(configuration, origin.guess)
-    else:
-        solution = _at_last(_to_last(configuration, origin))
-    return replace(solution, origin=origin)
-
-
-def _to_last(configuration: Configuration, origin: Origin) -> Iterator[tuple[LoadState, Origin]]:
-    """States on the way of a configuration to the last of given loads."""
-    if origin.start is None:
-        return _through_history(configuration)
-    return iter([(increment(configuration, origin.start, origin.start.level.factor), origin)])
-
-
-def _through_history(
-    configuration: Configuration, first: int = 0, origin: Origin = FROM_REST
-) -> Iterator[tuple[LoadState, Origin]]:
-    """States at every factor of the case's history, in turn, and what each goes on from: from number `first` on."""
+def _through_history(configuration: Configuration, first: int = 0, origin: Origin = FROM_REST) -> States:
+    """States at every factor of the case's history, in turn: from number `first` on."""
     loading = configuration.scene.case.loading
     assert isinstance(loading, LoadHistory)  # reduced strength has a search of its own
     for factor in loading.factors[first:]:
@@ -186,13 +151,23 @@ def _through_history(
         origin = Origin(start=from_state(state))
 
 
-def _at_last(states: Iterable[tuple[LoadState, Origin]]) -> StepSolution:
-    """The solution of the last of some states in turn, with those that have led to it and the time of all."""
-    passed: list[LoadState] = []
-    seconds, paid = Counter[str](), None
-    for state, _ in states:
-        passed += history_of(state)
-        _add_cost(seconds, state, paid)
+def _solved(states: States, n: int | None = None, paid: Configuration | None = None) -> StepSolution:
+    """The solution of the n-th of the next states; or of the last one, with all of its history.
+
+    Its cost is that of all of them, but of the configuration that is `paid`.
+    """
+    passed: tuple[LoadState, ...] = ()
+    seconds, factorizations, number = Counter[str](), 0, 0
+    for state, origin in islice(states, n):
+        number, came_from = number + 1, origin
+        passed = (*(passed if n is None else ()), *history_of(state))
+        seconds.update({"contact": state.seconds})
+        if state.configuration is not paid:
+            seconds.update(state.configuration.seconds)
+            factorizations += 1
         paid = state.configuration
+    if number < (n or 1):
+        raise NotSolvedError("an earlier load of the history has no solution on these cells")
     solution = evaluated(state)
-    return replace(solution, passed=tuple(passed[:-1]), seconds={**solution.seconds, **seconds})
+    spent = {**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0), **seconds}
+    return replace(solution, origin=came_from, passed=passed[:-1], factorizations=factorizations, seconds=spent)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Container, Generator
 from dataclasses import replace
 from functools import partial
 from typing import TypeVar
@@ -10,22 +10,19 @@ from typing import TypeVar
 import numpy as np
 
 from crackgrow.accuracy.companion import BOUND
-from crackgrow.arrays import Ints
 from crackgrow.blas import single_threaded
 from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
-from crackgrow.run.advances import NO_SITES, chosen_advances, no_advance, site_criticality, time_step
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
-from crackgrow.run.direction import advance_tips
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.increments import FROM_REST, Origin
-from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load, load_again
-from crackgrow.run.propagation import BeforeAdvance
-from crackgrow.run.report import estimated_error, paths_of, step_result
+from crackgrow.run.growth import Advances, chosen_advances, ended, time_of, unsolved
+from crackgrow.run.increments import FROM_REST
+from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load
+from crackgrow.run.propagation import BeforeAdvance, advance_tips
+from crackgrow.run.report import estimate_maker, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.stopping import all_done, stopped, unsolved, without_tips
 from crackgrow.run.strength_reduction import NARROW, strength_reduction
 from crackgrow.run.target import next_grading, solved_to_target
 from crackgrow.solid.rigid_modes import all_pieces
@@ -72,9 +69,16 @@ def _steps(
     """What `convert` makes of each step, then the end; linear algebra has one thread while steps are made.
 
     Places of results are those of the map, if the case has one; what is computed, and checkpoints, are at its origin.
+    The error of the last step is estimated as it is known to be the last.
     """
     with single_threaded():
-        steps = _begun(make_scene(case), beginning(case) if checkpoint is None else restored(case, checkpoint))
+        scene, begun = make_scene(case), beginning(case) if checkpoint is None else restored(case, checkpoint)
+        if begun.errors is not None:
+            scene = scene.with_grading(begun.errors.grading)
+    if isinstance(case.loading, StrengthReduction):
+        steps = _reduced(scene, begun)
+    else:
+        steps = _static(scene, begun) if case.growth is None else _growth(scene, case.growth, begun)
     last: tuple[StepResult, StepSolution] | None = None
     while True:
         with single_threaded():
@@ -82,30 +86,19 @@ def _steps(
                 last = next(steps)
             except StopIteration as stop:
                 end: RunEnd = stop.value
-                end = on_map(end, case.origin)
-                return end if last is None else replace(end, norm_error=_last_error(*last))
+                if last is not None:
+                    error = last[0].norm_error
+                    error = estimate_maker(last[1])().relative if np.isnan(error) else error
+                    end = replace(end, norm_error=error)
+                return on_map(end, case.origin)
         result, solution = last
         yield convert(on_map(result, case.origin), solution)
 
 
-def _begun(scene: Scene, begun: RunState) -> Steps:
-    """The steps of a run by what its loading and growth are."""
-    if isinstance(scene.case.loading, StrengthReduction):
-        return _reduced(scene, begun)
-    return _static(scene, begun) if scene.case.growth is None else _growth(scene, scene.case.growth, begun)
-
-
-def _last_error(result: StepResult, solution: StepSolution) -> float:
-    """Estimated error, percent, of the last step, which is known to be the last only now."""
-    return estimated_error(solution).relative if np.isnan(result.norm_error) else result.norm_error
-
-
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     """The steps of a run with growth."""
-    scene = scene.with_cracks(begun.cracks)
-    state, advances = begun, no_advance(begun.cracks)
-    known = None if begun.origin is None else _again(scene, begun, begun.origin)
-    before: StepSolution | None = None
+    scene, state, advances = scene.with_cracks(begun.cracks), begun, Advances(begun.cracks)
+    known, before = _again(scene, begun), None
     while True:
         if known is None and before is not None:
             before.contact.system.hand_over()  # this load alone takes over from it: memory holds the factors once
@@ -115,48 +108,36 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
             if state.step == 0:
                 raise
             return unsolved(state, error)
-        solution = _solved_to_target(solution, before)
+        if scene.case.numerics.measured and solution.errors is None:
+            solver = NextStepSolver(solution.cracks, before)
+            solution = solved_to_target(solution, solver, None if before is None else before.companion)
         scene = scene.with_grading(next_grading(solution))
-        taken = time_step(advances, solution)
-        solution = replace(solution, notes=(*solution.notes, *taken.notes))
-        cracks, n_pieces = taken.with_shortfall(state.cracks), state.n_pieces or len(all_pieces(solution.cover))
-        state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + taken.time)
-        is_last = state.step == growth.steps
-        advances = no_advance(state.cracks) if is_last else chosen_advances(growth, solution, state.cracks)
+        time, cracks, notes = time_of(advances, solution, state.cracks)
+        solution = replace(solution, notes=(*solution.notes, *notes))
+        n_pieces = state.n_pieces or len(all_pieces(solution.cover))
+        state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + time)
+        grows_on = state.step < growth.steps
+        advances = chosen_advances(growth, solution, state.cracks) if grows_on else Advances(state.cracks)
         yield _reported(state, solution, advances.sites), solution
-        if is_last:
-            no_tips = growth.steps > 0 and site_criticality(solution).max(initial=-np.inf) == -np.inf
-            return (without_tips if no_tips else all_done)(state, solution)
         if len(advances.sites) == 0:
-            return stopped(state, solution)
+            return ended(state, solution, growth)
         at = BeforeAdvance(solution.scene, advances.cracks, state.step + 1, advances.lengths)
         advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
         state = RunState(state.step + 1, advance.cracks, advance.events, state.n_pieces, time=state.time)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 
-def _again(scene: Scene, begun: RunState, origin: Origin) -> StepSolution:
+def _again(scene: Scene, begun: RunState) -> StepSolution | None:
     """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
-    if begun.errors is not None:
-        scene = scene.with_grading(begun.errors.grading)
-    solution = load_again(scene, begun.cracks, origin)
+    if begun.origin is None:
+        return None
+    solution = NextStepSolver(begun.cracks, None).solve(scene, None, begun.origin)
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, errors=begun.errors)
-
-
-def _solved_to_target(solution: StepSolution, before: StepSolution | None) -> StepSolution:
-    """A step with its errors, on cells that meet their target; `before` is the step before."""
-    if not solution.scene.case.numerics.measured or solution.errors is not None:
-        return solution
-    return solved_to_target(
-        solution, NextStepSolver(solution.cracks, before), None if before is None else before.companion
-    )
 
 
 def _static(scene: Scene, begun: RunState) -> Steps:
     """The load factors of the history, or the stages, in turn, without growth."""
     cracks, n = begun.cracks, scene.case.n_loads
-    if begun.errors is not None:
-        scene = scene.with_grading(begun.errors.grading)
     solver = HistorySolver(cracks, LoadsInTurn(scene, cracks, begun.step, begun.origin or FROM_REST))
     for step in range(begun.step, n):
         solver.number, solution = step, solver.here.solution(step)
@@ -164,9 +145,9 @@ def _static(scene: Scene, begun: RunState) -> Steps:
             solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
         elif scene.case.numerics.measured:
             solution = solved_to_target(solution, solver, None)
-        yield _reported(RunState(step, cracks), solution, NO_SITES), solution
+        yield _reported(RunState(step, cracks), solution), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
-    return RunEnd("completed", "the static solve is done" if n == 1 else done, paths_of(cracks))
+    return RunEnd("completed", "the static solve is done" if n == 1 else done, begun.paths)
 
 
 def _reduced(scene: Scene, begun: RunState) -> Steps:
@@ -176,8 +157,8 @@ def _reduced(scene: Scene, begun: RunState) -> Steps:
         safety = replace(safety, error=100.0 * (BOUND * _factor_apart(scene, begun, safety) + NARROW))
     for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
-            yield _reported(RunState(step, begun.cracks), solution, NO_SITES), solution
-    return RunEnd("completed", str(safety), paths_of(begun.cracks), safety=safety)
+            yield _reported(RunState(step, begun.cracks), solution), solution
+    return RunEnd("completed", str(safety), begun.paths, safety=safety)
 
 
 def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
@@ -190,15 +171,8 @@ def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
         return float("nan")
 
 
-def _reported(state: RunState, solution: StepSolution, chosen: Ints) -> StepResult:
-    """The step's result; frames are made where files or figures can want them."""
+def _reported(state: RunState, solution: StepSolution, chosen: Container[int] = ()) -> StepResult:
+    """The step's result, with what a run can go on from; of its tips the `chosen` advance."""
     output = solution.scene.case.output
     result = step_result(state, solution, chosen, output.frames != "none" or output.figures)
-    solved = replace(
-        state,
-        origin=solution.origin,
-        factorizations=solution.factorizations,
-        notes=solution.notes,
-        errors=solution.errors,
-    )
-    return replace(result, checkpoint=packed(solved))
+    return replace(result, checkpoint=packed(state, solution))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import replace
 from functools import cache, partial
 
@@ -12,21 +12,16 @@ import numpy as np
 
 from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors
 from crackgrow.accuracy.energy_norm import ErrorEstimate, error_estimate
-from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Case, CriticalLoad
+from crackgrow.case.model import CriticalLoad
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
-from crackgrow.cover.cover import Cover
-from crackgrow.fracture.advance import STARTS, GrowingCrack, advancing_sites
+from crackgrow.fracture.advance import STARTS, advancing_sites
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.checkpoint import RunState
-from crackgrow.run.contact_violation import contact_violations, mean_stress, pressed_strain
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import make_frame
-from crackgrow.run.history import history
-from crackgrow.run.reactions import reactions
 from crackgrow.run.result import (
     ContactPoints,
     CrackFaces,
@@ -37,29 +32,25 @@ from crackgrow.run.result import (
     StepResult,
     TipResult,
 )
-from crackgrow.run.specimen import specimen_means
-from crackgrow.run.step_warnings import step_warnings
-from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.run.state_values import history, mean_stress, reactions, specimen_means
+from crackgrow.run.step_warnings import contact_violations, pressed_strain, step_warnings
 
 Estimate = Callable[[], ErrorEstimate]
 STILL = 1e-6
 """Of what the stress could make a crack of its length slip: faces have not moved by less, 3e-9 of it in 56 joints."""
 
 
-def paths_of(cracks: tuple[GrowingCrack, ...]) -> tuple[CrackPath, ...]:
-    """The cracks as they lie."""
-    return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in cracks)
-
-
-def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_frame: bool) -> StepResult:
+def step_result(state: RunState, solution: StepSolution, chosen: Container[int], with_frame: bool) -> StepResult:
     """The result of a step, of whose tips the `chosen` advance."""
     started = time.perf_counter()
-    outcome, scene, paths = solution.outcome, solution.scene, paths_of(state.cracks)
+    outcome, scene, paths = solution.outcome, solution.scene, state.paths
     contact, faces = solution.state.along_surfaces
-    errors, missed = solution.errors or unmeasured(solution), contact_violations(solution, faces)
+    unknown, missed = (math.nan,) * len(solution.tips), contact_violations(solution, faces)
+    errors = solution.errors or Errors(scene.grading, K=unknown, T=unknown, kinks=unknown)  # cells are by hand
+    percent = {goal: 100.0 * BOUND * share for goal, share in errors.shares.items()}
     still = _sticking(contact, paths, pressed_strain(solution, faces))
     means = specimen_means(solution.state)
-    critical, goal = isinstance(scene.case.loading, CriticalLoad), scene.case.numerics.goal
+    critical = isinstance(scene.case.loading, CriticalLoad)
     estimate = cache(estimate_maker(solution))
     asked = estimate if "energy_error" in scene.case.output.fields else None
     return StepResult(
@@ -81,19 +72,19 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=max((surface.overlap for surface in missed), default=0.0),
-        overlap_share=max((surface.share for surface in missed), default=0.0),
+        overlap_share=max((float(surface.shares.max()) for surface in missed), default=0.0),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         mean_stress=means[0],
         mean_strain=means[1],
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         step_warnings=step_warnings(solution, faces, missed, state.step),
-        norm_error=estimate().relative if state.step == 0 else float("nan"),
-        time=float("nan") if scene.case.subcritical is None else state.time,
-        goal_error=math.nan if goal == "K" else 100.0 * BOUND * errors.shares.get(goal, math.nan),
-        slip_error=100.0 * BOUND * errors.shares.get("slip", math.nan),
-        reaction_error=100.0 * BOUND * errors.shares.get("reaction", math.nan),
-        load_factor_error=100.0 * BOUND * errors.shares.get("load_factor", math.nan) if critical else math.nan,
+        norm_error=estimate().relative if state.step == 0 else math.nan,
+        time=math.nan if scene.case.subcritical is None else state.time,
+        goal_error=percent.get(scene.case.numerics.goal, math.nan),  # those of K are of tips
+        slip_error=percent.get("slip", math.nan),
+        reaction_error=percent.get("reaction", math.nan),
+        load_factor_error=percent.get("load_factor", math.nan) if critical else math.nan,
         stress=_stress(solution, faces),
         history=history([*solution.passed, solution.state]),
         start=_start(solution),
@@ -101,21 +92,10 @@ def step_result(state: RunState, solution: StepSolution, chosen: Ints, with_fram
     )
 
 
-def unmeasured(solution: StepSolution) -> Errors:
-    """Errors that are not known: cells are by hand."""
-    unknown = (math.nan,) * len(solution.tips)
-    return Errors(solution.scene.grading, K=unknown, T=unknown, kinks=unknown)
-
-
-def estimated_error(solution: StepSolution) -> ErrorEstimate:
-    """The estimate in the energy norm."""
-    return estimate_maker(solution)()
-
-
 def estimate_maker(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
     singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
-    return partial(error_estimate, solution.cover, solution.materials, solution.outcome.u, singular)
+    return partial(error_estimate, solution.cover, solution.state.materials, solution.outcome.u, singular)
 
 
 def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:
@@ -123,18 +103,14 @@ def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], 
 
     Places are those of the map, and bodies have their numbers in the case.
     """
-    scene = solution.scene
-    return partial(
-        _frame, solution.cover, solution.materials, solution.outcome.u, error, scene.numbers_at_start, scene.case
-    )
+    cover, materials, u = solution.cover, solution.state.materials, solution.outcome.u
+    numbers, origin = solution.scene.numbers_at_start, solution.scene.case.origin
 
+    def made() -> Frame:
+        frame = make_frame(cover, materials, u, None if error is None else error())
+        return on_map(replace(frame, body=numbers[frame.body]), origin)
 
-def _frame(
-    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, error: Estimate | None, bodies: Ints, case: Case
-) -> Frame:
-    """The mesh of displacements `u` (n_dofs,) m; `bodies` are the numbers in the case of those of the cover."""
-    frame = make_frame(cover, materials, u, None if error is None else error())
-    return on_map(replace(frame, body=bodies[frame.body]), case.origin)
+    return made
 
 
 def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
@@ -167,17 +143,16 @@ def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float)
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still: set[str]) -> TipResult:
-    cover, state, spacing = solution.cover, solution.tips[tip], solution.cover.lattice.spacing
+    cover, state, law = solution.cover, solution.tips[tip], solution.scene.case.subcritical
     index, at_end = cover.tip_ends[tip]
-    verdict, law = state.verdict, solution.scene.case.subcritical
-    nan = float("nan")
-    sticks = str(cover.cracks[index].name) in still
+    K, verdict, crack, nan = state.intensity, state.verdict, str(cover.cracks[index].name), math.nan
+    speed = nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0])
     return TipResult(
-        crack=str(cover.cracks[index].name),
+        crack=crack,
         tip=end_word(at_end),
         point=cover.lattice.to_metres(cover.tips[tip].point),
-        K_I=state.intensity.K_I,
-        K_II=state.intensity.K_II,
+        K_I=K.K_I,
+        K_II=K.K_II,
         sigma_1=verdict.sigma_1 if verdict else nan,
         sigma_3=verdict.sigma_3 if verdict else nan,
         criterion="none" if verdict is None else verdict.mode if advances else verdict.branch,
@@ -186,19 +161,19 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still
         advanced=advances,
         K_I_error=BOUND * errors.K[tip],
         K_II_error=BOUND * errors.K[tip],
-        K_radius=state.intensity.radius,
-        K_note=state.intensity.note,
+        K_radius=K.radius,
+        K_note=K.note,
         K_I_faces=state.K_faces[0],
         K_II_faces=state.K_faces[1],
-        K_I_spread=state.intensity.K_I_spread,
-        K_II_spread=state.intensity.K_II_spread,
-        cell_size=cover.tips[tip].size * spacing,
+        K_I_spread=K.K_I_spread,
+        K_II_spread=K.K_II_spread,
+        cell_size=cover.tips[tip].size * cover.lattice.spacing,
         kink_error_deg=float(np.rad2deg(min(BOUND * errors.kinks[tip], np.pi))),
-        velocity=nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0]),
+        velocity=speed,
         K_error_expected=errors.K[tip] / EXPECTED,
-        sticks=sticks,
-        K_growth=nan if sticks else state.K_growth,
-        T=state.intensity.T,
+        sticks=crack in still,
+        K_growth=nan if crack in still else state.K_growth,
+        T=K.T,
         T_error=BOUND * errors.T[tip],
     )
 

@@ -156,12 +156,15 @@ class FrameOnDemand:
         return self._frame
 
 
+EventKind = Literal["coalescence", "hole", "break_through", "interface", "initiation"]
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Event:
     """A tip has met something in its advance: it ends there; or a crack has started (initiation): where, and how."""
 
     step: int  # whose advance made it
-    kind: Literal["coalescence", "hole", "break_through", "interface", "initiation"]
+    kind: EventKind
     crack: str
     tip: Literal["start", "end"]
     point: Floats  # (2,) m

@@ -4,30 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
-from crackgrow.accuracy.features import BY_HAND, Grading
+from crackgrow.accuracy.companion import BY_HAND, Grading
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case import model
 from crackgrow.case.features import Length, rim_lengths
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import (
-    Case,
-    ContactSupport,
-    CoulombContact,
-    EdgeLoad,
-    FluidPressure,
-    Gravity,
-    Growth,
-    InSituStress,
-    Load,
-    PointSupport,
-    Stage,
-    Stages,
-    Strength,
-)
 from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
@@ -35,7 +21,7 @@ from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
-from crackgrow.run.surface_laws import SurfaceLaw, contact_stiffness
+from crackgrow.run.surface_laws import SurfaceLaw, surface_law
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
 
@@ -48,16 +34,16 @@ class Course:
     """How loads change in a stage: the load factor counts stages, and rises by one in each."""
 
     number: int  # of the stage, from 0 on
-    begin: Stage
-    end: Stage
+    begin: model.Stage
+    end: model.Stage
 
-    def parts(self, value: Callable[[Stage], float]) -> tuple[float, float]:
+    def parts(self, value: Callable[[model.Stage], float]) -> tuple[float, float]:
         """a and b: what has some `value` at the end of a stage is a + b F at a load factor F."""
         b = value(self.end) - value(self.begin)
         return value(self.begin) - self.number * b, b
 
 
-def course_of(loading: Stages, number: int) -> Course:
+def course_of(loading: model.Stages, number: int) -> Course:
     """The course of a stage, from 0 on."""
     return Course(number, loading.stages[number - 1] if number else loading.before, loading.stages[number])
 
@@ -66,7 +52,7 @@ def course_of(loading: Stages, number: int) -> Course:
 class Scene:
     """A case made ready for its steps."""
 
-    case: Case
+    case: model.Case
     lattice: Lattice
     materials: tuple[PlaneElasticity, ...]  # body by body, without in-situ stress
     regions: tuple[shapely.Polygon, ...]  # body by body, m
@@ -90,13 +76,13 @@ class Scene:
         """Body by body (n,) its number in the case."""
         return np.array([body_index(self.at_start.case.bodies, body.name) for body in self.case.bodies])
 
-    def parts(self, load: Load) -> tuple[float, float]:
+    def parts(self, load: model.Load) -> tuple[float, float]:
         """a and b: at a load factor F a load acts with a + b F."""
         if self.course is None:
             return (1.0, 0.0) if load.held else (0.0, 1.0)
         return self.course.parts(lambda stage: _share_at_end(stage, load))
 
-    def share(self, load: Load, load_factor: float) -> float:
+    def share(self, load: model.Load, load_factor: float) -> float:
         """How much of a load acts at a load factor."""
         a, b = self.parts(load)
         return a + b * load_factor
@@ -122,9 +108,9 @@ class Scene:
         """Whether a fluid presses on the faces of a crack."""
         return bool(self._fluids(crack))
 
-    def _fluids(self, crack: int) -> list[FluidPressure]:
+    def _fluids(self, crack: int) -> list[model.FluidPressure]:
         surface = self.case.cracks[crack].surface
-        return [load for load in self.case.loads if isinstance(load, FluidPressure) and load.surface == surface]
+        return [load for load in self.case.loads if isinstance(load, model.FluidPressure) and load.surface == surface]
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
@@ -137,7 +123,7 @@ class Scene:
         """Weight (2,) N/m^3 at a load factor."""
         force = np.zeros(2)
         for load in self.case.loads:
-            if isinstance(load, Gravity) and load.body == self.case.bodies[body].name:
+            if isinstance(load, model.Gravity) and load.body == self.case.bodies[body].name:
                 density = self.case.bodies[body].material.density
                 assert density is not None  # the case was checked
                 force += density * np.asarray(load.acceleration) * self.share(load, load_factor)
@@ -147,7 +133,7 @@ class Scene:
         """In-situ stress of a body at a load factor."""
         stress = InSitu()
         for load in self.case.loads:
-            if isinstance(load, InSituStress) and load.body == self.case.bodies[body].name:
+            if isinstance(load, model.InSituStress) and load.body == self.case.bodies[body].name:
                 stress = stress.plus(load, self.share(load, load_factor))
         return stress
 
@@ -160,10 +146,10 @@ class Scene:
         loads = list(case.loads)
         for growing_crack in new:
             on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.surface
-            fluids = [load for load in loads if isinstance(load, FluidPressure) and load.surface == on]
+            fluids = [load for load in loads if isinstance(load, model.FluidPressure) and load.surface == on]
             loads += [replace(load, surface=growing_crack.crack.surface) for load in fluids]
         cracks = [growing_crack.crack for growing_crack in new]
-        laws = [_law(case, crack.contact, crack.body) for crack in cracks]
+        laws = [surface_law(case, crack.contact, crack.body) for crack in cracks]
         return replace(
             self,
             case=replace(case, cracks=(*case.cracks, *cracks), loads=tuple(loads)),
@@ -175,25 +161,21 @@ class Scene:
         """The scene on other cells, with the rock that is gone."""
         return replace(self, grading=grading, whole=self.whole and self.whole.with_grading(grading))
 
-    def growing_in(self, body: int) -> tuple[Growth, Strength]:
+    def growing_in(self, body: int) -> tuple[model.Growth, model.Strength]:
         """How cracks grow, and the strength of the body that they grow in, which has one: of a case with growth."""
         growth, strength = self.case.growth, self.case.bodies[body].strength
         assert growth is not None
         assert strength is not None
         return growth, strength
 
-    def averaging_radius(self, body: int) -> float:
-        """Radius (m) of the criterion in such a body."""
-        return averaging_radius(*self.growing_in(body))
-
     def start_radius(self, body: int) -> float:
-        """The same (m) where cracks start, and at tips of those that have started in shear."""
+        """Radius (m) of the criterion in such a body where cracks start, and at tips of those that have so in shear."""
         return start_radius(*self.growing_in(body))
 
     def radius_at(self, site: Site) -> float:
         """Radius (m) over which stress is averaged at a site in such a body."""
-        starts = site.kind != "tip" or site.in_shear
-        return self.start_radius(site.body) if starts else self.averaging_radius(site.body)
+        radius = start_radius if site.kind != "tip" or site.in_shear else averaging_radius
+        return radius(*self.growing_in(site.body))
 
     def shear_radius_at(self, site: Site) -> float | None:
         """The same (m) for shear at a tip that may grow in it by a toughness; None elsewhere.
@@ -212,7 +194,7 @@ class Scene:
         )
 
 
-def _share_at_end(stage: Stage, load: Load) -> float:
+def _share_at_end(stage: model.Stage, load: model.Load) -> float:
     """How much of a load acts at the end of a stage."""
     own = dict(stage.loads)
     if load.name is not None and load.name in own:
@@ -220,7 +202,7 @@ def _share_at_end(stage: Stage, load: Load) -> float:
     return 1.0 if load.held else stage.factor
 
 
-def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
+def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     """Place the lattice, moved by `offset` spacings for studies, and evaluate the materials of a case.
 
     Where errors are measured the largest cells of the lattice are the companion's: twice the spacing.
@@ -230,12 +212,12 @@ def make_scene(case: Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     spacing = 2.0 * numerics.spacing if grading.nested else numerics.spacing
     lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), spacing, numerics.support, offset)
     scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), grading=grading)
-    return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, Stages) else scene
+    return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, model.Stages) else scene
 
 
 def scene_of_stage(scene: Scene, number: int) -> Scene:
     """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice."""
-    assert isinstance(scene.case.loading, Stages)
+    assert isinstance(scene.case.loading, model.Stages)
     course = course_of(scene.case.loading, number)
     gone = {body for body, _ in course.end.excavated}
     if not gone:
@@ -244,13 +226,13 @@ def scene_of_stage(scene: Scene, number: int) -> Scene:
     return replace(left, grading=scene.grading, lengths=scene.lengths, course=course, whole=scene)
 
 
-def without(case: Case, gone: set[str]) -> Case:
+def without(case: model.Case, gone: set[str]) -> model.Case:
     """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
 
-    def is_left(load: Load) -> bool:
-        if isinstance(load, FluidPressure):
+    def is_left(load: model.Load) -> bool:
+        if isinstance(load, model.FluidPressure):
             return not load.surface.bounds(gone)
-        return (load.region.body if isinstance(load, EdgeLoad) else load.body) not in gone
+        return (load.region.body if isinstance(load, model.EdgeLoad) else load.body) not in gone
 
     return replace(
         case,
@@ -260,7 +242,7 @@ def without(case: Case, gone: set[str]) -> Case:
     )
 
 
-def _scene_on(case: Case, lattice: Lattice) -> Scene:
+def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
     """The scene of a case on a lattice."""
     materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
@@ -270,8 +252,11 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         for name, (_, line) in zip(numbered([interface.surface for interface, _ in lines]), lines, strict=True)
     )
     bodies = {body.name for body in case.bodies}
-    supports = [each for each in case.supports if isinstance(each, ContactSupport) and each.region.body in bodies]
+    supports = [each for each in case.supports if isinstance(each, model.ContactSupport) and each.region.body in bodies]
     names = numbered([support.surface for support in supports])
+    held = [support.region for support in case.supports if not isinstance(support, model.PointSupport)]
+    loaded = [load.region for load in case.loads if isinstance(load, model.EdgeLoad)]
+    joined = ((interface.bodies, interface.lines) for interface in case.interfaces)
     return Scene(
         case=case,
         lattice=lattice,
@@ -281,24 +266,10 @@ def _scene_on(case: Case, lattice: Lattice) -> Scene:
         interfaces=tuple(interfaces),
         foundations=tuple(Foundation(name, each.region) for name, each in zip(names, supports, strict=True)),
         crack_bodies=crack_bodies,
-        lengths=_lengths(case),
+        lengths=tuple(rim_lengths(case.bodies, joined, held, loaded, case.origin)),
         laws=(
-            *(_law(case, crack.contact, crack.body) for crack in case.cracks),
-            *(_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
-            *(_law(case, support.contact, support.region.body) for support in supports),
+            *(surface_law(case, crack.contact, crack.body) for crack in case.cracks),
+            *(surface_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
+            *(surface_law(case, support.contact, support.region.body) for support in supports),
         ),
     )
-
-
-def _law(case: Case, contact: CoulombContact | Literal["bonded"] | None, *bodies: str) -> SurfaceLaw:
-    """What holds the faces of a surface on some bodies, of which the case says this."""
-    law = contact if isinstance(contact, CoulombContact) else None
-    return SurfaceLaw(law, contact == "bonded", contact_stiffness(case, bodies))
-
-
-def _lengths(case: Case) -> tuple[Length, ...]:
-    """What the stress varies over besides cracks."""
-    supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
-    loads = [load.region for load in case.loads if isinstance(load, EdgeLoad)]
-    interfaces = ((interface.bodies, interface.lines) for interface in case.interfaces)
-    return tuple(rim_lengths(case.bodies, interfaces, supports, loads, case.origin))

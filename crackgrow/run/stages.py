@@ -24,8 +24,8 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.elements import element_points
 from crackgrow.run.configuration import Configuration, Excavated, assemble
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, equilibrated, held_loads, increment
-from crackgrow.run.reactions import face_forces
 from crackgrow.run.scene import Scene, scene_of_stage
+from crackgrow.run.state_values import face_forces
 
 
 def through_stages(

@@ -1,24 +1,29 @@
-"""Warnings of a step: what makes its results doubtful."""
+"""Warnings of a step: what makes its results doubtful.
+
+Faces meet the contact law on average only between contact points: how far they miss it there is a result as well.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.case.units import Metres, place_text
+from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.advances import site_criticality
-from crackgrow.run.contact_violation import PRESSED_FLAT, ContactViolation, largest_jump, pressed_strain
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.missing_loads import dry_joints
-from crackgrow.run.reactions import imbalance, reactions
+from crackgrow.run.growth import site_criticality
 from crackgrow.run.result import CrackFaces
-from crackgrow.run.scene_warnings import scene_warnings, unbalanced_loads
-from crackgrow.run.small_strains import large_displacements
+from crackgrow.run.scene_warnings import dry_joints, scene_warnings, unbalanced_loads
+from crackgrow.run.state_values import imbalance, mean_stress, reactions
+from crackgrow.run.surface_laws import SurfaceLaw
 from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.solid.recovery import displacement_at
 
 FARTHER = 1.25
 """Cells between contact points, below which tractions can oscillate up to their full size where faces stick."""
@@ -26,45 +31,129 @@ FARTHER = 1.25
 SAW_TEETH = 2
 """Kinks in turn, to and fro, from which on a path is a saw."""
 
+PRESSED_FLAT = 0.03
+"""Overlap of a crack's faces, over what the rock of a cell gives way to the largest pressure, that is small:
+a stuck flaw under a gradient of pressure has 0.05 at 5 cells, where K is felt, 0.02 at 10. Where faces stick
+their jump is next to nothing, and no measure of what overlaps."""
+
+AT_CORNERS = 0.25
+"""The same on interfaces and foundations: blocks at rest have 0.14 to 0.2 at their corners on any lattice, and sticking
+between two corners next to nothing; two cells a block 0.3."""
+
+ALONG = np.array([[1.0, 0.0, 1.0, 1.0], [0.0, 1.0, 1.0, -1.0]])
+"""Axes at whose ends the outmost places of a body lie."""
+
 
 def step_warnings(
-    solution: StepSolution, faces: tuple[CrackFaces, ...], off: Sequence[ContactViolation], step: int
+    solution: StepSolution, faces: Sequence[CrackFaces], off: Sequence[ContactViolation], step: int
 ) -> tuple[StepWarning, ...]:
-    """What the user should know of this step, whose `faces` miss their laws by `off`.
+    """What the user should know of this step, whose `faces` miss their laws by `off`; what is most important first.
 
     What holds for all steps is said at the first.
     """
-    return tuple(sorted(_all_warnings(solution, faces, off, step), key=lambda warning: warning.rank))
+    found = [
+        *(
+            WarningCause.NOTE.at(words=note)
+            for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes)
+        ),
+        *_missed(solution),
+        *(scene_warnings(solution.scene, solution.cover) if step == 0 else ()),
+        *_passing_through(solution, faces),
+        *_overlapping(off),
+        *_of_tips(solution),
+        *ripples(solution),
+        *_unstable(solution),
+        *_large_displacements(solution, faces),
+        *dry_joints(solution.scene, solution.cover),
+        *_on_points(solution),
+    ]
+    return tuple(sorted(found, key=lambda warning: warning.rank))
 
 
-def _all_warnings(
-    solution: StepSolution, faces: tuple[CrackFaces, ...], off: Sequence[ContactViolation], step: int
-) -> Iterator[StepWarning]:
-    scene = solution.scene
-    for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes):
-        yield WarningCause.NOTE.at(words=note)
-    yield from _off_target(solution)
-    if step == 0:
-        yield from scene_warnings(scene, solution.cover)
-    yield from _passing_through(solution, faces)
-    yield from _overlapping(off)
-    yield from _jumps(solution)
-    yield from _sawing(solution)
-    yield from ripples(solution)
-    yield from _unstable(solution)
-    yield from large_displacements(solution, faces)
-    yield from dry_joints(scene, solution.cover)
-    yield from _on_points(solution)
-    sizes = ((WarningCause.RESIDUAL, solution.outcome.residual), (WarningCause.ENERGY, solution.state.energy.error))
-    for cause, size in (*sizes, (WarningCause.IMBALANCE, imbalance(solution))):
-        if size > cause.limit:
-            yield cause.at(size=size, percent=100.0 * size)
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactViolation:
+    """By how much the faces of one surface violate its contact law."""
+
+    face: CrackFaces
+    overlap: float  # m, the largest beyond what the contact stiffness explains
+    how: str  # in words, of what is the worst
+    off: Floats  # (n,) m, along the surface
+    shares: Floats  # (n,) of what is small there: beyond 1 it warns
+    strain: float  # of the rock under the pressure
+
+
+def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> list[ContactViolation]:
+    """Overlap, or gap under pressure, of each surface. It is small beside its jump, or what pressure does to rock."""
+    strain, found = pressed_strain(solution, faces), []
+    for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
+        elastic = law.elastic_gap(face.cell_size, face.normal_traction)
+        overlap = np.zeros(len(face.s)) if law.contact is None else np.abs(np.minimum(face.opening - elastic, 0.0))
+        ways = (("overlap", overlap), ("stand apart under pressure", _apart(law, face, elastic)))
+        how, off = max(ways, key=lambda way: float(way[1].max()))
+        part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
+        small = np.maximum(WarningCause.OVERLAP.limit * _largest_jump(face), part * strain * face.cell_size)
+        shares = np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
+        found.append(ContactViolation(face, float(overlap.max()), how, off, shares, strain))
+    return found
+
+
+def _apart(law: SurfaceLaw, face: CrackFaces, elastic: Floats) -> Floats:
+    """Gap (n,) m along the pressed parts of a surface, beyond what its stiffness and its dilation explain."""
+    apart = np.zeros(len(face.s))
+    if law.contact is None or law.contact.worn[1] != law.contact.dilation_angle:
+        return apart  # of dilation that wears slip alone does not tell what it has opened
+    closed = face.state != OPEN
+    within = closed[1:-1] & closed[:-2] & closed[2:]
+    risen = float(law.table[4, 0]) * np.abs(face.slip) + elastic  # the tangent of the dilation angle
+    apart[1:-1][within] = np.maximum(face.opening - risen, 0.0)[1:-1][within]
+    return apart
+
+
+def _largest_jump(face: CrackFaces) -> float:
+    """Largest jump (m) of the faces of a surface."""
+    return float(np.hypot(face.opening, face.slip).max())
+
+
+def pressed_strain(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
+    """Strain of the rock under the largest pressure on any face, or under its own mean stress if larger.
+
+    Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
+    """
+    pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
+    return float(max(pressure, mean_stress(solution.state)) / min(m.young_prime for m in solution.scene.materials))
+
+
+def _overlapping(surfaces: Sequence[ContactViolation]) -> Iterator[StepWarning]:
+    """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
+    for surface in surfaces:
+        worst, face, of_flat = int(np.argmax(surface.shares)), surface.face, ""
+        share, overlap = surface.shares[worst], Metres(surface.off[worst])
+        if share <= 1.0:
+            continue
+        if surface.strain:
+            percent = 100.0 * overlap / (surface.strain * float(face.cell_size[worst]))
+            of_flat = f" and {percent:.3g} % of what a spacing of rock gives way to the pressure"
+        told = {"how": surface.how, "overlap": overlap, "percent": 100.0 * overlap / _largest_jump(face)}
+        yield WarningCause.OVERLAP.at(f"'{face.crack}'", share, of_flat=of_flat, **told)
+
+
+def _passing_through(solution: StepSolution, faces: Sequence[CrackFaces]) -> Iterator[StepWarning]:
+    """Cracks whose faces never touch, and lie in each other."""
+    cause, strain = WarningCause.CONTACT_NONE, pressed_strain(solution, faces)
+    for law, face in zip(solution.scene.laws, faces, strict=True):
+        if law.contact is not None or law.bonded:
+            continue
+        jump = _largest_jump(face)
+        deep = -face.opening > np.maximum(cause.limit * jump, PRESSED_FLAT * strain * face.cell_size)
+        if deep.any():
+            depth = -float(face.opening[deep].min())
+            yield cause.at(f"'{face.crack}'", depth, depth=Metres(depth), percent=100.0 * depth / jump)
 
 
 def ripples(solution: StepSolution) -> Iterator[StepWarning]:
     """Contact tractions that oscillate as no rock makes them."""
-    outcome, cover, contact = solution.outcome, solution.cover, solution.scene.case.numerics.contact
-    worst = worst_ripple(cover, solution.faces, outcome.points.normal, outcome.points.tangential)
+    points, cover, contact = solution.outcome.points, solution.cover, solution.scene.case.numerics.contact
+    worst = worst_ripple(cover, solution.configuration.faces, points.normal, points.tangential)
     if worst is not None and worst.part > WarningCause.RIPPLE.limit:
         place = f"'{cover.surfaces[worst.surface].name}'"
         why, remedy = "contact points are closer than the displacement can follow", "numerics.contact."
@@ -77,15 +166,51 @@ def ripples(solution: StepSolution) -> Iterator[StepWarning]:
         yield WarningCause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part, why=why, remedy=remedy)
 
 
+def _missed(solution: StepSolution) -> Iterator[StepWarning]:
+    """A target that is not met; forces and energies that miss each other."""
+    errors, numerics, state = solution.errors, solution.scene.case.numerics, solution.state
+    if errors is not None and errors.missed:
+        off, wanted = errors.estimate(numerics.goal), 100.0 * numerics.target
+        came = f"is off by an estimated {100.0 * off:.2g} %" if np.isfinite(off) else "has no error estimate"
+        yield WarningCause.TARGET.at(size=off, what=numerics.goal, wanted=wanted, came=came, why=errors.missed)
+    for cause, size in (
+        (WarningCause.RESIDUAL, state.outcome.residual),
+        (WarningCause.ENERGY, state.energy.error),
+        (WarningCause.IMBALANCE, imbalance(state)),
+    ):
+        if size > cause.limit:
+            yield cause.at(size=size, percent=100.0 * size)
+
+
+def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:
+    """Tips whose stress jumps beyond the strength at the critical load factor, and those whose path is a saw.
+
+    The last increments of those turn to and fro: they are too long for a direction that is found at their beginning.
+    """
+    scene, growth, cause = solution.scene, solution.scene.case.growth, WarningCause.SAWING
+    for beyond, (index, at_end) in zip(solution.jumps, solution.cover.tip_ends, strict=True):
+        crack = solution.cover.cracks[index]
+        if beyond:
+            yield WarningCause.JUMP.at(crack.name.end(at_end), 1.0 + beyond)
+        if growth is None or growth.direction == "implicit":
+            continue
+        given = scene.lattice.to_lattice(scene.case.cracks[index].points[-1 if at_end else 0])
+        points = crack.seen_from(at_end)
+        n_grown = int(np.argmin(np.hypot(*(points - given).T)))  # segments that growth has added
+        turns = np.rad2deg(kink_angles(points))[: max(n_grown - 1, 0)][:SAW_TEETH]
+        to_and_fro = len(turns) == SAW_TEETH and bool((turns[1:] * turns[:-1] <= 0.0).all())
+        if to_and_fro and (least := np.abs(turns).min()) >= cause.limit:
+            criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
+            yield cause.at(crack.name.end(at_end), least, criterion=criterion)
+
+
 def _unstable(solution: StepSolution) -> Iterator[StepWarning]:
     """A load that is far beyond the critical one, or at all where a law of growth in time has no more than v_max."""
     case, cover = solution.scene.case, solution.cover
     if case.growth is None or case.growth.steps == 0 or isinstance(case.loading, CriticalLoad):
         return
-    cause, criticality = (
-        WarningCause.UNSTABLE if case.subcritical else WarningCause.OVERLOAD,
-        site_criticality(solution),
-    )
+    cause = WarningCause.UNSTABLE if case.subcritical else WarningCause.OVERLOAD
+    criticality = site_criticality(solution)
     if criticality.max(initial=0.0) < cause.limit:
         return
     worst = int(np.argmax(criticality))
@@ -96,87 +221,41 @@ def _unstable(solution: StepSolution) -> Iterator[StepWarning]:
     yield cause.at(size=criticality[worst], where=where)
 
 
-def _off_target(solution: StepSolution) -> Iterator[StepWarning]:
-    """A target that is not met."""
-    errors, numerics = solution.errors, solution.scene.case.numerics
-    if errors is None or not errors.missed:
-        return
-    off = errors.estimate(numerics.goal)
-    came = f"is off by an estimated {100.0 * off:.2g} %" if np.isfinite(off) else "has no error estimate"
-    yield WarningCause.TARGET.at(
-        size=off, what=numerics.goal, wanted=100.0 * numerics.target, came=came, why=errors.missed
-    )
+def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) -> Iterator[StepWarning]:
+    """The worst of strains, rotations and slips, if any is too large for the equations of small ones.
+
+    Of a body the mean gradient of the displacement counts, that of the linear field nearest to that of its outmost
+    places; of a surface its largest jump over its length; of stress in the ground what it would strain the rock by.
+    """
+    found = [
+        (_largest_jump(face) / face.s[-1], f"the faces of '{face.crack}' part or slip by {{}} of its length")
+        for face in faces
+    ]
+    elements, spacing = solution.cover.elements, solution.cover.lattice.spacing
+    for number, (body, material) in enumerate(zip(solution.scene.case.bodies, solution.state.materials, strict=True)):
+        mine = np.flatnonzero(elements.body == number)
+        along = elements.reference[mine] @ ALONG
+        some = mine[np.concatenate([along.argmin(axis=0), along.argmax(axis=0)])]
+        places = elements.reference[some]
+        u = displacement_at(solution.cover, solution.outcome.u, places, some) / spacing
+        gradient = np.linalg.lstsq(np.column_stack([np.ones(len(some)), places]), u, rcond=None)[0][1:].T
+        strain = np.abs(material.initial.at(body.outline)).max() / material.young_prime
+        found.append((strain, f"the stress in the ground would strain body '{body.name}' by {{}}"))
+        found.append((np.linalg.norm(gradient, 2), f"the loads strain or turn body '{body.name}' by {{}}"))
+    size, what = max(found)
+    if size > WarningCause.NOT_SMALL.limit:
+        yield WarningCause.NOT_SMALL.at(size=size, what=what.format(f"{100.0 * size:.2g} %"))
 
 
 def _on_points(solution: StepSolution) -> Iterator[StepWarning]:
     """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told."""
-    case = solution.scene.case
+    case, state = solution.scene.case, solution.state
     if any(isinstance(load, Gravity) for load in case.loads):
         yield from unbalanced_loads(solution.scene, solution.cover)
         return
-    found = reactions(solution.state)
-    size = float(np.abs(solution.loads).sum() + sum(np.hypot(*reaction.force) for reaction in found))
-    points = {f"supports.{n}" for n, support in enumerate(case.supports) if isinstance(support, PointSupport)}
-    for reaction in found:
-        force = float(np.hypot(*reaction.force))
-        if reaction.where in points and force > WarningCause.UNBALANCED.limit * size:
-            yield WarningCause.UNBALANCED.at(reaction.where, force, what=f"{force:.3g} N/m at {reaction.where}")
-
-
-def _passing_through(solution: StepSolution, faces: tuple[CrackFaces, ...]) -> Iterator[StepWarning]:
-    """Cracks whose faces never touch, and lie in each other."""
-    strain = pressed_strain(solution, faces)
-    for law, face in zip(solution.scene.laws, faces, strict=True):
-        if law.contact is not None or law.bonded:
-            continue
-        jump = largest_jump(face)
-        deep = -face.opening > np.maximum(
-            WarningCause.CONTACT_NONE.limit * jump, PRESSED_FLAT * strain * face.cell_size
-        )
-        if deep.any():
-            depth = -float(face.opening[deep].min())
-            yield WarningCause.CONTACT_NONE.at(
-                f"'{face.crack}'", depth, depth=Metres(depth), percent=100.0 * depth / jump
-            )
-
-
-def _overlapping(surfaces: Sequence[ContactViolation]) -> Iterator[StepWarning]:
-    """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
-    for surface in surfaces:
-        if surface.share <= 1.0:
-            continue
-        worst, face, of_flat = int(np.argmax(surface.shares)), surface.face, ""
-        overlap = Metres(surface.off[worst])
-        if surface.strain:
-            percent = 100.0 * overlap / (surface.strain * float(face.cell_size[worst]))
-            of_flat = f" and {percent:.3g} % of what a spacing of rock gives way to the pressure"
-        told = {"how": surface.how, "overlap": overlap, "percent": 100.0 * overlap / largest_jump(face)}
-        yield WarningCause.OVERLAP.at(f"'{face.crack}'", surface.share, of_flat=of_flat, **told)
-
-
-def _jumps(solution: StepSolution) -> Iterator[StepWarning]:
-    """Tips that can grow whose stress is beyond the strength at the critical load factor."""
-    for beyond, (index, at_end) in zip(solution.jumps, solution.cover.tip_ends, strict=True):
-        if beyond:
-            yield WarningCause.JUMP.at(solution.cover.cracks[index].name.end(at_end), 1.0 + beyond)
-
-
-def _sawing(solution: StepSolution) -> Iterator[StepWarning]:
-    """Tips whose last increments turn to and fro: steps too long for a direction that is found at their beginning."""
-    scene, growth = solution.scene, solution.scene.case.growth
-    if growth is None or growth.direction == "implicit":
-        return
-    for index, at_end in solution.cover.tip_ends:
-        crack = solution.cover.cracks[index]
-        given = scene.lattice.to_lattice(scene.case.cracks[index].points[-1 if at_end else 0])
-        points = crack.seen_from(at_end)
-        n_grown = int(np.argmin(np.hypot(*(points - given).T)))  # segments that growth has added
-        turns = np.rad2deg(kink_angles(points))[: max(n_grown - 1, 0)][:SAW_TEETH]
-        if (
-            len(turns) < SAW_TEETH
-            or np.abs(turns).min() < WarningCause.SAWING.limit
-            or (turns[1:] * turns[:-1]).max() > 0.0
-        ):
-            continue
-        criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
-        yield WarningCause.SAWING.at(crack.name.end(at_end), np.abs(turns).min(), criterion=criterion)
+    forces = {reaction.where: float(np.hypot(*reaction.force)) for reaction in reactions(state)}
+    size = float(np.abs(state.configuration.loads(state.level)).sum()) + sum(forces.values())
+    for number, support in enumerate(case.supports):
+        where = f"supports.{number}"
+        if isinstance(support, PointSupport) and forces[where] > WarningCause.UNBALANCED.limit * size:
+            yield WarningCause.UNBALANCED.at(where, forces[where], what=f"{forces[where]:.3g} N/m at {where}")

@@ -19,11 +19,11 @@ from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.evaluation import StepSolution, evaluated
-from crackgrow.run.history import history_of
 from crackgrow.run.increments import LoadState, held_loads, increment
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
+from crackgrow.run.state_values import history_of
 
 NARROW = 1e-4
 """The factor of safety is found to this fraction."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 
@@ -36,11 +37,6 @@ class SurfaceLaw:
         return self.joint is not None or bool(np.isfinite(self.stiffness))
 
     @property
-    def dilation(self) -> float:
-        """What slip opens: tan(dilation angle)."""
-        return float(self.table[4, 0])
-
-    @property
     def table(self) -> Floats:
         """(5, k): shares that are lost; friction, cohesion (Pa), tensile strength (Pa), tan(dilation angle) then."""
         law = self.contact
@@ -54,62 +50,49 @@ class SurfaceLaw:
         cohesion = law.cohesion * (np.ones(len(left)) if law.cohesion_kept else left)
         return np.array([lost, friction, cohesion, law.tension * left, np.tan(np.deg2rad(angle))])
 
-    @property
-    def weakening(self) -> tuple[float, bool]:
-        """Slip (m) that takes all that can be lost, 0 if any does; whether it takes all but 1/e."""
-        law = self.contact
-        if law is None:
-            return 0.0, False
-        return (law.wear.slip[-1] if law.wear else law.decay_length or law.weakening_length), law.decay_length > 0.0
-
     def compliance(self, size: Floats) -> Floats:
-        """1/k (n,) m/Pa across the faces beside cells of these sizes h (n,) m; zero for rigid contact."""
-        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[0])
+        """1/k (2, n) m/Pa across the faces and along them, beside cells of these sizes h (n,) m; zero where rigid."""
+        if self.joint is None:
+            return np.tile(size / self.stiffness, (2, 1))
+        return np.tile(1.0 / np.array(self.joint)[:, None], (1, len(size)))
 
     def elastic_gap(self, size: Floats, normal: Floats) -> Floats:
         """Gap (n,) m of closed faces under normal tractions (n,) Pa, beside such cells: not positive in compression."""
         most = (self.contact and self.contact.max_closure) or np.inf
-        return -closed_by(-self.compliance(size) * normal, most)
-
-    def shear_compliance(self, size: Floats) -> Floats:
-        """The same along the faces."""
-        return np.asarray(size / self.stiffness) if self.joint is None else np.full(len(size), 1.0 / self.joint[1])
+        return -closed_by(-self.compliance(size)[0] * normal, most)
 
 
-def contact_stiffness(case: Case, bodies: tuple[str, ...]) -> float:
-    """kappa E (Pa) of contact, E of the softer body; infinite for rigid contact."""
-    kappa = case.numerics.contact.stiffness
-    if kappa is None:
-        return np.inf
-    young = min(body.material.young for body in case.bodies if body.name in bodies)
-    return kappa * young
+def surface_law(case: Case, contact: CoulombContact | Literal["bonded"] | None, *bodies: str) -> SurfaceLaw:
+    """What holds the faces of a surface on some bodies, of which the case says this; E is that of the softer one."""
+    kappa, law = case.numerics.contact.stiffness, contact if isinstance(contact, CoulombContact) else None
+    softer = min(body.material.young for body in case.bodies if body.name in bodies)
+    return SurfaceLaw(law, contact == "bonded", np.inf if kappa is None else kappa * softer)
 
 
 def laws_at_points(
     laws: Sequence[SurfaceLaw], cover: Cover, faces: ContactFaces, growing: Sequence[GrowingCrack]
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
-    compliance, along, weakening = np.zeros((3, faces.n))
-    most, rough, wall = np.full(faces.n, np.inf), np.zeros(faces.n), np.ones(faces.n)
-    decays = np.zeros(faces.n, dtype=bool)
+    compliance, along, weakening, rough = np.zeros((4, faces.n))
+    most, wall, decays = np.full(faces.n, np.inf), np.ones(faces.n), np.zeros(faces.n, dtype=bool)
     tables = [law.table for law in laws]
     n_rows = max((table.shape[1] for table in tables), default=2)
     rows = np.zeros((5, n_rows, faces.n))
     for index, (law, table) in enumerate(zip(laws, tables, strict=True)):
-        mine = faces.surface == index
+        mine, given = faces.surface == index, law.contact
         rows[:, :, mine] = np.pad(table, ((0, 0), (0, n_rows - table.shape[1])), mode="edge")[:, :, None]
-        if law.contact is None:
+        if given is None:
             continue
         size = cover.surfaces[index].in_cells.size(faces.s[mine]) * cover.lattice.spacing
-        compliance[mine], along[mine] = law.compliance(size), law.shear_compliance(size)
-        weakening[mine], decays[mine] = law.weakening
-        most[mine], barton = law.contact.max_closure or np.inf, law.contact.barton
-        if barton is not None:
-            rough[mine], wall[mine] = np.deg2rad(barton.jrc), barton.jcs
+        compliance[mine], along[mine] = law.compliance(size)
+        weakening[mine] = given.wear.slip[-1] if given.wear else given.decay_length or given.weakening_length
+        decays[mine], most[mine] = given.decay_length > 0.0, given.max_closure or np.inf
+        if given.barton is not None:
+            rough[mine], wall[mine] = np.deg2rad(given.barton.jrc), given.barton.jcs
         if cover.surfaces[index].name.is_crack:
             crack = growing[index]
-            given = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
-            new = mine & ((faces.s < given[0] - SAME_PLACE) | (faces.s > given[-1] + SAME_PLACE))
+            rooted = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
+            new = mine & ((faces.s < rooted[0] - SAME_PLACE) | (faces.s > rooted[-1] + SAME_PLACE))
             rows[1:, :, new] = rows[1:, -1:, new]
             rows[2:4, :, new] = 0.0
     shares, friction, cohesion, tension, dilation = rows

@@ -6,13 +6,10 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
-from crackgrow.accuracy.companion import Errors, Quantities, errors_of, unresolved_shear
-from crackgrow.accuracy.features import Grading
-from crackgrow.accuracy.marking import coarsened, refined
+from crackgrow.accuracy.companion import Errors, Grading, Quantities, coarsened, errors_of, refined, unresolved_shear
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.faces import points_at
@@ -23,15 +20,17 @@ from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
-from crackgrow.run.contact_violation import mean_stress
 from crackgrow.run.evaluation import StepSolution, TipState
 from crackgrow.run.increments import LoadState
 from crackgrow.run.layout import cells_of, cover_of
-from crackgrow.run.reactions import reactions
+from crackgrow.run.loading import HistorySolver, NextStepSolver
 from crackgrow.run.scene import Scene
+from crackgrow.run.state_values import mean_stress, reactions
 
 MOST_ROUNDS = 5
 """Times that cells are refined for one step."""
+
+TOO_MANY_ROUNDS = f"cells were refined in {MOST_ROUNDS} rounds for it"
 
 MOST_UNKNOWNS = 150_000
 """Cells are not refined where that gives more: some 7 GB, with the companion."""
@@ -44,16 +43,7 @@ PLACES = 65
 """Along each surface, at which jumps are held against each other."""
 
 
-class StepSolver(Protocol):
-    """Solves a step on other cells, which may reuse what they have in common with a configuration."""
-
-    def solve(self, scene: Scene, like: Configuration | None, /) -> StepSolution:
-        """The step."""
-
-    def companion(
-        self, scene: Scene, solution: StepSolution, like: Configuration | None, /
-    ) -> tuple[StepSolution, float]:
-        """What a solution is held against on the cells of a companion, and the load factor of its own path."""
+StepSolver = NextStepSolver | HistorySolver
 
 
 def solved_to_target(solution: StepSolution, solver: StepSolver, last: Configuration | None) -> StepSolution:
@@ -61,47 +51,42 @@ def solved_to_target(solution: StepSolution, solver: StepSolver, last: Configura
 
     `last` is the companion of the step before.
     """
-    scene, goal = solution.scene, solution.scene.case.numerics.goal
-    target, before = scene.case.numerics.target, None
+    numerics, before = solution.scene.case.numerics, None
     n_solves, seconds, companion = 0, Counter[str](), last
-    for round_ in range(MOST_ROUNDS + 1):
+    for n_rounds in range(MOST_ROUNDS + 1):
         n_solves += solution.factorizations
         seconds.update(solution.seconds)
         errors, companion, cost = _held_against(solution, solver, companion)
         seconds.update(cost)
         n_solves += companion is not None
-        if errors.estimate(goal) <= target:
+        if errors.estimate(numerics.goal) <= numerics.target:
             break
-        finer, missed = None, ""
-        if math.isinf(errors.estimate(goal)) and before is not None and math.isinf(before.estimate(goal)):
-            missed = errors.missed or "the companion mesh does not have it"  # nor on smaller cells
-        elif round_ == MOST_ROUNDS:
-            missed = f"cells were refined in {MOST_ROUNDS} rounds for it"
-        if not missed:
-            changes = tuple(_changes(solution.state))
-            wanted = refined(errors, before, target, goal, _lines(solution), changes)
-            finer, missed = _finer(solution, solver, wanted)
-        if finer is None:
-            errors = replace(errors, missed=missed)
+        finer = _finer(solution, solver, errors, before) if n_rounds < MOST_ROUNDS else TOO_MANY_ROUNDS
+        if isinstance(finer, str):
+            errors = replace(errors, missed=finer)
             break
         before, solution = errors, finer
     return replace(solution, errors=errors, companion=companion, factorizations=n_solves, seconds=dict(seconds))
 
 
-def _finer(solution: StepSolution, solver: StepSolver, wanted: Grading) -> tuple[StepSolution | None, str]:
-    """The step on other cells, or None and why there is none."""
+def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: Errors | None) -> StepSolution | str:
+    """The step on smaller cells for its errors, and those of the round `before`; or why there is none."""
+    numerics, refine = solution.scene.case.numerics, solution.scene.case.numerics.refine
+    if before is not None and math.isinf(errors.estimate(numerics.goal)) and math.isinf(before.estimate(numerics.goal)):
+        return errors.missed or "the companion mesh does not have it"  # nor on smaller cells
+    changes = tuple(_changes(solution.state))
+    wanted = refined(errors, before, numerics.target, numerics.goal, _lines(solution), changes)
     scene = solution.scene.with_grading(wanted)
     try:
         if cells_of(scene, solution.cracks).equal(solution.cover.lattice.cells):
-            refine = scene.case.numerics.refine
             by_hand = any(isinstance(level, int) for level in (refine.tips, refine.kinks, refine.corners))
-            return None, f"cells are as small as {'numerics.refine lets them' if by_hand else 'they can'} be"
+            return f"cells are as small as {'numerics.refine lets them' if by_hand else 'they can'} be"
         n_dofs = cover_of(scene, solution.cracks, solution.cover).n_dofs
         if n_dofs > MOST_UNKNOWNS:
-            return None, f"smaller cells make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
-        return solver.solve(scene, solution.configuration), ""
+            return f"smaller cells make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
+        return solver.solve(scene, solution.configuration)
     except (GeometryError, SolveError) as error:
-        return None, f"smaller cells are not to be had: {error}"
+        return f"smaller cells are not to be had: {error}"
 
 
 def _held_against(

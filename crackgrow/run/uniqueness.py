@@ -62,7 +62,9 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
     n = len(weights)
     if n == 0:
         return float("inf")
-    A = _normalised(compliance, weights)
+    root, size = np.tile(np.sqrt(weights), 2), np.tile(np.sqrt(compliance.diagonal()[:n]), 2)
+    A = compliance * (root / size)[:, None] / (root * size)  # no unit: forces for pressures, any size a point
+    A = 0.5 * (A + A.T)
     try:
         normal, tangential = np.linalg.cholesky(A[:n, :n]), np.linalg.cholesky(A[n:, n:])
     except np.linalg.LinAlgError:
@@ -76,25 +78,16 @@ def friction_limit(compliance: Floats, weights: Floats) -> float:
     return float(np.sqrt(max(1.0 - gamma_sq, 0.0) / gamma_sq * uncoupled))
 
 
-def _normalised(compliance: Floats, weights: Floats) -> Floats:
-    """The symmetric A (2 n, 2 n) without a unit: forces for pressures, and any size a point, the same for its rows."""
-    n = len(weights)
-    root = np.tile(np.sqrt(weights), 2)
-    size = np.tile(np.sqrt(compliance.diagonal()[:n]), 2)
-    A: Floats = compliance * (root / size)[:, None]
-    A /= root * size
-    A += A.T.copy()
-    A *= 0.5
-    return A
-
-
 def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
     """Solutions (m,) Pa that differ from the one `known` (m,), as far as starts from stick and slip lead to any.
 
-    One that is found is a proof; none is no proof of there being none.
+    One that is found is a proof; none is no proof of there being none. Faces lie elsewhere in another one: what
+    redundant points share is not asked.
     """
+    least = DIFFERENT * np.abs(problem.free).max(initial=0.0)
     for solution in _attempts(problem):
-        if solution.status == "solved" and _differ(problem, known, solution.traction):
+        moved = problem.compliance @ (known - solution.traction)
+        if solution.status == "solved" and np.abs(moved).max(initial=0.0) > least:
             yield solution.traction
 
 
@@ -111,12 +104,6 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
         yield solve_by_lemke(problem)
     except NotSolvedError:  # the compliance has no inverse: Newton's attempts are all there are
         return
-
-
-def _differ(problem: ContactProblem, p: Floats, q: Floats) -> bool:
-    """Whether faces lie elsewhere under tractions p than under q (m,): what redundant points share is not asked."""
-    change = np.abs(problem.compliance @ (p - q)).max(initial=0.0)
-    return bool(change > DIFFERENT * np.abs(problem.free).max(initial=0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -147,8 +134,7 @@ def under_its_loads(case: Case) -> Case:
 def _found(solution: StepSolution) -> str:
     """What is known of the solutions of a loaded configuration."""
     contact, points = solution.contact, solution.outcome.points
-    why = why_not_examined(contact, points)
-    if why:
+    if why := why_not_examined(contact, points):
         return why
     limit = proven_limit(contact, points)
     if limit is None:
@@ -195,10 +181,11 @@ def proven_limit(contact: ContactSystem, points: PointStates) -> float | None:
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
     """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound."""
     points = outcome.points
-    if why_not_examined(contact, points):
+    problem, rows = points.problem, points.rows
+    if why_not_examined(contact, points) or problem is None or points.solution is None:
         return None
-    limit, problem, rows = proven_limit(contact, points), points.problem, points.rows
-    if limit is None or problem is None or points.solution is None:
+    limit = proven_limit(contact, points)
+    if limit is None:
         return None
     known = points.solution.traction
     for p in other_solutions(problem, known):

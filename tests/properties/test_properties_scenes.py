@@ -10,7 +10,7 @@ from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.errors import SolveError
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.reactions import reactions, total_load
+from crackgrow.run.state_values import reactions, total_load
 from tests.scenes import specimen
 from tests.solving import displacement_in, solve_case
 
@@ -124,7 +124,7 @@ def test_fluid_pressure_opens_a_crack_as_tension_does() -> None:
     for one, two in zip(pulled.tips, blown.tips, strict=True):
         assert two.K[0] == pytest.approx(one.K[0], rel=1e-4)
         assert abs(two.K[1]) < 1e-4 * one.K[0]
-    np.testing.assert_allclose(total_load(blown), 0.0, atol=1e-9)
+    np.testing.assert_allclose(total_load(blown.state), 0.0, atol=1e-9)
     closed = with_flaw(-5.0, fluid)  # effective stress: contact carries 3 MPa
     np.testing.assert_allclose(closed.outcome.points.normal, -3e6, rtol=1e-4)
     assert max(abs(K) for tip in closed.tips for K in tip.K) < 1e-3 * blown.tips[0].K[0]
@@ -152,7 +152,7 @@ def test_a_disk_under_uniform_pressure() -> None:
         for k, a in enumerate(degrees)
     )
     solution = solve(DISK, f"loads=[{sides}]")
-    np.testing.assert_allclose(total_load(solution), 0.0, atol=1e-9)
+    np.testing.assert_allclose(total_load(solution.state), 0.0, atol=1e-9)
     metres = places((-0.9, 0.1), (2.9, 3.9))
     exact = -(1 - 0.25) / 1000.0 * (metres - (1.0, 2.0))
     assert np.abs(displacement_in(solution, metres) - exact).max() < 1e-4 * 2.25e-3
@@ -164,7 +164,7 @@ def test_traction_on_an_arc_has_its_resultant() -> None:
     chord = 2.0 * 3.0 * np.sin(np.deg2rad(0.5))
     before = 3.0 * np.cos(np.deg2rad(0.5)) * np.tan(np.deg2rad(0.25))  # 20.25 is as far from the middle of its side
     length = 31 * chord - before
-    np.testing.assert_allclose(total_load(solution), [2.0 * length, -length], rtol=1e-7)
+    np.testing.assert_allclose(total_load(solution.state), [2.0 * length, -length], rtol=1e-7)
     forces = {item.where: np.array(item.force) for item in reactions(solution.state)}
     np.testing.assert_allclose(sum(forces.values()), [-2.0 * length, length], rtol=1e-8)
 

@@ -106,7 +106,7 @@ def solve_case(case: Case) -> Solved:
     scene = make_scene(case)
     growing = before_growth(case)
     solution = solve_step(scene, growing, last_factor(case))
-    result = step_result(RunState(0, growing), solution, np.empty(0, dtype=np.int64), True)
+    result = step_result(RunState(0, growing), solution, (), True)
     return Solved(case, scene, solution, result)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from crackgrow.run.scene import make_scene
-from crackgrow.run.specimen import specimen_means
+from crackgrow.run.state_values import specimen_means
 from tests.verification.solutions import solved
 
 PULLED = "loads=[{far_field: [0.5, 1, 0.25]}]"

@@ -71,7 +71,7 @@ def stress_in(solution: StepSolution, places: np.ndarray, body: int = 0) -> np.n
     cover = solution.cover
     points = cover.lattice.to_lattice(places)
     elements = locate(cover.lattice, cover.elements, points, body)
-    return stress_at(cover, solution.materials, solution.outcome.u, points, elements)
+    return stress_at(cover, solution.state.materials, solution.outcome.u, points, elements)
 
 
 def test_wall_of_a_tunnel_that_is_taken_out_has_the_stress_of_kirsch() -> None:

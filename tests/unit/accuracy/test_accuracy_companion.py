@@ -4,22 +4,24 @@ from __future__ import annotations
 
 import json
 import math
-from dataclasses import replace
+from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
 
 from crackgrow.accuracy.companion import (
     BOUND,
+    COARSEST,
+    MOST_AT_ONCE,
     Errors,
+    Grading,
     Quantities,
+    coarsened,
     errors_of,
     errors_of_record,
-    record_of,
+    refined,
     unresolved_shear,
 )
-from crackgrow.accuracy.features import Grading
-from crackgrow.accuracy.marking import COARSEST, MOST_AT_ONCE, coarsened, refined
 from crackgrow.arrays import Floats
 
 NAN = math.nan
@@ -97,7 +99,7 @@ def test_a_tip_that_opens_before_the_first_contact_point_loses_its_shear() -> No
 def test_errors_come_back_from_plain_data() -> None:
     grading = Grading(True, False, (2, -1), 1, ((0, 0.5, 0.25),))
     known = Errors(grading, ENDS[:2], (0.5, NAN), 7.0, (2.0, NAN), (0.1, NAN), {"slip": 0.2, "reaction": NAN}, "why")
-    again = errors_of_record(json.loads(json.dumps(record_of(known))))
+    again = errors_of_record(json.loads(json.dumps(asdict(known))))
     assert (again.grading, again.ends, again.largest, again.missed) == (grading, ENDS[:2], 7.0, "why")
     assert (again.K[0], again.kinks[0], again.shares["slip"]) == (0.5, 0.1, 0.2)
     assert all(map(math.isnan, (again.K[1], again.kinks[1], again.shares["reaction"])))

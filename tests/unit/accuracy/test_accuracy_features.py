@@ -8,7 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crackgrow.accuracy.features import JOG
 from crackgrow.case.accuracy import CELLS
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
@@ -18,6 +17,7 @@ from crackgrow.run import grow
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of, contact_faces, cover_of
 from crackgrow.run.scene import Scene, make_scene
+from crackgrow.run.size_field import JOG
 from tests.one_size import one_size
 from tests.scenes import shipped_case
 

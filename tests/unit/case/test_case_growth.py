@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from crackgrow.accuracy.features import size_field
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.model import CoulombContact, CriticalLoad, LoadHistory, Stages
 from crackgrow.case.surface import crack_name
@@ -17,6 +16,7 @@ from crackgrow.case.toughness import averaging_radius, length_of_average, shear_
 from crackgrow.cover.shapes import CrackGeometry
 from crackgrow.errors import CaseError
 from crackgrow.run.scene import make_scene
+from crackgrow.run.size_field import size_field
 from tests.unit.case.scenes import (
     COMPRESSION,
     EVERYTHING,

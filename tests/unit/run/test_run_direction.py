@@ -16,9 +16,8 @@ from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import kink_angles
-from crackgrow.run.direction import MOST_SOLVES, advance_tips
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.propagation import AfterAdvance, BeforeAdvance
+from crackgrow.run.propagation import MOST_SOLVES, AfterAdvance, BeforeAdvance, advance_tips
 from crackgrow.run.scene import Scene, make_scene
 from tests.solving import solve_step
 

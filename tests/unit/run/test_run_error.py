@@ -13,7 +13,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.elements import element_points
 from crackgrow.run import grow, layout
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.report import estimated_error
+from crackgrow.run.report import estimate_maker
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.elasticity import energy_density
@@ -42,13 +42,13 @@ def distance(coarse: StepSolution, fine: StepSolution) -> float:
 
     Every point is located anew in the coarse cover: each cover says on which side of its cracks it is.
     """
-    cover, materials = fine.cover, fine.materials
+    cover, materials = fine.cover, fine.state.materials
     found = element_points(cover, fine.configuration.scene.case.numerics.quadrature + 1)
     body, metres = cover.elements.body[found.element], cover.lattice.to_metres(found.points)
     points = coarse.cover.lattice.to_lattice(metres)
     element = locate(coarse.cover.lattice, coarse.cover.elements, points, body)
     exact = stress_at(cover, materials, fine.outcome.u, found.points, found.element)
-    off = stress_at(coarse.cover, coarse.materials, coarse.outcome.u, points, element) - exact
+    off = stress_at(coarse.cover, coarse.state.materials, coarse.outcome.u, points, element) - exact
     energies = [found.weights @ energy_density(materials, stress, body) for stress in (off, exact)]
     return 100.0 * float(np.sqrt(energies[0] / energies[1]))
 
@@ -60,16 +60,16 @@ def distance(coarse: StepSolution, fine: StepSolution) -> float:
 def test_the_estimate_is_the_distance_to_a_finer_solution(name: str, spacing: float, finer: float) -> None:
     coarse = solve(name, f"numerics.spacing={spacing}")
     error = distance(coarse, solve(name, f"numerics.spacing={finer}"))
-    assert 0.5 < estimated_error(coarse).relative / error < 2.0
+    assert 0.5 < estimate_maker(coarse)().relative / error < 2.0
 
 
 def test_units_and_loads_do_not_matter() -> None:
-    relative = estimated_error(solve("compression30", COARSE)).relative
+    relative = estimate_maker(solve("compression30", COARSE))().relative
     for settings, factor in (
         (("bodies.rock.material.young=10", "loads.0.traction=[0,-1e-4]", "loads.1.traction=[0,1e-4]"), 1.0),
         ((), 0.25),
     ):
-        other = estimated_error(solve("compression30", COARSE, *settings, factor=factor))
+        other = estimate_maker(solve("compression30", COARSE, *settings, factor=factor))()
         np.testing.assert_allclose(other.relative, relative, rtol=1e-6)
 
 

@@ -12,8 +12,7 @@ from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.frame import make_frame
-from crackgrow.run.output_mesh import LONGEST, SHORTEST, OutputMesh, output_mesh
+from crackgrow.run.frame import LONGEST, SHORTEST, OutputMesh, make_frame, output_mesh
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
@@ -141,7 +140,7 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
     solution, frame = solved(name)
     mesh = output_mesh(solution.cover.elements, solution.cover.tips)
     node, element = mesh.place_node, mesh.place_element
-    stress = stress_at(solution.cover, solution.materials, solution.outcome.u, mesh.points[node], element)
+    stress = stress_at(solution.cover, solution.state.materials, solution.outcome.u, mesh.points[node], element)
     off_tips = from_tips(solution, frame.points[node]) > 1e-6
     size = np.abs(stress[off_tips]).max()
     np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)

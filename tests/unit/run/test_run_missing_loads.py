@@ -10,8 +10,8 @@ import crackgrow
 from crackgrow.case.model import Case
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cover_of
-from crackgrow.run.missing_loads import dry_joints, free_edges
 from crackgrow.run.scene import make_scene
+from crackgrow.run.scene_warnings import dry_joints, free_edges
 
 PLATE = {"rectangle": {"center": [0, 0], "width": 100, "height": 100}}
 ROCK = {"young": "30 GPa", "poisson": 0.2, "density": 2600}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.subcritical import WAITS, mean_velocity
-from crackgrow.run.advances import COARSE_TIME
+from crackgrow.run.growth import COARSE_TIME
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.slow_cracks import GROWTH, SHORTER, slow_cracks

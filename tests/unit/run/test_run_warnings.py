@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 
 import numpy as np
 import pytest
+import yaml
 
 from crackgrow.case import load_case
 from crackgrow.case.features import line_length
@@ -16,11 +17,10 @@ from crackgrow.contact.ripple import Ripple
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow
-from crackgrow.run.contact_violation import contact_violations
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step_warnings import _overlapping, ripples
+from crackgrow.run.step_warnings import _overlapping, contact_violations, ripples
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.one_size import one_size
 from tests.scenes import shipped_case, told
@@ -185,21 +185,16 @@ def test_a_step_tells_of(scene: str, settings: list[str], cause: WarningCause, w
     assert all(each.size > 1.5 for each in found if cause is WarningCause.JUMP)
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ("{stiffness: 1, discretization: gauss}", []),  # E'/(2k) is half a spacing
-        ("{stiffness: 10, discretization: gauss}", ["elastic contact with gauss points"]),
-        ("{stiffness: 1, discretization: mortar}", ["K_I there is not resolved; use a rigid contact, or numerics"]),
-        ("{stiffness: 100, discretization: mortar}", ["elastic contact with mortar nodes"]),
-        ("{stiffness: 1e8, discretization: mortar}", []),  # as good as rigid
-        ("{stiffness: 10000, discretization: gauss}", ["contact tractions on 'flaw' oscillate", "gauss points"]),
-    ],
-)
-def test_what_elastic_contact_does_not_resolve_is_said(settings: str, words: list[str]) -> None:
-    warnings = told(first_step("compression30", f"numerics.contact={settings}", "growth.steps=0").warnings)
-    assert len(warnings) == len(words)
-    assert all(any(word in warning for warning in warnings) for word in words)
+def test_every_cause_has_its_words_in_the_same_order() -> None:
+    table = yaml.safe_load(files("crackgrow.run").joinpath("warning_causes.yaml").read_text())
+    assert list(table) == [cause.name for cause in WarningCause]
+    assert all({"words", "effect"} <= set(entry) for entry in table.values())
+
+
+def test_stiff_contact_at_gauss_points_makes_tractions_oscillate() -> None:
+    numbers = "numerics.contact={stiffness: 10000, discretization: gauss}"
+    (words,) = told(first_step("compression30", numbers, "growth.steps=0").warnings)
+    assert "contact tractions on 'flaw' oscillate" in words
 
 
 @pytest.mark.parametrize(
@@ -249,18 +244,6 @@ def test_overlap_is_the_largest_anywhere_and_small_on_a_straight_crack() -> None
     assert pulled.overlap < 1e-12 * pulled.faces[0].opening.max()  # open, but for round-off at its tips
 
 
-@pytest.mark.parametrize("stiffness", [0.01, 0.1, 0.4])
-@pytest.mark.parametrize("points", ["mortar", "gauss"])
-def test_soft_contact_is_told_with_the_pressure_that_it_bears(stiffness: float, points: str) -> None:
-    rigid = first_step("compression30").contact.normal_traction.mean()
-    numbers = (f"numerics.contact.stiffness={stiffness}", f"numerics.contact.discretization={points}")
-    soft = first_step("compression30", *numbers)
-    (told,) = [text for text in soft.warnings if "soft for 'flaw'" in text]
-    share = re.search(r"a crack bears about (\d+) %", told)
-    assert share is not None
-    assert soft.contact.normal_traction.mean() / rigid == pytest.approx(0.01 * float(share[1]), abs=0.07)
-
-
 @pytest.mark.parametrize("spacing", [0.25, 0.1, 0.05])
 def test_a_block_at_rest_on_a_plane_warns_of_nothing(spacing: float) -> None:
     """Its corners overlap by nearly all of their jump, which is next to nothing, on any lattice."""
@@ -305,13 +288,13 @@ def test_pressed_faces_that_stand_apart_or_overlap_are_told() -> None:
     apart = replace(face, opening=opening)
     (missed,) = contact_violations(solution, (apart,))
     (told,) = _overlapping([missed])
-    assert missed.share > 1.0
+    assert missed.shares.max() > 1.0
     assert f"stand apart under pressure by {1e6 * opening[3]:.2g} um" in told.words
     state = face.state.copy()
     state[4] = OPEN
     (missed,) = contact_violations(solution, (replace(apart, state=state),))
-    assert missed.share == 0.0
+    assert missed.shares.max() == 0.0
     (missed,) = contact_violations(solution, (replace(face, opening=np.full_like(opening, -1e-3), slip=0.0 * opening),))
     (told,) = _overlapping([missed])
-    assert missed.share == pytest.approx(1.0 / WarningCause.OVERLAP.limit)  # all of the jump
+    assert missed.shares.max() == pytest.approx(1.0 / WarningCause.OVERLAP.limit)  # all of the jump
     assert "by 1 mm between contact points, 100 % of their largest jump" in told.words

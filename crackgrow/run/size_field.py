@@ -5,30 +5,33 @@ corner of the rock on one side of a crack, and closed faces are pressed open the
 behind it: no function follows that, cells have to. So do they at re-entrant corners, where a held part ends, where the
 contact status changes, and where a pressure on faces varies. Lengths are measured in `case.accuracy.CELLS`; a level of
 refinement (`Grading`) halves the cells at all features of a crack.
+
+The size of cells is h(x) = max(depth of the feature, theta distance to it), balanced: a companion has theta = 1 / rings
+and twice the depths, the step's cells are the companion's, each quartered.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from itertools import chain
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import AUTO, cells_along
-from crackgrow.case.features import SHARP_KINK, Kind, Length, line_length, stretches
+from crackgrow.case.features import SHARP_KINK, Kind, line_length, stretches
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import Case, ContactSupport, EdgeLoad, EdgeSupport, FluidPressure, PointForce
+from crackgrow.case.model import ContactSupport, EdgeLoad, EdgeSupport, FluidPressure, PointForce
 from crackgrow.case.toughness import length_of_average
-from crackgrow.cover.lattice import Lattice
-from crackgrow.cover.refinement import SizeField, divided, refined
-from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
-from crackgrow.cover.squares import Squares
+from crackgrow.cover.refinement import SizeField
+from crackgrow.cover.shapes import CrackGeometry, body_index
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.geometry.tolerance import SAME_PLACE
+
+if TYPE_CHECKING:
+    from crackgrow.run.scene import Scene
 
 SHARP_CORNER = np.deg2rad(20.0)
 """Less sharp re-entrant corners are those of a curve."""
@@ -48,111 +51,46 @@ THETA_OF_REST = 1.5
 Features = Iterator[tuple[shapely.Geometry, float]]
 """Places and the largest cells of a step right there, lattice units."""
 
-Changes = tuple[tuple[int, float, float], ...]
-"""Where contact status changes: crack, x and y (m)."""
 
-
-@dataclass(frozen=True, slots=True)
-class Grading:
-    """Refinement levels that errors have asked for, and whether cells are those of a companion mesh, each quartered."""
-
-    nested: bool = False  # False: cells by hand, without a companion
-    companion: bool = False
-    cracks: tuple[int, ...] = ()  # crack by crack; those beyond have the level 0
-    rest: int = 0  # of corners, and of theta
-    changes: Changes = field(default=(), repr=False)
-
-    @property
-    def quartered(self) -> bool:
-        """Whether cells are those of the companion mesh, each quartered."""
-        return self.nested and not self.companion
-
-    def level(self, crack: int) -> int:
-        """The level of a crack."""
-        return self.cracks[crack] if crack < len(self.cracks) else 0
-
-
-BY_HAND = Grading()
-
-
-class Placed(Protocol):
-    """What features are looked for in: a scene on its lattice."""
-
-    @property
-    def case(self) -> Case: ...
-    @property
-    def lattice(self) -> Lattice: ...
-    @property
-    def bodies(self) -> tuple[BodyGeometry, ...]: ...
-    @property
-    def interfaces(self) -> tuple[CrackGeometry, ...]: ...
-    @property
-    def crack_bodies(self) -> tuple[int, ...]: ...
-    @property
-    def lengths(self) -> tuple[Length, ...]: ...
-    @property
-    def grading(self) -> Grading: ...
-
-
-def graded(scene: Placed, cracks: Sequence[CrackGeometry], before: Lattice | None = None) -> Lattice:
-    """The lattice of a scene with these cracks; that of the configuration `before` if its cells are the same.
-
-    h(x) = max(depth of the feature, theta distance to it), balanced: a companion has theta = 1 / rings and twice the
-    depths, the step's cells are the companion's, each quartered.
-    """
-    return refined(scene.lattice, size_field(scene, cracks), before, quartered=scene.grading.quartered)
-
-
-def graded_cells(scene: Placed, cracks: Sequence[CrackGeometry]) -> Squares:
-    """The cells of that lattice."""
-    cells = divided(scene.lattice, size_field(scene, cracks))
-    return cells.quartered() if scene.grading.quartered else cells
-
-
-def size_field(scene: Placed, cracks: Sequence[CrackGeometry]) -> SizeField:
+def size_field(scene: Scene, cracks: Sequence[CrackGeometry]) -> SizeField:
     """Depths at features, in the largest cells, and rings of cells of each size round them.
 
     Tips have as many as the support: no larger patches than those at the tip hold it, on which its functions would be
-    too few. A companion has half of the others, since the step's cells, each quartered, have twice as many.
+    too few. A companion has half of the others, since the step's cells, each quartered, have twice as many. The
+    refinement levels of a case by hand take the place of lengths.
     """
-    grading, rings = scene.grading, scene.case.numerics.refine.rings
-    at_tips = max(rings, scene.lattice.support)
-    times, elsewhere = (2.0, 0.5 * rings) if grading.nested else (1.0, at_tips)
-    found = [(place, times * size, tip) for place, size, tip in features(scene, cracks) if times * size < 1.0]
-    is_tip = np.array([tip for *_, tip in found], dtype=bool)
-    return SizeField(
-        np.array([place for place, *_ in found], dtype=object),
-        np.array([size for _, size, _ in found]),
-        np.where(is_tip, at_tips, elsewhere) * THETA_OF_REST**grading.rest,
-    )
+    refine, grading = scene.case.numerics.refine, scene.grading
+    at_tips = max(refine.rings, scene.lattice.support)
+    times, rings = (2.0, 0.5 * refine.rings) if grading.nested else (1.0, at_tips)
+    classes: list[tuple[int | str, float, Features]] = [
+        (refine.tips, at_tips, _tips(scene, cracks)),
+        (refine.kinks, rings, chain(_kinks(scene, cracks), _ends(scene, cracks), _meetings(scene, cracks))),
+        (refine.corners, rings, _sharp_corners(scene, cracks)),
+        (AUTO, rings, _rims(scene) if refine.corners == AUTO else iter(())),
+    ]
+    if grading.nested:
+        classes.append((AUTO, rings, chain(_changes_of_status(scene, cracks), _pressures(scene, cracks))))
+    found: list[tuple[shapely.Geometry, float, float]] = []
+    for levels, n_rings, features in classes:
+        by_hand = scene.case.numerics.spacing / scene.lattice.spacing * 0.5**levels if isinstance(levels, int) else None
+        sizes = ((place, times * (by_hand or size)) for place, size in features)
+        found += [(place, size, n_rings) for place, size in sizes if size < 1.0]
+    places, depths, widths = zip(*found, strict=True) if found else ((), (), ())
+    theta = np.array(widths, dtype=float) * THETA_OF_REST**grading.rest
+    return SizeField(np.array(places, dtype=object), np.array(depths, dtype=float), theta)
 
 
-def features(scene: Placed, cracks: Sequence[CrackGeometry]) -> Iterator[tuple[shapely.Geometry, float, bool]]:
-    """All features, and which are tips; the refinement levels of a case by hand take the place of lengths."""
-    refine, spacing = scene.case.numerics.refine, scene.case.numerics.spacing / scene.lattice.spacing
-    tips = _tips(scene, cracks)
-    classes: tuple[tuple[int | str, Features], ...] = (
-        (refine.tips, tips),
-        (refine.kinks, chain(_kinks(scene, cracks), _ends(scene, cracks), _meetings(scene, cracks))),
-        (refine.corners, _sharp_corners(scene, cracks)),
-    )
-    for levels, found in classes:
-        for place, size in found:
-            yield place, size if not isinstance(levels, int) else spacing * 0.5**levels, found is tips
-    others = [_rims(scene)] if refine.corners == AUTO else []
-    if scene.grading.nested:
-        others += [_changes_of_status(scene, cracks), _pressures(scene, cracks)]
-    yield from ((place, size, False) for place, size in chain(*others))
-
-
-def _along(scene: Placed, length: float, kind: Kind, level: int = 0) -> float:
+def _along(scene: Scene, length: float, kind: Kind, level: int = 0) -> float:
     """Cells that a length has so many of, after some levels of refinement."""
     return 0.5**level * length / cells_along(kind, scene.case.numerics.accuracy)
 
 
-def _tips(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Tips: by the crack, the stretch behind, what it grows by, and its room; never coarser than a run begins with."""
-    growth, lines = scene.case.growth, _lines(scene, cracks)
+    growth = scene.case.growth
+    rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
+    others = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
+    lines = np.array([shapely.LineString(points) for points in others], dtype=object)
     tree = shapely.STRtree(lines)
     for number, crack in enumerate(cracks):
         for end in crack.tips():
@@ -173,7 +111,7 @@ def _tips(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
             yield tip, 0.5 ** max(level, 0) * max(min(sizes), least)
 
 
-def _kinks(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Kinks of cracks and interfaces: larger cells at those that hardly turn, hardly smaller ones for jogs."""
     weakest = WEAKEST_KINK if scene.case.numerics.refine.kinks == AUTO else SHARP_KINK  # by hand all have one size
     for number, line in enumerate((*cracks, *scene.interfaces)):
@@ -188,7 +126,7 @@ def _kinks(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
             yield shapely.Point(line.points[place + 1]), float(size[place])
 
 
-def _ends(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _ends(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Ends of cracks that are no tips: they lie on outlines or on other cracks."""
     for number, crack in enumerate(cracks):
         size = _along(scene, line_length(crack.points), "end", scene.grading.level(number))
@@ -197,7 +135,7 @@ def _ends(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
                 yield shapely.Point(crack.points[place]), size
 
 
-def _meetings(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _meetings(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Where cracks cross or end on each other: by the shorter one."""
     lines = np.array([shapely.LineString(crack.points) for crack in cracks], dtype=object)
     first, second = shapely.STRtree(lines).query(lines, predicate="intersects")
@@ -209,7 +147,7 @@ def _meetings(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
                 yield shapely.Point(place), size
 
 
-def _sharp_corners(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _sharp_corners(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Re-entrant corners, ends of loaded, held and bonded parts within sides, forces: by their distance from a tip.
 
     What is small beside that distance is seen at it by the square of both.
@@ -223,7 +161,7 @@ def _sharp_corners(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
             yield shapely.Point(place), 0.5**scene.grading.rest * size
 
 
-def _corners(scene: Placed) -> Iterator[tuple[Floats, float]]:
+def _corners(scene: Scene) -> Iterator[tuple[Floats, float]]:
     """Re-entrant corners of bodies, whose rock lies on the left of all rings, and the shorter of their sides."""
     for ring in chain.from_iterable(body.rings for body in scene.bodies):
         turns = _turns(ring)
@@ -235,7 +173,7 @@ def _corners(scene: Placed) -> Iterator[tuple[Floats, float]]:
                 yield ring[corner], extent
 
 
-def _ends_of_parts(scene: Placed) -> Iterator[tuple[Floats, float]]:
+def _ends_of_parts(scene: Scene) -> Iterator[tuple[Floats, float]]:
     """Ends of supported, loaded and founded parts that are no convex corners, and the lengths of the parts."""
     for part in (*scene.case.supports, *scene.case.loads):
         if isinstance(part, EdgeSupport | ContactSupport | EdgeLoad):
@@ -254,14 +192,14 @@ def _turns(ring: Floats) -> Floats:
     return kink_angles(np.concatenate([ring[-1:], ring, ring[:1]]))
 
 
-def _forces(scene: Placed) -> Iterator[tuple[Floats, float]]:
+def _forces(scene: Scene) -> Iterator[tuple[Floats, float]]:
     """Where forces act at points: as large as the rock."""
     for load in scene.case.loads:
         if isinstance(load, PointForce):
             yield scene.lattice.to_lattice(load.point), float(max(scene.lattice.shape))
 
 
-def _rims(scene: Placed) -> Features:
+def _rims(scene: Scene) -> Features:
     """Rims of holes, notches, narrow rock, parts of edges, along all of them."""
     for length in scene.lengths:
         if length.where is not None:
@@ -269,7 +207,7 @@ def _rims(scene: Placed) -> Features:
             yield where, _along(scene, length.metres / scene.lattice.spacing, length.kind, scene.grading.rest)
 
 
-def _changes_of_status(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _changes_of_status(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Places where faces part or slip ends, of cracks that have been refined: as small as at the tips."""
     for crack, x, y in scene.grading.changes:
         level = scene.grading.level(crack)
@@ -278,7 +216,7 @@ def _changes_of_status(scene: Placed, cracks: Sequence[CrackGeometry]) -> Featur
             yield shapely.Point(scene.lattice.to_lattice(np.array([x, y]))), size
 
 
-def _pressures(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
+def _pressures(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Places on faces where a pressure of a fluid varies over less than the crack's length."""
     for number, crack in enumerate(cracks):
         surface = scene.case.cracks[number].surface if number < len(scene.case.cracks) else None
@@ -295,10 +233,3 @@ def _pressures(scene: Placed, cracks: Sequence[CrackGeometry]) -> Features:
             over = varies * s[1] / np.maximum(change, SAME_PLACE * varies)
             for place, length in zip(places[over < line.length / 2], over[over < line.length / 2], strict=True):
                 yield shapely.Point(place), _along(scene, float(length), "load", scene.grading.level(number))
-
-
-def _lines(scene: Placed, cracks: Sequence[CrackGeometry]) -> np.ndarray[tuple[int], np.dtype[np.object_]]:
-    """All lines that a tip may come near to, those of the cracks first."""
-    rings = [np.concatenate([ring, ring[:1]]) for body in scene.bodies for ring in body.rings]
-    lines = [*(crack.points for crack in cracks), *(line.points for line in scene.interfaces), *rings]
-    return np.array([shapely.LineString(points) for points in lines], dtype=object)
