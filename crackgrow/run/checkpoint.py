@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from crackgrow.accuracy.companion import Errors, errors_of_record, record_of
 from crackgrow.case.model import Case
+from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Excavated
 from crackgrow.run.increments import FROM_REST, Origin, Start
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import ContactHistory
 from crackgrow.run.result import Checkpoint, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
 
@@ -73,7 +73,7 @@ def packed(state: RunState) -> Checkpoint:
         values["start"] = {
             **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "round_off": start.round_off
         }  # fmt: skip
-        of_start = {**start.contact_history.arrays, "conjugates": start.conjugates}
+        of_start = {**start.memory.arrays, "conjugates": start.conjugates}
         arrays.update({f"{START}{name}": array for name, array in of_start.items()})
     arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.excavated)})
     return Checkpoint(state.step, values, arrays)
@@ -108,11 +108,12 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
 
 def _start(values: Mapping[str, Any], arrays: Arrays) -> Start:
     own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
+    conjugates = own.pop("conjugates")
     return Start(
         LoadLevel(values["factor"], values["holding"]),
-        ContactHistory.of_arrays(own),
+        ContactMemory(**own),
         Energy(**values["energy"]),
-        own["conjugates"],
+        conjugates,
         values["round_off"],
         values["grown"],
     )
