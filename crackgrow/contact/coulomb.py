@@ -31,10 +31,11 @@ point passes a cohesion of zero where the bond is lost; an open point then carri
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
-from typing import Final
+from dataclasses import dataclass, fields
+from typing import Any, Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import STEEPEST
@@ -193,6 +194,24 @@ class ContactMemory:
     lost: Floats  # (n,) share, 0 to 1, of what it can lose; without a weakening length all, once it has slipped
     closed: Bools  # (n,) is not open
     risen: Floats  # (n,) m that dilation, worn on the way, has opened beyond that of all slip at the rate of now
+    normal: Floats  # (n,) Pa
+    tangential: Floats  # (n,) Pa
+    dilation: Floats  # (n,) m that slip has opened
+
+    @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """All that points remember (n,), by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @property
+    def tractions(self) -> Floats:
+        """(2 n,) Pa, all normals, then all tangentials."""
+        return np.concatenate([self.normal, self.tangential])
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether nothing has happened yet."""
+        return not (self.tractions.any() or self.slip.any() or self.lost.any())
 
     @property
     def broken(self) -> Bools:
@@ -212,7 +231,8 @@ class ContactMemory:
     @classmethod
     def fresh(cls, n: int) -> ContactMemory:
         """Memory of n points that nothing has happened to."""
-        return cls(np.zeros(n), np.zeros(n), np.ones(n, dtype=bool), np.zeros(n))
+        nothing = np.zeros(n)
+        return cls(nothing, nothing, np.ones(n, dtype=bool), nothing, nothing, nothing, nothing)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

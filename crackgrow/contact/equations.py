@@ -6,6 +6,7 @@ balance of the tractions and the loads on them, F p = pull, is among these.
 
 from __future__ import annotations
 
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -29,12 +30,12 @@ class ActiveEquations:
     motion.
     """
 
-    def __init__(self, problem: ContactProblem, active: ActiveSet, singular: float | None = None) -> None:
-        """`singular` is the reciprocal condition that counts as such; None: `SINGULAR` where there are motions."""
+    def __init__(self, problem: ContactProblem, active: ActiveSet) -> None:
         self.problem, self.active, self.branches = problem, active, Branches(problem, active)
-        self._least = (0.0 if problem.motions is None else SINGULAR) if singular is None else singular
+        self._least = 0.0 if problem.motions is None else SINGULAR
         self._size = float(problem.scale.mean()) if problem.n_motions else 1.0
         self._force = 1.0 if problem.motions is None else float(np.abs(problem.motions.force).max()) or 1.0
+        self._derivatives: dict[int, Floats] = {}  # by the row whose residual it is
         K = self._matrix()
         self._largest, self.singular = float(np.abs(K).max(initial=0.0)), False
         if len(K):
@@ -55,6 +56,12 @@ class ActiveEquations:
         whole[k:, :k] = branches.per_unknown(motions.force, np.arange(len(motions.pull))) / self._force
         return whole
 
+    @cached_property
+    def _jump(self) -> Floats:
+        """(2 n,) m of the solution."""
+        return self.problem.jump(self.solution)
+
+    @cached_property
     def solution(self) -> Floats:
         """All unknowns (2 n + l,)."""
         problem, branches, right = self.problem, self.branches, self.branches.right()
@@ -64,11 +71,55 @@ class ActiveEquations:
         x = self._solved(right)
         return np.concatenate([branches.tractions(x[: len(branches.rows)] / self._size), x[len(branches.rows) :]])
 
-    def sensitivity(self, at: Ints) -> Floats:
+    def beside(self, active: ActiveSet, most: float) -> Floats | None:
+        """All unknowns (2 n + l,) with the equations of another active set, by a low-rank update of the factors.
+
+        None where more than a share `most` of the points have other equations, and where these or those are singular.
+        With residuals r of these points S the unknowns are x + P r: r is such that S fulfil the other equations
+        (Sherman, Morrison, Woodbury; Golub, Van Loan, equation (2.1.4)).
+        """
+        problem, n, m = self.problem, self.problem.n_points, self.problem.free.size
+        moving = self.active.differs(active, problem)
+        if not moving.any():
+            return self.solution
+        if self.singular or moving.mean() > most:
+            return None
+        S = np.flatnonzero(moving)
+        x, P = self.solution, self._sensitivity(np.concatenate([S, n + S]))
+        p, du = [np.column_stack([x[k], P[k]]) for k in (S, n + S)], []
+        for rows in (S, n + S):
+            per = -problem.compliance[rows] @ P[:m]
+            if problem.motions is not None:
+                per += problem.motions.jump[rows] @ P[m:]
+            du.append(np.column_stack([self._jump[rows], per]))
+        law = (active.slip, problem.friction, problem.cohesion, problem.dilation * active.sense, problem.slipped)
+        slip, friction, cohesion, lean, slipped = (of[S, None] for of in law)
+        gap, shear = du[0] - lean * du[1], p[1] + slip * friction * p[0]
+        gap[:, :1] -= lean * slipped
+        shear[:, :1] -= slip * cohesion
+        scale = problem.scale[:, None]
+        across = np.where(active.closed[S, None], gap / scale[S], p[0])
+        along = np.where(slip == 0, du[1] / scale[n + S], shear)
+        left = np.vstack([across, along])
+        try:
+            x = x - P @ np.linalg.solve(left[:, 1:], left[:, 0])
+        except np.linalg.LinAlgError:
+            return None
+        branches = Branches(problem, active)  # what they leave known is known to the bit
+        return np.concatenate([branches.tractions(x[branches.rows]), x[m:]])
+
+    def _sensitivity(self, at: Ints) -> Floats:
         """The derivatives (2 n + l, k) of all unknowns by the residuals of the equations of rows `at` (k,).
 
         A residual of one is a traction of a unit, or the jump that this makes at its point.
         """
+        new = np.array([row for row in at.tolist() if row not in self._derivatives], dtype=np.int64)
+        if len(new):
+            self._derivatives.update(zip(new.tolist(), self._derived(new).T, strict=True))
+        return np.stack([self._derivatives[row] for row in at.tolist()], axis=1)
+
+    def _derived(self, at: Ints) -> Floats:
+        """The same, of rows that are not known yet."""
         problem, branches, k = self.problem, self.branches, np.arange(len(at))
         place = np.minimum(np.searchsorted(branches.rows, at), max(len(branches.rows) - 1, 0))
         unknown = branches.rows[place] == at if len(branches.rows) else np.zeros(len(at), dtype=bool)
@@ -84,22 +135,6 @@ class ActiveEquations:
         tractions = np.zeros_like(given)
         tractions[rows] = x[: len(rows)] / self._size
         return np.vstack([given + branches.with_shear(tractions), x[len(rows) :]])
-
-    def towards(self, begin: ContactProblem, left: float, x: Floats) -> tuple[Floats, Floats, float]:
-        """The tractions x (2 n,) to the last digit, the way that they go, and how `left` changes on it.
-
-        Free jumps are those of the problem and a share `left` of what they lack of those at the `begin`. Where points
-        share a traction in any way tractions change alone.
-        """
-        right, unknowns = self.branches.right(), self.branches.tractions
-        other = Branches(begin, self.active).right() - right
-        if not self.singular:
-            both = self._solved(np.column_stack([right, other]))
-            end, x = unknowns(both[:, 0]), unknowns(both[:, 0] + left * both[:, 1])
-            return x, end - x, -left
-        size = self._largest / (float(np.abs(other).max(initial=0.0)) or 1.0)
-        way = np.linalg.svd(np.column_stack([self._matrix(), -size * other]))[2][-1]
-        return x, unknowns(way[:-1]) - unknowns(np.zeros(len(right))), size * float(way[-1])
 
     def _solved(self, right: Floats) -> Floats:
         """x of K x = `right`, of one column or some."""
@@ -128,4 +163,4 @@ class ActiveEquations:
 
 def solve_active(problem: ContactProblem, active: ActiveSet) -> Floats:
     """Unknowns (2 n + l,) of the problem with the equations of one active set."""
-    return ActiveEquations(problem, active).solution()
+    return ActiveEquations(problem, active).solution

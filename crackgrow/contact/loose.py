@@ -37,12 +37,3 @@ def deflated(problem: ContactProblem) -> tuple[ContactProblem, Callable[[Floats]
 def balancing(motions: Motions) -> Floats:
     """Amplitudes (l, l) of motions whose jumps, as tractions, are a unit of force on each of them; pseudoinverse."""
     return np.asarray(np.linalg.pinv(motions.force @ motions.jump, rcond=UNSEEN, hermitian=True))
-
-
-def split(jump: Floats) -> tuple[Floats, Floats]:
-    """Orthonormal motions (r, l) that jumps (k, l) of points see, and the rest of all motions (l - r, l)."""
-    if not jump.shape[1]:
-        return np.zeros((0, 0)), np.zeros((0, 0))
-    _, sizes, rows = np.linalg.svd(np.vstack([jump, np.zeros((jump.shape[1],) * 2)]), full_matrices=False)
-    seen = sizes > UNSEEN * sizes[0]
-    return rows[seen], rows[~seen]

@@ -165,12 +165,14 @@ class ContactOutcome:
 
     def scaled(self, share: float) -> ContactOutcome:
         """The outcome of `share` times the loads, where states are in proportion to them."""
+        names = ("slip", "risen", "normal", "tangential", "dilation")
+        memory = replace(self.memory, **{name: share * getattr(self.memory, name) for name in names})
         return replace(
             self,
             u=share * self.u,
             multipliers=share * self.multipliers,
             points=self.points.scaled(share),
-            memory=replace(self.memory, slip=share * self.memory.slip),
+            memory=memory,
             penetration=share * self.penetration,
             largest_terms=abs(share) * self.largest_terms,
         )
@@ -250,7 +252,8 @@ class Increment:
         breaks = apart | ((state.state == SLIP) & ~law.weakens)
         lost = np.where(breaks, 1.0, np.minimum(self._worn(state), 1.0))
         rate, risen = self.memory.dilates(law, state.trial.lost)
-        return ContactMemory(slip, lost, ~apart, risen + (rate - law.dilation_of(lost)) * np.abs(slip))
+        risen = risen + (rate - law.dilation_of(lost)) * np.abs(slip)
+        return ContactMemory(slip, lost, ~apart, risen, state.normal, state.tangential, state.dilation)
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""

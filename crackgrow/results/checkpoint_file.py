@@ -31,7 +31,7 @@ from crackgrow import __version__
 from crackgrow.results.atomic import OutputError, remove_files, write_atomically
 from crackgrow.run.result import Checkpoint
 
-FORMAT = 9
+FORMAT = 10
 FLUSHED_EVERY = 1.0  # s: so often a checkpoint is flushed to the disk, which can take longer than a small step
 NAME = re.compile(r"step_(\d{4,})\.npz")
 HALF_WRITTEN = re.compile(r"\.step_\d{4,}\.tmp\.npz")

@@ -13,12 +13,12 @@ from numpy.typing import NDArray
 
 from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
+from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Excavated
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import Origin, Start
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import ContactHistory
 from crackgrow.run.result import Checkpoint, CrackPath, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
 
@@ -84,7 +84,7 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
         values["start"] = {
             **start.level._asdict(), "grown": start.grown, "energy": asdict(start.energy), "round_off": start.round_off
         }  # fmt: skip
-        of_start = {**start.contact_history.arrays, "conjugates": start.conjugates}
+        of_start = {**start.memory.arrays, "conjugates": start.conjugates}
         arrays.update({f"{START}{name}": array for name, array in of_start.items()})
     arrays.update({f"gone{number}": rock.forces for number, rock in enumerate(origin.excavated)})
     return Checkpoint(state.step, values, arrays)
@@ -106,8 +106,8 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
     if (of_start := values["start"]) is not None:
         own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
         level, energy = LoadLevel(of_start["factor"], of_start["holding"]), Energy(**of_start["energy"])
-        history, grown = ContactHistory.of_arrays(own), of_start["grown"]
-        start = Start(level, history, energy, own["conjugates"], of_start["round_off"], grown)
+        conjugates, grown = own.pop("conjugates"), of_start["grown"]
+        start = Start(level, ContactMemory(**own), energy, conjugates, of_start["round_off"], grown)
     excavated = tuple(Excavated(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,

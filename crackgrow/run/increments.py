@@ -33,7 +33,7 @@ from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import MOST_JUMPS, ContactHistory, next_piece
+from crackgrow.run.path import MOST_JUMPS, next_piece
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import along_surfaces
@@ -110,10 +110,10 @@ class LoadState:
         )
 
     @cached_property
-    def contact_history(self) -> ContactHistory:
+    def memory(self) -> ContactMemory:
         """What the next part of an increment needs."""
         increment, _ = self.configuration.increment(self.level, self.before)
-        return ContactHistory.of(increment.memory_after(self.states), self.states)
+        return increment.memory_after(self.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -121,7 +121,7 @@ class Start:
     """Where an increment starts from: the unloaded state, or the state of another configuration carried over."""
 
     level: LoadLevel  # how much of the loads acts already
-    contact_history: ContactHistory
+    memory: ContactMemory
     energy: Energy
     conjugates: Floats
     round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
@@ -144,9 +144,9 @@ FROM_REST = Origin()
 def unloaded(configuration: Configuration) -> Start:
     """Nothing has happened yet."""
     n = configuration.faces.n
-    contact_history = ContactHistory(ContactMemory.fresh(n), *np.zeros((3, n)))
+    memory = ContactMemory.fresh(n)
     holding = 0.0 if configuration.constant.any() else 1.0
-    return Start(LoadLevel(0.0, holding), contact_history, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
+    return Start(LoadLevel(0.0, holding), memory, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
 
 
 def from_state(state: LoadState) -> Start:
@@ -155,7 +155,7 @@ def from_state(state: LoadState) -> Start:
     What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
     displacements would not be on any path of it.
     """
-    return Start(state.level, state.contact_history, state.energy, state.conjugates, state.round_off)
+    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off)
 
 
 def mapped(state: LoadState, configuration: Configuration) -> Start:
@@ -188,10 +188,8 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
-    contact_history = ContactHistory(
-        ContactMemory(slip, lost, closed | (lost == 0.0), risen), normal, tangential, dilation
-    )
-    return Start(state.level, contact_history, state.energy, state.conjugates, state.round_off, grown=True)
+    memory = ContactMemory(slip, lost, closed | (lost == 0.0), risen, normal, tangential, dilation)
+    return Start(state.level, memory, state.energy, state.conjugates, state.round_off, grown=True)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:
@@ -216,7 +214,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     event: PointStates | None = None  # the states at the one that has been reached
     while not reached or at.level != end:
         if len(reached) < MOST_PIECES:
-            piece = next_piece(configuration, at.contact_history, (at.level, end), in_turn, event)
+            piece = next_piece(configuration, at.memory, (at.level, end), in_turn, event)
             state, kind = _stated(configuration, at, piece.states, piece.level, piece.middle), piece.kind
         else:
             state, kind = _part(configuration, at, end), "jump"
@@ -236,27 +234,27 @@ def equilibrated(state: LoadState, configuration: Configuration) -> Start:
     What this one does not store any more is released.
     """
     start = mapped(state, configuration)
-    start = replace(start, contact_history=_kept(state, configuration, start.contact_history))
-    states = configuration.states(state.level, start.contact_history.memory)
+    start = replace(start, memory=_kept(state, configuration, start.memory))
+    states = configuration.states(state.level, start.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
     return from_state(_booked(_stated(configuration, start, states, state.level), start))
 
 
-def _kept(state: LoadState, configuration: Configuration, read_off: ContactHistory) -> ContactHistory:
+def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemory) -> ContactMemory:
     """What was `read_off` the state, but to the bit what points remember of surfaces whose points are where they were.
 
     By the round-off of slip that is read off displacements bonds would break where all loads go.
     """
     was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
     numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
-    known, found = state.contact_history.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
+    known, found = state.memory.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
     for index, surface in enumerate(state.cover.surfaces):
         before = np.flatnonzero(was.surface == index)
         after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
         if np.array_equal(was.points[before], is_now.points[after]):
             for name, array in found.items():
                 array[after] = known[name][before]
-    return ContactHistory.of_arrays(found)
+    return ContactMemory(**found)
 
 
 def _told(state: LoadState, began: float) -> LoadState:
@@ -292,7 +290,7 @@ def held_loads(configuration: Configuration) -> Start:
 
 def _part(configuration: Configuration, start: Start, level: LoadLevel) -> LoadState:
     """The state after one implicit increment: a point that slips at its end has slipped in all of it."""
-    return _stated(configuration, start, configuration.states(level, start.contact_history.memory), level)
+    return _stated(configuration, start, configuration.states(level, start.memory), level)
 
 
 def _stated(
@@ -303,9 +301,9 @@ def _stated(
     middle: PointStates | None = None,
 ) -> LoadState:
     """The state with its energies, of the states of contact points; in the `middle` too where the way is bent."""
-    was, conjugates = start.contact_history, configuration.conjugates(level, states)
+    was, conjugates = start.memory, configuration.conjugates(level, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
-    state = LoadState(configuration, level, was.memory, states, none, 0.0, conjugates, 0.0)
+    state = LoadState(configuration, level, was, states, none, 0.0, conjugates, 0.0)
     shares = [configuration.shares(at) for at in (start.level, level)]
     change, more = conjugates - start.conjugates, shares[1] - shares[0]
     mean = 0.5 * (start.conjugates + conjugates)
@@ -338,49 +336,49 @@ def _strain(state: LoadState) -> tuple[float, float]:
 
 
 def _dissipated(
-    configuration: Configuration, was: ContactHistory, state: LoadState, middle: PointStates | None
+    configuration: Configuration, was: ContactMemory, state: LoadState, middle: PointStates | None
 ) -> float:
     """What friction and dilation take from what `was` to a state, by the law, J/m; on a bent way by its `middle`."""
     weights, law = configuration.contact.weights, configuration.contact.law
-    now, states = state.contact_history, state.states
+    now, states = state.memory, state.states
     closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         closed[taken] = states.active.closed
         slides[taken] = (states.active.slip != 0) & (states.active.closed | states.coheres[taken])
     bulge = np.zeros(len(weights)) if middle is None else _bulge(law, was, now, middle)
     resisted = _resisted(law, was, now, bulge, states.trial.opened)
-    by_slip = resisted * np.abs(now.memory.slip - was.memory.slip)
+    by_slip = resisted * np.abs(now.slip - was.slip)
     by_dilation = (was.normal + now.normal + bulge / 3.0) * (now.dilation - was.dilation)
     return 0.5 * float(weights @ (np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0)))
 
 
-def _bulge(law: ContactLaw, was: ContactHistory, now: ContactHistory, middle: PointStates) -> Floats:
+def _bulge(law: ContactLaw, was: ContactMemory, now: ContactMemory, middle: PointStates) -> Floats:
     """What normal tractions (n,) Pa on the way have beyond those that are linear in slip, over share (1 - share) of it.
 
     Where a point does not slip it does not matter.
     """
-    slip = now.memory.slip - was.memory.slip
-    moved = middle.slip - law.shear_compliance * middle.tangential - was.memory.slip
+    slip = now.slip - was.slip
+    moved = middle.slip - law.shear_compliance * middle.tangential - was.slip
     share = np.divide(moved, slip, out=np.full(len(slip), 0.5), where=slip != 0.0)
     share = np.where(np.abs(share - 0.5) < 0.25, share, 0.5)
     linear = was.normal + share * (now.normal - was.normal)
     return np.asarray((middle.normal - linear) / (share * (1.0 - share)))
 
 
-def _resisted(law: ContactLaw, was: ContactHistory, now: ContactHistory, bulge: Floats, opened: Bools) -> Floats:
+def _resisted(law: ContactLaw, was: ContactMemory, now: ContactMemory, bulge: Floats, opened: Bools) -> Floats:
     """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa.
 
     That is Simpson's rule up to where nothing is left to lose, and beyond.
     """
-    slip = now.memory.slip - was.memory.slip
-    worn = law.worn(was.memory.lost, slip)
-    left = np.where(law.weakens, 1.0 - was.memory.lost, 0.0)
+    slip = now.slip - was.slip
+    worn = law.worn(was.lost, slip)
+    left = np.where(law.weakens, 1.0 - was.lost, 0.0)
     falls = np.divide(left, worn, out=np.where(left > 0.0, 1.0, 0.0), where=worn > left)  # share of the slip
 
     def shear(share: Floats | float) -> Floats:
         """After a share of the slip."""
-        falling = np.minimum(law.worn(was.memory.lost, share * slip), left)
-        lost = np.where(law.weakens, was.memory.lost + falling, now.memory.lost)
+        falling = np.minimum(law.worn(was.lost, share * slip), left)
+        lost = np.where(law.weakens, was.lost + falling, now.lost)
         normal = was.normal + share * (now.normal - was.normal) + share * (1.0 - share) * bulge
         friction, cohesion = law.bound_of(lost, normal)
         cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again

@@ -9,12 +9,11 @@ dilates comes back to where it began.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import SLIP, ContactMemory
@@ -56,44 +55,6 @@ BEYOND = 2.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class ContactHistory:
-    """What the next increment needs of a state, at the contact points of the configuration it is on."""
-
-    memory: ContactMemory
-    normal: Floats  # (n,) Pa
-    tangential: Floats  # (n,) Pa
-    dilation: Floats  # (n,) m
-
-    @classmethod
-    def of(cls, memory: ContactMemory, points: PointStates) -> ContactHistory:
-        """What is needed of points with such a memory."""
-        return cls(memory, points.normal, points.tangential, points.dilation)
-
-    @classmethod
-    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> ContactHistory:
-        """What was remembered, from its `arrays`."""
-        memory = ContactMemory(arrays["slip"], arrays["lost"], arrays["closed"], arrays["risen"])
-        return cls(memory, arrays["normal"], arrays["tangential"], arrays["dilation"])
-
-    @property
-    def at_rest(self) -> bool:
-        """Whether nothing has happened yet."""
-        return not (self.tractions.any() or self.memory.slip.any() or self.memory.lost.any())
-
-    @property
-    def arrays(self) -> dict[str, NDArray[Any]]:
-        """All that points remember (n,), by name."""
-        memory = self.memory
-        of_memory = {"slip": memory.slip, "lost": memory.lost, "closed": memory.closed, "risen": memory.risen}
-        return {**of_memory, "normal": self.normal, "tangential": self.tangential, "dilation": self.dilation}
-
-    @property
-    def tractions(self) -> Floats:
-        """(2 n,) Pa, all normals, then all tangentials."""
-        return np.concatenate([self.normal, self.tangential])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Piece:
     """A piece of the path."""
 
@@ -108,7 +69,7 @@ class _LoadPath:
     """From what points remember at a load to another load."""
 
     configuration: Configuration
-    was: ContactHistory
+    was: ContactMemory
     first: LoadLevel
     last: LoadLevel
     near: PointStates | None  # states that may be close
@@ -119,35 +80,35 @@ class _LoadPath:
 
     def at(self, share: float) -> PointStates:
         """The states after one increment to there."""
-        return self.configuration.states(self.level(share), self.was.memory, self.near)
+        return self.configuration.states(self.level(share), self.was, self.near)
 
     def on_branch(self, like: PointStates, share: float) -> PointStates:
         """The states there on branches of others."""
-        increment, free = self.configuration.increment(self.level(share), self.was.memory)
+        increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_branch(like, free)
 
     def on_wearing_branch(self, like: PointStates, share: float) -> PointStates:
         """The same, with what slip on these branches takes."""
-        increment, free = self.configuration.increment(self.level(share), self.was.memory)
+        increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_wearing_branch(like, free)
 
     def moved(self, states: PointStates) -> Floats:
         """How far (n,) m points have slipped on the way, less the elastic part."""
         law = self.configuration.contact.law
-        return np.asarray(states.slip - law.shear_compliance * states.tangential - self.was.memory.slip)
+        return np.asarray(states.slip - law.shear_compliance * states.tangential - self.was.slip)
 
     def wear(self, states: PointStates) -> float:
         """The largest share of what weakening points can lose, and had not lost yet, or of what points can close by."""
         law = self.configuration.contact.law
         was, normal = self.was.normal, states.normal
         bent = float(np.max(np.abs(law.closure(normal) - law.closure(was)) / law.most, initial=0.0))
-        slips = (states.state == SLIP) & law.weakens & (self.was.memory.lost < 1.0) & states.trial.taken
-        return max(bent, float(np.max(law.worn(self.was.memory.lost, self.moved(states))[slips], initial=0.0)))
+        slips = (states.state == SLIP) & law.weakens & (self.was.lost < 1.0) & states.trial.taken
+        return max(bent, float(np.max(law.worn(self.was.lost, self.moved(states))[slips], initial=0.0)))
 
 
 def next_piece(
     configuration: Configuration,
-    was: ContactHistory,
+    was: ContactMemory,
     ends: tuple[LoadLevel, LoadLevel],
     jumps: int,
     before: PointStates | None,
@@ -229,7 +190,7 @@ def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointSta
 
 def _breaks(path: _LoadPath, states: PointStates) -> bool:
     """Whether points with something to lose have lost it under the states' load."""
-    return bool(((states.trial.lost > path.was.memory.lost) & path.configuration.contact.law.breakable).any())
+    return bool(((states.trial.lost > path.was.lost) & path.configuration.contact.law.breakable).any())
 
 
 def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> bool:
@@ -237,7 +198,7 @@ def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> boo
 
     `begin` are the states on these branches at the load there.
     """
-    memory, tractions = path.was.memory, path.was.tractions
+    memory, tractions = path.was, path.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(path.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
@@ -275,11 +236,11 @@ def _rooms(path: _LoadPath, begin: PointStates, end: PointStates) -> Iterator[tu
     moved = [path.moved(some) for some in (begin, end)]
     yield (
         closed & ~sticks & (law.dilation[0] > 0.0),
-        sense * (path.was.memory.slip + moved[0]),
-        sense * (path.was.memory.slip + moved[1]),
+        sense * (path.was.slip + moved[0]),
+        sense * (path.was.slip + moved[1]),
     )
-    wears = closed & ~sticks & law.weakens & (path.was.memory.lost < 1.0)
+    wears = closed & ~sticks & law.weakens & (path.was.lost < 1.0)
     yield wears, slip * moved[0], slip * moved[1]
-    lost = path.was.memory.lost
+    lost = path.was.lost
     left, there = (law.following(lost) - lost - law.worn(lost, some) for some in moved)
     yield wears, left, there

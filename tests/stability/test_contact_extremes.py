@@ -7,6 +7,7 @@ shear 100 sin(30) cos(30) = 43.3 MPa sticks from a friction of tan(30) = 0.577 o
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -158,7 +159,9 @@ def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.Monk
     n = system.faces.n
     first = at_once(system, 1.0)
     broken = np.arange(n) % 2 == 0
-    memory = ContactMemory(np.linspace(-1e-6, 1e-6, n), broken.astype(float), ~broken, np.zeros(n))
+    memory = replace(
+        ContactMemory.fresh(n), slip=np.linspace(-1e-6, 1e-6, n), lost=broken.astype(float), closed=~broken
+    )
     slip = memory.slip.copy()
     with monkeypatch.context() as patch:
         for name in ("newton", "lemke"):

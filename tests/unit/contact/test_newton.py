@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 
 import crackgrow.contact.newton as module
-from crackgrow.contact.condensed import Condensed
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.continuation import solve_by_continuation
-from crackgrow.contact.coulomb import OPEN, SLIP, ActiveSet, active_set, complementarity_residual
+from crackgrow.contact.coulomb import SLIP, ActiveSet, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations
 from crackgrow.contact.loose import deflated
 from crackgrow.contact.newton import solve_by_newton
@@ -102,7 +100,6 @@ def test_every_start_gives_the_same(friction) -> None:
 
 def test_an_overlap_without_cure_ends_at_the_limit() -> None:
     assert solve_by_newton(NO_CURE).status == "limit"
-    assert solve_by_continuation(NO_CURE) is None
 
 
 def test_without_load_nothing_acts() -> None:
@@ -121,21 +118,11 @@ def one_point(friction: float, free_n: float, free_t: float) -> ContactProblem:
     return ContactProblem(A, np.array([free_n, free_t]), np.array([friction]))
 
 
-def on_its_way(problem: ContactProblem, exact: float = 1e-12) -> tuple[np.ndarray, ActiveSet]:
-    """The solution that the way from points that all stick leads to."""
-    found = solve_by_continuation(problem)
-    assert found is not None
-    assert complementarity_residual(problem, found[0]) < exact
-    return found[0], found[1]
-
-
 def test_the_only_solution_is_found_beyond_a_fold() -> None:
     """Slip that presses the point less: on the branch that Newton comes to the point would pull."""
-    x, active = on_its_way(one_point(10.0, -1.0, -5.0))
-    np.testing.assert_allclose(x, [-1.0 / 6.0, -10.0 / 6.0])
-    assert active.states().tolist() == [SLIP]
-    _, apart = on_its_way(ContactProblem(np.eye(4), np.ones(4), np.full(2, 0.3)))
-    assert apart.states().tolist() == [OPEN, OPEN]
+    found = solved(one_point(10.0, -1.0, -5.0))
+    np.testing.assert_allclose(found.traction, [-1.0 / 6.0, -10.0 / 6.0])
+    assert found.state.tolist() == [SLIP]
 
 
 @pytest.mark.parametrize("seed", range(25))
@@ -143,51 +130,47 @@ def test_rock_of_any_friction_always_has_a_state(seed: int) -> None:
     rng = np.random.default_rng(seed)
     n = int(rng.integers(1, 9))
     cohesion = np.where(rng.random(n) < 0.3, rng.uniform(0.0, 1.0, n), 0.0)
-    on_its_way(spread_problem(n, rng.uniform(0.0, 30.0, n), seed, cohesion), exact=1e-9)
+    solved(spread_problem(n, rng.uniform(0.0, 30.0, n), seed, cohesion))
 
 
-def test_all_of_a_symmetric_scene_at_once() -> None:
-    """Points that all change under the same load would leave no way to go on by one of them."""
-    n = 8
-    A = np.kron(np.array([[1.0, 0.3], [0.3, 1.0]]), np.eye(n))
-    for load in ((-1.0, 0.9), (1.0, 0.2), (-1.0, -0.9)):
-        x, _ = on_its_way(ContactProblem(A, np.repeat(load, n), np.full(n, 0.5)))
-        assert np.ptp(x.reshape(2, n), axis=1).max() < 1e-12
+@pytest.mark.parametrize("seed", [509, 585, 765, 795, 895, 1563, 1574, 3511])
+def test_where_active_sets_come_back_there_is_a_way_out(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = drawn(seed).problem
+    found = solve_by_newton(deflated(problem)[0])
+    assert found.status == "solved"
+    assert complementarity_residual(deflated(problem)[0], found.unknowns) < EXACT
+    monkeypatch.setattr(module, "MOST_TIMES", 0)
+    assert solve_by_newton(deflated(problem)[0]).status == "limit"
 
 
-@pytest.mark.parametrize("seed", range(6))
-@pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])
-def test_points_that_are_solved_for_alone_lead_to_the_solution_of_all(friction: float, seed: int) -> None:
-    """All others are on the branches that they have in the end."""
+@pytest.mark.parametrize("seed", [*range(6), 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])
+def test_an_update_of_the_factors_solves_the_equations_of_the_other_active_set(seed: int) -> None:
+    """Also where contact alone holds blocks; points open, close, slip one way or the other, stick, and dilate."""
+    tried = 0
     for problem in (
-        random_problem(12, friction, seed),
-        crack_problem(40, friction, 0.3, np.inf, 0.6, seed),
-        dilating(random_problem(12, max(friction, 0.3), seed), seed),
+        deflated(drawn(seed).problem)[0],
+        random_problem(12, 0.4, seed),
+        crack_problem(40, 0.4, 0.3, np.inf, 0.6, seed),
+        dilating(random_problem(12, 0.4, seed), seed),
     ):
-        known = solved(problem)
+        known = solve_by_newton(problem)
         branches = active_set(problem, known.traction, problem.jump(known.unknowns))
-        some = np.arange(problem.n_points) % 3 == seed % 3
-        wrong = replace(branches, closed=np.where(some, ~branches.closed, branches.closed))
-        equations = ActiveEquations(problem, wrong)
-        part = Condensed.onto(equations, equations.solution(), some)
-        assert part is not None
-        x = part.expanded(solve_by_newton(part.problem))
-        assert complementarity_residual(problem, x) < 1e-11
-        np.testing.assert_allclose(x, known.unknowns, atol=1e-9 * np.abs(known.traction).max())
+        some = np.arange(problem.n_points) % 5 == seed % 5
+        slip = np.where(some, (branches.slip + 2) % 3 - 1, branches.slip)
+        other = ActiveSet(branches.closed ^ some, slip, np.where(slip == 0, branches.sense, slip))
+        for first, last in ((branches, other), (other, branches)):
+            fresh = ActiveEquations(problem, last)
+            x = ActiveEquations(problem, first).beside(last, 1.0)
+            if x is None or fresh.singular:
+                continue
+            np.testing.assert_allclose(x, fresh.solution, rtol=0.0, atol=1e-7 * np.abs(fresh.solution).max())
+            tried += 1
+    assert tried >= 4
 
 
-@pytest.mark.parametrize("seed", [0, 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])
-def test_what_slides_outside_works_on_the_motions_that_remain(seed: int) -> None:
-    """Blocks on faces that slip: their shear changes with the tractions of the points that are solved for."""
-    problem, _ = deflated(drawn(seed).problem)
-    known = solve_by_newton(problem)
-    branches = active_set(problem, known.traction, problem.jump(known.unknowns))
-    slides = branches.states() == SLIP
-    some = ~slides
-    some[np.flatnonzero(slides)[::3]] = True
-    equations = ActiveEquations(problem, replace(branches, slip=np.where(some & slides, 0, branches.slip)))
-    part = Condensed.onto(equations, equations.solution(), some)
-    assert part is not None
-    assert part.problem.motions is not None
-    assert (problem.friction[slides & ~some] > 0.0).any()
-    assert complementarity_residual(problem, part.expanded(solve_by_newton(part.problem))) < EXACT
+def test_an_update_is_made_where_few_points_leave_their_branches_alone() -> None:
+    problem = random_problem(12, 0.4, 0)
+    equations = ActiveEquations(problem, active_set(problem, np.full(24, -1.0), np.zeros(24)))
+    other = ActiveSet(~equations.active.closed, equations.active.slip, equations.active.sense)
+    assert equations.beside(other, 0.5) is None
+    assert equations.beside(equations.active, 0.0) is not None

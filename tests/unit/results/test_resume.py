@@ -226,7 +226,7 @@ def test_another_format_is_refused(copy: Path) -> None:
         header = {**json.loads(arrays["header"].tobytes()), "format": 99}
         arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
         np.savez(path, **arrays)
-    with pytest.raises(ResumeError, match=r"has format 99.*wanted 9"):
+    with pytest.raises(ResumeError, match=r"has format 99.*wanted 10"):
         find_resumption(case("growth.steps=3"), copy)
 
 

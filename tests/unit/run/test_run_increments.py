@@ -212,7 +212,7 @@ def test_old_faces_remember_and_new_ones_know_nothing(
     scene, growing, state = sheared
     grown = assemble(scene, (longer(scene, growing, 5e-3, kink),))
     start = mapped(state, grown)
-    memory, faces, h = start.contact_history.memory, grown.faces, scene.lattice.spacing
+    memory, faces, h = start.memory, grown.faces, scene.lattice.spacing
     length = 0.02 / h
     new = faces.s > length + 2.0
     total = state.configuration.faces.weights @ state.outcome.memory.slip
@@ -220,7 +220,7 @@ def test_old_faces_remember_and_new_ones_know_nothing(
     assert 0.5 < memory.slip.max() / state.outcome.memory.slip.max() <= 1.05
     assert memory.broken[faces.s < length - 1e-6].all()
     assert not memory.broken[faces.s > length + 1e-6].any()
-    for values in (memory.slip, start.contact_history.normal, start.contact_history.tangential):
+    for values in (memory.slip, start.memory.normal, start.memory.tangential):
         assert not values[new].any()
     assert (start.level, start.grown) == ((state.factor, 1.0), True)
 
@@ -310,7 +310,7 @@ def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
     for one, other in pairwise(states):
         if abs(other.factor - one.factor) < 1e-3:
             continue
-        middle = configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.contact_history.memory)
+        middle = configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.memory)
         size = np.abs(one.states.tractions).max()
         mean = 0.5 * (one.states.tractions + other.states.tractions)
         np.testing.assert_allclose(middle.tractions, mean, atol=1e-8 * size)
