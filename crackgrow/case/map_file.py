@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path as FilePath
@@ -24,6 +24,7 @@ from crackgrow.case.units import UNITS
 MAX_BYTES: Final = 20 * 2**20
 SEPARATORS: Final = ",;\t"  # of tables; but for the first one, numbers may have a decimal comma
 OF_A_RUN: Final = {"crack", "vertex", "x", "y", "step"}  # columns of paths.csv, which is in m
+SHOWN_VALUES: Final = 12  # longer lists of values are cut in messages
 VERTICES: Final[Mapping[str, Any]] = {"crack": "crack", "x": "x", "y": "y"}  # the columns where none are given
 
 GDAL: Final = (".gpkg", ".shp", ".dxf")
@@ -42,6 +43,20 @@ class Feature:
     where: str  # such as "feature 12"
     line: int | None  # of a table, that it begins in
     attributes: Mapping[str, str]  # empty where there is no value
+
+
+def attribute(features: Sequence[Feature], name: str) -> list[str]:
+    """The values of an attribute, which some of the features have; raises ContentError."""
+    known = list(dict.fromkeys(key for feature in features for key in feature.attributes))
+    if name not in known:
+        raise ContentError(f"has no attribute {quoted(name)}; it has: {listed(known)}{did_you_mean(name, known)}")
+    return [feature.attributes.get(name, "") for feature in features]
+
+
+def listed(words: Sequence[str]) -> str:
+    """Words, each once, cut if they are many."""
+    each = [clean(word) or "''" for word in dict.fromkeys(words)]
+    return ", ".join(each[:SHOWN_VALUES] + ["..."] * (len(each) > SHOWN_VALUES)) or "none"
 
 
 def features_of(

@@ -13,6 +13,7 @@ from crackgrow.arrays import Floats, Ints
 
 MOST_PAIRS = 200_000  # of segments that come close; cracks of a scene make a few per crack
 CHUNK = 64  # segments that are looked at together
+SAME_MEETING = 10.0  # places nearer than so many tolerances are one: each lies within the tolerance of its lines
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,6 +74,17 @@ def places_between(segments: Segments, pairs: Ints) -> Floats:
     first, second = segments.shapes[pairs[:, 0]], segments.shapes[pairs[:, 1]]
     links = shapely.get_coordinates(shapely.shortest_line(first, second)).reshape(-1, 2, 2)
     return np.asarray(links[:, 0], dtype=float)
+
+
+def meeting_places(lines: Sequence[Floats], tolerance: float) -> Floats:
+    """Return the places `(k, 2) float` in m where two or more polylines come within the tolerance of each other."""
+    segments = segments_of(lines)
+    pairs = close_segments(segments, tolerance)
+    places = places_between(segments, pairs[segments.lines[pairs[:, 0]] != segments.lines[pairs[:, 1]]])
+    spots = shapely.union_all(shapely.buffer(shapely.points(places), 0.5 * SAME_MEETING * tolerance))
+    point, spot = shapely.STRtree(shapely.get_parts(spots)).query(shapely.points(places), predicate="intersects")
+    _, first = np.unique(spot, return_index=True)
+    return np.asarray(places[np.sort(point[first])])
 
 
 def distances(points: Floats, segments: Floats) -> Floats:

@@ -11,8 +11,10 @@ import shapely
 from crackgrow.case import model
 from crackgrow.case.accuracy import STANDARD, name_of
 from crackgrow.case.features import line_length
-from crackgrow.case.meetings import meeting_places
+from crackgrow.case.layout import ON_OUTLINE
 from crackgrow.case.model import Case, CoulombContact, Crack
+from crackgrow.case.segments import meeting_places
+from crackgrow.case.touching import scene_size
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.case.units import Metres
 from crackgrow.results.places import component_text, length_unit
@@ -194,7 +196,7 @@ def _crack_law(crack: Crack) -> str:
 
 
 def _meetings(case: Case) -> str:
-    n_places = len(meeting_places(case))
+    n_places = len(meeting_places([crack.points for crack in case.cracks], ON_OUTLINE * scene_size(case)))
     return f", meeting at {counted(n_places, 'place')}" if n_places else ""
 
 

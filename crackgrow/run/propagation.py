@@ -9,8 +9,8 @@ from typing import Literal
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.meetings import scene_size
 from crackgrow.case.surface import end_word
+from crackgrow.case.touching import scene_size
 from crackgrow.cover.shapes import body_index
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Segment, Start, advanced, started, without_tip
 from crackgrow.fracture.meeting import Meeting

@@ -11,7 +11,6 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.changes import changes_of
 from crackgrow.case.features import line_length
-from crackgrow.case.meetings import scene_size
 from crackgrow.case.model import (
     Case,
     Component,
@@ -23,7 +22,7 @@ from crackgrow.case.model import (
     PointForce,
     PointSupport,
 )
-from crackgrow.case.snapping import SNAP
+from crackgrow.case.touching import SNAP, scene_size
 from crackgrow.case.toughness import BY_K, shear_radius
 from crackgrow.case.units import Metres, place_text
 from crackgrow.cover.cover import Cover
