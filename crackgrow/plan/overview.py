@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -23,25 +23,43 @@ from crackgrow.results.units import counted, stress_text
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
 SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last
 
+LOADS: Final[Mapping[type, str]] = {
+    model.Gravity: "gravity on {load.body}",
+    model.FluidPressure: "pressure {pressure} in {load.surface}",
+    model.EdgePressure: "pressure {pressure} on {load.region.body}.{load.region.edge}",
+    model.FarField: "far-field stress on the outline of {load.body}",
+    model.PointForce: "a force at a point of {load.body}",
+    model.InSituStress: "in-situ stress in {load.body}",
+}
+"""What is said of a load; tractions on edges are counted."""
+
+Shown = Callable[[float], str]
+"""A length (m) in the unit that suits the scene."""
+
 
 def overview(case: Case) -> str:
     """Lines of text: bodies, interfaces, cracks and tips, supports and loads, growth, spacing and estimated size."""
     scale, unit = length_unit(case)
+
+    def show(length: float) -> str:
+        return f"{length * scale:g} {unit}"
+
     n_tips = sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
-    contact = case.numerics.contact
+    n_meetings = len(meeting_places([crack.points for crack in case.cracks], ON_OUTLINE * scene_size(case)))
+    contact, nodes = case.numerics.contact, estimated_nodes(case)
     stiffness = "rigid" if contact.stiffness is None else f"stiffness {contact.stiffness:g} E/h"
-    nodes = estimated_nodes(case)
     lines = [
         f"{case.name}: {case.title}",
         f"plane {case.plane}",
-        *(_body_line(body, scale, unit) for body in case.bodies),
-        *(_interface_line(interface, scale, unit) for interface in case.interfaces),
-        *_crack_lines(case.cracks, scale, unit),
-        f"cracks: {len(case.cracks)}, tips: {n_tips}{_meetings(case)}",
+        *(_body_line(body, scale, show) for body in case.bodies),
+        *(_interface_line(interface, show) for interface in case.interfaces),
+        *_crack_lines(case.cracks, scale, show),
+        f"cracks: {len(case.cracks)}, tips: {n_tips}"
+        + (f", meeting at {counted(n_meetings, 'place')}" if n_meetings else ""),
         *_support_lines(case),
-        f"loads: {_loads(case)}, {_loading(case)}",
-        _growth_line(case, scale, unit),
-        f"lattice: spacing {case.numerics.spacing * scale:g} {unit}{_rule(case)}, "
+        f"loads: {', '.join(_loads(case))}, {_loading(case)}",
+        f"growth: {', '.join(_growth(case, show))}",
+        f"lattice: spacing {show(case.numerics.spacing)}{_rule(case)}, "
         f"support {case.numerics.support:g} spacings, about {nodes} nodes, {2 * nodes} dofs before cracks",
         f"contact: {contact.discretization}, {stiffness}, solver {contact.solver}",
     ]
@@ -67,24 +85,25 @@ def estimated_nodes(case: Case) -> int:
     return round(total / h**2)
 
 
-def _body_line(body: model.Body, scale: float, unit: str) -> str:
-    width, height = np.ptp(body.outline, axis=0) * scale
-    material = f"E = {stress_text(body.material.young)}, nu = {body.material.poisson:g}"
-    if body.material.density is not None:
-        material += f", density {body.material.density:g} kg/m^3"
-    n_holes = len(body.rings) - 1
-    holes = f" with {counted(n_holes, 'hole')}" if n_holes else ""
+def _body_line(body: model.Body, scale: float, show: Shown) -> str:
+    width, height = np.ptp(body.outline, axis=0)
+    n_holes, density = len(body.rings) - 1, body.material.density
+    words = [
+        f"{width * scale:g} x {show(height)}" + (f" with {counted(n_holes, 'hole')}" if n_holes else ""),
+        f"E = {stress_text(body.material.young)}",
+        f"nu = {body.material.poisson:g}" + ("" if density is None else f", density {density:g} kg/m^3"),
+    ]
     strength = "no strength given" if body.strength is None else (
         f"tension {stress_text(body.strength.tension)}, cohesion {stress_text(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"
     )  # fmt: skip
-    return f"body {body.name}: {width:g} x {height:g} {unit}{holes}, {material}; {strength}"
+    return f"body {body.name}: {', '.join(words)}; {strength}"
 
 
-def _interface_line(interface: model.Interface, scale: float, unit: str) -> str:
-    length = sum(map(line_length, interface.lines)) * scale
+def _interface_line(interface: model.Interface, show: Shown) -> str:
     law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
-    return f"interface between {' and '.join(interface.bodies)}: length {length:g} {unit}; {law}"
+    length = show(sum(map(line_length, interface.lines)))
+    return f"interface between {' and '.join(interface.bodies)}: length {length}; {law}"
 
 
 def _support_lines(case: Case) -> list[str]:
@@ -123,119 +142,98 @@ def _stage_text(before: model.Stage, stage: model.Stage) -> str:
     return f"{stage.name} ({', '.join(words)})" if words else stage.name
 
 
-def _loads(case: Case) -> str:
+def _loads(case: Case) -> Iterator[str]:
     """Say which loads there are, and which of them every load factor leaves as they are."""
     tractions = [load.held for load in case.loads if isinstance(load, model.EdgeTraction)]
-    words = [counted(len(tractions), "traction") + " on edges"] if tractions or not case.loads else []
-    if any(tractions):
-        words[0] += " (held)" if all(tractions) else f" ({sum(tractions)} held)"
+    if tractions or not case.loads:
+        held = "held" if all(tractions) else f"{sum(tractions)} held"
+        yield f"{counted(len(tractions), 'traction')} on edges" + (f" ({held})" if any(tractions) else "")
     for load in case.loads:
-        held = " (held)" if load.held else ""
-        if isinstance(load, model.Gravity):
-            words.append(f"gravity on {load.body}{held}")
-        elif isinstance(load, model.FluidPressure):
-            words.append(f"pressure {component_text(load.pressure)} in {load.surface}{held}")
-        elif isinstance(load, model.EdgePressure):
-            words.append(f"pressure {component_text(load.pressure)} on {load.region.body}.{load.region.edge}{held}")
-        elif isinstance(load, model.FarField):
-            words.append(f"far-field stress on the outline of {load.body}{held}")
-        elif isinstance(load, model.PointForce):
-            words.append(f"a force at a point of {load.body}{held}")
-        elif isinstance(load, model.InSituStress):
-            words.append(f"in-situ stress in {load.body}{held}")
-    return ", ".join(words)
+        if type(load) in LOADS:
+            words = LOADS[type(load)].format(load=load, pressure=component_text(getattr(load, "pressure", 0.0)))
+            yield words + (" (held)" if load.held else "")
 
 
 def _law(contact: CoulombContact) -> str:
     """Say the law of closed faces: friction and cohesion, and the rest where it is not the default."""
-    words = [f"friction {contact.friction:g}", f"cohesion {stress_text(contact.cohesion)}"]
-    if contact.tension:
-        words.append(f"tensile strength {stress_text(contact.tension)}")
-    if contact.residual_friction != contact.friction:
-        words.append(f"residual friction {contact.residual_friction:g}")
-    if contact.cohesion_kept:
-        words.append("cohesion kept after slip")
-    if contact.dilation_angle:
-        words.append(f"dilation angle {contact.dilation_angle:g} deg")
-    if contact.weakening_length:
-        words.append(f"weakening over {Metres(contact.weakening_length):g} of slip")
-    if contact.decay_length:
-        words.append(f"decaying over {Metres(contact.decay_length):g} of slip")
-    if contact.wear is not None:
-        words.append(f"worn to friction {contact.worn[0]:g} by {Metres(contact.wear.slip[-1]):g} of slip")
-    if contact.worn[1] < contact.dilation_angle:
-        words.append(f"dilation worn to {contact.worn[1]:g} deg")
-    if contact.stiffness is not None:
-        words.append("stiffness {:g} and {:g} GPa/m".format(*(k / 1e9 for k in contact.stiffness)))
-    if contact.max_closure is not None:
-        words.append(f"closure of at most {Metres(contact.max_closure):g}")
-    if contact.barton is not None:
-        words.append(f"JRC {contact.barton.jrc:g}, JCS {stress_text(contact.barton.jcs)}")
-    return ", ".join(words)
+    residual, wear, barton = contact.residual_friction, contact.wear, contact.barton
+    table = (
+        ("tensile strength {}", stress_text(contact.tension) if contact.tension else None),
+        ("residual friction {:g}", residual if residual != contact.friction else None),
+        ("cohesion kept after slip", contact.cohesion_kept or None),
+        ("dilation angle {:g} deg", contact.dilation_angle or None),
+        ("weakening over {:g} of slip", Metres(contact.weakening_length) if contact.weakening_length else None),
+        ("decaying over {:g} of slip", Metres(contact.decay_length) if contact.decay_length else None),
+        (f"worn to friction {contact.worn[0]:g} by {{:g}} of slip", Metres(wear.slip[-1]) if wear else None),
+        ("dilation worn to {:g} deg", contact.worn[1] if contact.worn[1] < contact.dilation_angle else None),
+        ("stiffness {0[0]:g} and {0[1]:g} GPa/m", contact.stiffness and [k / 1e9 for k in contact.stiffness]),
+        ("closure of at most {:g}", None if contact.max_closure is None else Metres(contact.max_closure)),
+        ("JRC {:g}", barton and barton.jrc),
+        ("JCS {}", barton and stress_text(barton.jcs)),
+    )
+    words = [text.format(value) for text, value in table if value is not None]
+    return ", ".join([f"friction {contact.friction:g}", f"cohesion {stress_text(contact.cohesion)}", *words])
 
 
-def _crack_lines(cracks: tuple[Crack, ...], scale: float, unit: str) -> list[str]:
+def _crack_lines(cracks: Sequence[Crack], scale: float, show: Shown) -> Iterator[str]:
     """One line for each of a few cracks; of many, a line for the rest under each law."""
-    laws: dict[str, list[float]] = {}
-    for crack in cracks[SHOWN_CRACKS:]:
-        laws.setdefault(_crack_law(crack), []).append(line_length(crack.points) * scale)
-    return [_crack_line(crack, scale, unit) for crack in cracks[:SHOWN_CRACKS]] + [
-        f"{counted(len(lengths), 'more crack')}: length {min(lengths):g} to {max(lengths):g} {unit}; {law}"
-        for law, lengths in laws.items()
-    ]
+    rest: dict[str, list[float]] = {}
+    for number, crack in enumerate(cracks):
+        law = "faces never touch" if crack.contact is None else _law(crack.contact)
+        length = line_length(crack.points)
+        if number < SHOWN_CRACKS:
+            tips = [name for name, there in (("start", crack.tip_at_start), ("end", crack.tip_at_end)) if there]
+            yield f"crack {crack.name}: length {show(length)}, tips: {' and '.join(tips) or 'none'}; {law}"
+        else:
+            rest.setdefault(law, []).append(length)
+    for law, lengths in rest.items():
+        longest = f"length {min(lengths) * scale:g} to {show(max(lengths))}"
+        yield f"{counted(len(lengths), 'more crack')}: {longest}; {law}"
 
 
-def _crack_line(crack: Crack, scale: float, unit: str) -> str:
-    tips = [name for name, there in (("start", crack.tip_at_start), ("end", crack.tip_at_end)) if there]
-    length = f"length {line_length(crack.points) * scale:g} {unit}"
-    return f"crack {crack.name}: {length}, tips: {' and '.join(tips) or 'none'}; {_crack_law(crack)}"
-
-
-def _crack_law(crack: Crack) -> str:
-    return "faces never touch" if crack.contact is None else _law(crack.contact)
-
-
-def _meetings(case: Case) -> str:
-    n_places = len(meeting_places([crack.points for crack in case.cracks], ON_OUTLINE * scene_size(case)))
-    return f", meeting at {counted(n_places, 'place')}" if n_places else ""
-
-
-def _growth_line(case: Case, scale: float, unit: str) -> str:
+def _growth(case: Case, show: Shown) -> Iterator[str]:
     growth = case.growth
     if growth is None:
         n_factors = case.last_step + 1 if isinstance(case.loading, model.LoadHistory | model.Stages) else 1
-        return f"growth: none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
-    direction = "" if growth.direction == "explicit" else f" ({growth.direction} direction)"
-    memory = "" if growth.unload_between_steps else ", without unloading between steps"
-    radius = "".join(f", {text}" for text in _radii(case, growth, scale, unit))
+        yield f"none, {'one static solve' if n_factors == 1 else f'{n_factors} static solves'}"
+        return
     if growth.steps == 0:
-        return f"growth: none, {growth.criterion} is judged{radius}"
-    steps = f"{counted(growth.steps, 'step')} of {growth.increment * scale:g} {unit}"
-    law = growth.subcritical
+        yield f"none, {growth.criterion} is judged"
+        yield from _radii(case, growth, show)
+        return
+    law, at = growth.subcritical, growth.initiation.at
+    yield f"{counted(growth.steps, 'step')} of {show(growth.increment)}" + (" at most" if law else "")
     if law is not None:
-        steps += f" at most, v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
-    at = growth.initiation.at
-    starts = "" if at == "tips" else f", new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
-    return f"growth: {steps}, {growth.criterion}{direction}, {growth.advance.replace('_', ' ')}{starts}{radius}{memory}"
+        yield f"v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
+    yield growth.criterion + ("" if growth.direction == "explicit" else f" ({growth.direction} direction)")
+    yield growth.advance.replace("_", " ")
+    if at != "tips":
+        yield f"new cracks {'anywhere' if at == 'anywhere' else f'at {at}'}"
+    yield from _radii(case, growth, show)
+    if not growth.unload_between_steps:
+        yield "without unloading between steps"
 
 
-def _radii(case: Case, growth: model.Growth, scale: float, unit: str) -> Iterator[str]:
+def _radii(case: Case, growth: model.Growth, show: Shown) -> Iterator[str]:
     """The averaging radius that is given, and the toughness of the bodies with cracks, with the radius that follows."""
 
     def text(radius: float) -> str:
-        return f"tip radius {radius * scale:.6g} {unit} ({radius / case.numerics.spacing:.3g} x the spacing)"
+        return f"tip radius {show(radius)} ({radius / case.numerics.spacing:.3g} x the spacing)"
 
     if growth.tip_radius is not None:
         yield text(growth.tip_radius)
     hosts = {crack.body for crack in case.cracks}
     for body in case.bodies:
-        if body.name in hosts and body.strength is not None and body.strength.toughness is not None:
-            averages = "" if growth.criterion in BY_K else f" ({text(averaging_radius(growth, body.strength))})"
-            yield f"toughness of '{body.name}' {body.strength.toughness / 1e6:g} MPa sqrt(m){averages}"
-        if body.name in hosts and body.strength is not None and body.strength.shear_toughness is not None:
-            radius = shear_radius(growth, body.strength)
+        strength = body.strength
+        if body.name not in hosts or strength is None:
+            continue
+        if strength.toughness is not None:
+            averages = "" if growth.criterion in BY_K else f" ({text(averaging_radius(growth, strength))})"
+            yield f"toughness of '{body.name}' {strength.toughness / 1e6:g} MPa sqrt(m){averages}"
+        if strength.shear_toughness is not None:
+            radius = shear_radius(growth, strength)
             averages = " (not used: no tip grows in shear)" if radius is None else f" ({text(radius)})"
-            yield f"toughness in shear of '{body.name}' {body.strength.shear_toughness / 1e6:g} MPa sqrt(m){averages}"
+            yield f"toughness in shear of '{body.name}' {strength.shear_toughness / 1e6:g} MPa sqrt(m){averages}"
 
 
 def _rule(case: Case) -> str:
