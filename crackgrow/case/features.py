@@ -5,10 +5,10 @@ A curve given as many short sides counts by its radius, and what an outline does
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final, Literal, Protocol
+from typing import Final, Literal
 
 import numpy as np
 import shapely
@@ -43,25 +43,12 @@ class Length:
     where: shapely.Geometry | None = None  # m, parts of rims that it is of; None where it is of no rim
 
 
-class Ring(Protocol):
-    """A closed line with rock on its left: corners (n, 2) m, not closed."""
-
-    @property
-    def points(self) -> Floats: ...
-
-
-class Outlined(Protocol):
-    """A body, as far as its shape goes: its name, its outline and then its holes."""
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def rings(self) -> Sequence[Ring]: ...
+Rims = Mapping[str, Sequence[Floats]]
+"""By name of a body its rings, closed lines with rock on their left: corners (n, 2) m of the outline, then of holes."""
 
 
 def rim_lengths(
-    bodies: Sequence[Outlined],
+    rims: Rims,
     interfaces: Iterable[tuple[tuple[str, str], Sequence[Floats]]],
     supported: Sequence[EdgeRegion],
     loaded: Sequence[EdgeRegion],
@@ -71,51 +58,51 @@ def rim_lengths(
 
     origin: m, on the map on which places are told
     """
-    for body in bodies:
-        yield from feature_lengths(body, origin)
-    yield from part_lengths("support", bodies, supported, "supported")
-    yield from part_lengths("load", bodies, loaded, "loaded")
+    for body, rings in rims.items():
+        yield from feature_lengths(body, rings, origin)
+    yield from _part_lengths("support", "supported", rims, supported)
+    yield from _part_lengths("load", "loaded", rims, loaded)
     for (first, second), lines in interfaces:
         what = f"interface between bodies '{first}' and '{second}'"
         yield from (Length("support", line_length(line), what, shapely.LineString(line)) for line in lines)
 
 
-def feature_lengths(body: Outlined, origin: tuple[float, float] = (0.0, 0.0)) -> Iterator[Length]:
+def feature_lengths(body: str, rings: Sequence[Floats], origin: tuple[float, float] = (0.0, 0.0)) -> Iterator[Length]:
     """Widths of the holes of a body, notches and re-entrant corners, and the rock between its rings and corners."""
-    rings = [ring.points for ring in body.rings]
     lines = np.array([shapely.LinearRing(ring) for ring in rings], dtype=object)
-    widths = [_width(line) for line in lines]
-    for number, width in enumerate(widths[1:]):
-        yield Length("feature", width, f"width of hole{number} of body '{body.name}'", lines[number + 1])
+    names, widths = _names(rings), [_width(line) for line in lines]
+    for name, width, line in zip(names[1:], widths[1:], lines[1:], strict=True):
+        yield Length("feature", width, f"width of {name} of body '{body}'", line)
     for apart, pair in _nearest_rings(lines):
-        what = f"rock between {' and '.join(map(_ring_name, pair))} of body '{body.name}'"
+        what = f"rock between {' and '.join(names[ring] for ring in pair)} of body '{body}'"
         yield Length("bridge", apart, what, _ends(shapely.shortest_line(*lines[list(pair)])))
     region = shapely.Polygon(rings[0], rings[1:])
     shapely.prepare(region)
-    for number, (line, width) in enumerate(zip(lines, widths, strict=True)):
+    for name, line, width in zip(names, lines, widths, strict=True):
         shape = _simplified(line, ROUGHNESS * width)
-        least, most = ROUGHNESS * width, NARROWER * width if number else np.inf
-        where = f"{_ring_name(number)} of body '{body.name}'"
+        least, most = ROUGHNESS * width, np.inf if line is lines[0] else NARROWER * width
+        where = f"{name} of body '{body}'"
         yield from (length for length in _corner_lengths(shape, least, where, origin) if length.metres < most)
         yield from _bridges(shape, region, least, where, origin)
 
 
-def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeRegion], verb: str) -> Iterator[Length]:
+def _part_lengths(kind: Kind, verb: str, rims: Rims, regions: Sequence[EdgeRegion]) -> Iterator[Length]:
     """Lengths of the parts of edges that `regions` cover; parts that follow each other along a ring are one.
 
     verb: what is done to them, such as "loaded"
     """
-    for body in bodies:
-        mine = [region for region in regions if region.body == body.name]
+    for body, rings in rims.items():
+        mine = [region for region in regions if region.body == body]
         first_side = 0
-        for number, ring in enumerate(body.rings):
-            lengths = np.hypot(*(np.roll(ring.points, -1, axis=0) - ring.points).T)
+        for name, ring in zip(_names(rings), rings, strict=True):
+            lengths = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
             places = [places for region in mine for places in _intervals(region, first_side, lengths)]
             first_side += len(lengths)
-            covered = _united(sorted(places), float(lengths.sum()))
-            for start, end in covered:
-                what = f"{verb} part of {_ring_name(number)} of body '{body.name}'"
-                yield Length(kind, end - start, what, _part(ring.points, start, end - start))
+            twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))  # a part may lead past the first corner
+            for start, end in _united(sorted(places), float(lengths.sum())):
+                begin = start + 0.5 * twice.length
+                part = substring(twice, begin, begin + (end - start))
+                yield Length(kind, end - start, f"{verb} part of {name} of body '{body}'", part)
 
 
 def stretches(line: Floats) -> tuple[Ints, Floats]:
@@ -137,15 +124,9 @@ def _ends(link: shapely.LineString) -> shapely.MultiPoint:
     return shapely.MultiPoint(shapely.get_coordinates(link))
 
 
-def _part(ring: Floats, start: float, length: float) -> shapely.Geometry:
-    """A part of a ring (n, 2) from an arc length on: a negative one where it leads past the first corner."""
-    twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))
-    begin = start + 0.5 * twice.length
-    return substring(twice, begin, begin + length)
-
-
-def _ring_name(number: int) -> str:
-    return f"hole{number - 1}" if number else "the outline"
+def _names(rings: Sequence[Floats]) -> list[str]:
+    """What an outline and holes are called."""
+    return ["the outline", *(f"hole{number}" for number in range(len(rings) - 1))]
 
 
 def _nearest_rings(lines: NDArray[np.object_]) -> Iterator[tuple[float, tuple[int, int]]]:

@@ -47,12 +47,12 @@ def _lengths(scene: Scene) -> Iterator[Length]:
             kinks, parts = stretches(points)
             if len(kinks):
                 yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
-    bodies = list(scene.bodies.values())
-    for body in bodies:
+    for body in scene.bodies.values():
         yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
+    rims = {name: [ring.points for ring in body.rings] for name, body in scene.bodies.items()}
     supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
     loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
-    yield from rim_lengths(bodies, scene.shared.items(), supported, loaded, scene.units.origin or (0.0, 0.0))
+    yield from rim_lengths(rims, scene.shared.items(), supported, loaded, scene.units.origin or (0.0, 0.0))
     increment = scene.get("growth", "increment")
     if increment is not None:
         yield Length("increment", increment, "growth.increment")

@@ -301,4 +301,5 @@ def _lengths(case: Case) -> tuple[Length, ...]:
     supports = [support.region for support in case.supports if not isinstance(support, PointSupport)]
     loads = [load.region for load in case.loads if isinstance(load, EdgeLoad)]
     interfaces = ((interface.bodies, interface.lines) for interface in case.interfaces)
-    return tuple(rim_lengths(case.bodies, interfaces, supports, loads, case.origin))
+    rims = {body.name: [ring.points for ring in body.rings] for body in case.bodies}
+    return tuple(rim_lengths(rims, interfaces, supports, loads, case.origin))
