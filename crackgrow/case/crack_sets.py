@@ -217,8 +217,9 @@ def _unstacked(scene: Scene, pieces: list[_Piece], fixed: Sequence[Thing]) -> li
 def _law(piece: _Piece) -> object:
     """The law of contact of a crack by an attribute of its line, else that of its set."""
     for name, laws in piece.crack.get("contact_by", {}).items():
-        if piece.trace.attributes.get(name, "") in laws:
-            return laws[piece.trace.attributes[name]]
+        value = piece.trace.attributes.get(name, "")
+        if value in laws:
+            return laws[value]
     return piece.crack["contact"]
 
 
@@ -232,7 +233,7 @@ def _check_laws(scene: Scene, name: str, crack: Resolved) -> None:
         except ContentError as error:
             scene.report.fault(where, f"{quoted(crack['path']['file'].text)} {error}")
             continue
-        for value in laws.keys() - {*words}:
+        for value in [value for value in laws if value not in words]:
             scene.report.fault((*where, value), f"no line has the {key} {quoted(value)}{did_you_mean(value, words)}")
 
 

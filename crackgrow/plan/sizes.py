@@ -8,7 +8,6 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.plan.overview import estimated_nodes
@@ -77,16 +76,14 @@ def sizes_of(case: Case) -> Sizes:
     scene = make_scene(case)
     cover = cover_of(scene, tuple(map(GrowingCrack.given, case.cracks)))
     faces = contact_faces(scene, cover)
+    cells = np.unique(cover.lattice.tiles.cell[cover.elements.tile])
+    of_size, n_of_size = np.unique(cover.lattice.cells.size[cells] / QUANTA, return_counts=True)
+    sides = cover.lattice.spacing * of_size[::-1]
     n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
     surfaces = tuple(
         SurfacePlan(str(surface.name), n, law.bonded, law.contact is not None, _rough(law))
         for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
     )
-    known = [
-        *scene_warnings(scene, cover),
-        *unbalanced_loads(scene, cover),
-        *dry_joints(scene, cover),
-    ]
     return Sizes(
         n_dofs=cover.n_dofs,
         n_patches=len(cover.patches.nodes),
@@ -97,18 +94,9 @@ def sizes_of(case: Case) -> Sizes:
         n_contact=len(faces.surface),
         n_multipliers=n_constraints_of(scene, cover),
         surfaces=surfaces,
-        scene_warnings=tuple(known),
+        scene_warnings=(*scene_warnings(scene, cover), *unbalanced_loads(scene, cover), *dry_joints(scene, cover)),
         n_gathered=sum(tip.carriers.gathered for tip in cover.tips),
-        cells=_cells(cover),
-    )
-
-
-def _cells(cover: Cover) -> tuple[tuple[float, int], ...]:
-    """Sides (m) of the cells with rock, and how many there are of each."""
-    number = np.unique(cover.lattice.tiles.cell[cover.elements.tile])
-    sides, counts = np.unique(cover.lattice.cells.size[number] / QUANTA, return_counts=True)
-    return tuple(
-        (cover.lattice.spacing * side, n) for side, n in zip(sides[::-1].tolist(), counts[::-1].tolist(), strict=True)
+        cells=tuple(zip(sides.tolist(), n_of_size[::-1].tolist(), strict=True)),
     )
 
 

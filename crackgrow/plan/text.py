@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import asdict
 
 from crackgrow.case.accuracy import name_of
@@ -22,63 +23,52 @@ def plan_text(case: Case) -> str:
     """Lines of text: the overview of the case, the model of step 0, its cost, warnings. Raises GeometryError."""
     sizes = sizes_of(case)
     cost = estimated_cost(case, sizes)
-    warnings = [f"warning: {text}" for text in _warnings(sizes, cost)] or ["no warnings"]
     takes = f"the whole run takes {cost.words}, within a factor of two for most scenes"
-    return "\n".join([overview(case), *_model(case, sizes), takes, *warnings])
+    warnings = [f"warning: {text}" for text in _warnings(sizes, cost)] or ["no warnings"]
+    return "\n".join([overview(case), "model of step 0:", *_model(case, sizes), takes, *warnings])
 
 
 def plan_record(case: Case) -> dict[str, object]:
     """The model of step 0, its cost and the warnings, in what JSON can hold; s, MiB, m. Raises GeometryError."""
     sizes = sizes_of(case)
     cost = estimated_cost(case, sizes)
-    known = asdict(sizes)
+    model = asdict(sizes)
+    del model["scene_warnings"]
     return {
         "case": case.name,
         "title": case.title,
         "spacing": case.numerics.spacing,
-        "model": {name: value for name, value in known.items() if name != "scene_warnings"},
+        "model": model,
         "cost": asdict(cost),
         "warnings": _warnings(sizes, cost),
         "changes": [text for kind in changes_of(case) for text in kind],
     }
 
 
-def _model(case: Case, sizes: Sizes) -> list[str]:
-    standard, singular = 2 * sizes.n_patches, 8 * sizes.n_singular
+def _model(case: Case, sizes: Sizes) -> Iterator[str]:
     gathered = f" (gathered at {sizes.n_gathered})" if sizes.n_gathered else ""
-    lines = [
-        "model of step 0:",
-        f"  {sizes.n_dofs} dofs: {standard} of {sizes.n_patches} physical patches"
-        + (f", {singular} of tip functions at {counted(sizes.n_tips, 'tip')}{gathered}" if singular else "")
-        + f"; {sizes.n_elements} manifold elements",
-        f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds",
-    ]
+    singular = f"{8 * sizes.n_singular} of tip functions at {counted(sizes.n_tips, 'tip')}{gathered}"
+    dofs = [f"{2 * sizes.n_patches} of {sizes.n_patches} physical patches", *([singular] if sizes.n_singular else [])]
+    yield f"  {sizes.n_dofs} dofs: {', '.join(dofs)}; {sizes.n_elements} manifold elements"
+    yield f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds"
     if case.numerics.measured:
         name = name_of(case.numerics.target, case.numerics.goal)
-        lines.append(f"  {name}: cells are refined where that is missed, and coarsened again; these are the first")
+        yield f"  {name}: cells are refined where that is missed, and coarsened again; these are the first"
     if len(sizes.cells) > 1:
         scale, unit = length_unit(case)
-        lines.append("  cells: " + ", ".join(f"{n} of {side * scale:.3g} {unit}" for side, n in sizes.cells))
-    if sizes.n_contact:
-        kind = "mortar nodes" if case.numerics.contact.discretization == "mortar" else "Gauss points"
-        sides = "normal and tangential" if any(surface.rough for surface in sizes.surfaces) else "normal alone"
-        lines.append(f"  contact: {counted(sizes.n_tractions, 'traction')} at {sizes.n_contact} {kind}, {sides}")
-    else:
-        lines.append("  contact: none")
-    shown = sizes.surfaces[:SHOWN_SURFACES]
-    reasons = {False: "no contact: its faces never touch", True: "bonded: multipliers close gap and slip"}
-    for surface in shown:
-        if surface.touching:
-            law = (
-                "with friction or cohesion" if surface.rough else "normal contact alone: neither friction nor cohesion"
-            )
-            lines.append(f"    {surface.name}: {counted(surface.n_points, 'point')}, {law}")
-        else:
-            lines.append(f"    {surface.name}: {reasons[surface.bonded]}")
+        yield "  cells: " + ", ".join(f"{n} of {side * scale:.3g} {unit}" for side, n in sizes.cells)
+    kind = "mortar nodes" if case.numerics.contact.discretization == "mortar" else "Gauss points"
+    sides = "normal and tangential" if any(surface.rough for surface in sizes.surfaces) else "normal alone"
+    points = f"{counted(sizes.n_tractions, 'traction')} at {sizes.n_contact} {kind}, {sides}"
+    yield f"  contact: {points if sizes.n_contact else 'none'}"
+    for surface in sizes.surfaces[:SHOWN_SURFACES]:
+        law = "with friction or cohesion" if surface.rough else "normal contact alone: neither friction nor cohesion"
+        untouched = "bonded: multipliers close gap and slip" if surface.bonded else "no contact: its faces never touch"
+        said = f"{counted(surface.n_points, 'point')}, {law}" if surface.touching else untouched
+        yield f"    {surface.name}: {said}"
     rest = sizes.surfaces[SHOWN_SURFACES:]
     if rest:
-        lines.append(f"    {len(rest)} more: {counted(sum(surface.n_points for surface in rest), 'point')}")
-    return lines
+        yield f"    {len(rest)} more: {counted(sum(surface.n_points for surface in rest), 'point')}"
 
 
 def _warnings(sizes: Sizes, cost: Cost) -> list[str]:
