@@ -81,18 +81,17 @@ class CoordinateFormula:
         """
         values, nowhere = self.values(points)
         if nowhere is not None:
-            message = f"has no finite value at {place_text(nowhere)}"
+            message = f"has no finite value at {place_text(nowhere + self.origin)}"
             raise CaseError.at(f"formula {quoted(self.text)}", message)
         return values
 
     def values(self, points: Floats) -> tuple[Floats, Floats | None]:
-        """The same, finite or not, and the first place (2,) m, on the map, where the formula has no finite value."""
-        places = np.asarray(points, dtype=float) + self.origin
-        x, y = places.T
+        """The same, finite or not, and the first of the points, (2,) m, at which the formula has no finite value."""
+        x, y = (np.asarray(points, dtype=float) + self.origin).T
         with np.errstate(all="ignore"):
             values = np.array(np.broadcast_to(_function_of(self.text)(x, y), x.shape), dtype=float)
         finite = np.isfinite(values)
-        return values, None if finite.all() else places[int(np.argmin(finite))]
+        return values, None if finite.all() else points[int(np.argmin(finite))]
 
 
 def component_of(value: float | str) -> Component:
