@@ -18,8 +18,7 @@ from scipy.optimize import nnls
 from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.plan.cost import MEMORY_TERMS, TERMS, cost_of, terms_of
-from crackgrow.plan.sizes import sizes_of
+from crackgrow.plan.cost import MEMORY_TERMS, TERMS, cost_of, sizes_of, terms_of
 from tests.benchmarks.tables import HERE, ROOT, renew_table
 from tests.benchmarks.tables import table as markdown
 

@@ -12,7 +12,7 @@ import shapely
 import crackgrow
 from crackgrow.case import Case, dump_case
 from crackgrow.case.segments import meeting_places
-from crackgrow.plan.sizes import sizes_of
+from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
     EVERYTHING,
     MATERIAL,

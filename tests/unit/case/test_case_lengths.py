@@ -13,7 +13,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case import dump_case, load_case
 from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
 from crackgrow.case.features import Kind, Length, feature_lengths
-from crackgrow.plan.overview import overview
+from crackgrow.plan.text import overview
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import COMPRESSION, MATERIAL, NAMES, compression, fault, joint, load
 
