@@ -66,7 +66,7 @@ def _held(
     """Supports of the edges that these parts of sides belong to; reports parts that can't be held so."""
     for name in dict.fromkeys(body.rings[0].edge_names):
         edge = edge_of(body, name, scene.tolerance)
-        total = float(np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T).sum())
+        total = float(edge.lengths.sum())
         for held, start, end in _runs(scene, edge, parts, item["outline"] == "fixed"):
             whole = start <= scene.tolerance and end >= total - scene.tolerance
             what = f"edge '{name}' of body '{body.name}'"
