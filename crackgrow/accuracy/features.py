@@ -18,10 +18,11 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, cells_along
-from crackgrow.case.features import SHARP_KINK, Kind, Length, line_length, stretches
+from crackgrow.case.accuracy import AUTO, Kind, cells_along
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import Case, ContactSupport, EdgeLoad, EdgeSupport, FluidPressure, PointForce
+from crackgrow.case.segments import line_length
+from crackgrow.case.sizing import SHARP_KINK, Length, stretches
 from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.refinement import SizeField, divided, refined

@@ -6,10 +6,13 @@ is within 1 % in most scenes with known K: tests/benchmarks/errors.md. A run ref
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
-from typing import Final
+from collections.abc import Mapping
+from typing import Final, Literal
 
-from crackgrow.case.features import Kind, Length
+Kind = Literal[
+    "tip", "stretch", "kink", "end", "room", "increment", "radius", "width", "feature", "bridge", "distance",
+    "support", "load",
+]  # fmt: skip
 
 AUTO: Final = "auto"
 STANDARD: Final = "standard"
@@ -64,18 +67,3 @@ def cells_along(kind: Kind, accuracy: str | float) -> float:
 def name_of(accuracy: str | float, goal: str = "K") -> str:
     """What messages say of it."""
     return accuracy if isinstance(accuracy, str) else f"{goal} within {100.0 * accuracy:.3g} %"
-
-
-def automatic_spacing(
-    accuracy: str | float, lengths: Iterable[Length], refined: Container[Kind] = ()
-) -> tuple[float, str]:
-    """The spacing (m) that resolves every one of the lengths, of which there is one at least, and what gave it.
-
-    At lengths of the kinds `refined` cells are refined.
-    """
-    found = []
-    for length in lengths:
-        n, levels = cells_along(length.kind, accuracy), LEVELS_OF_SPACING if length.kind in refined else 0
-        rule = f"{length.what} / {n:g}" + (f" x 2^{levels}" if levels else "")
-        found.append((2**levels * length.metres / n, rule))
-    return min(found)

@@ -27,7 +27,7 @@ from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import INVALID, Context
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
-from crackgrow.case.spacing import settle_spacing
+from crackgrow.case.sizing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.case.touching import shared_lines
 from crackgrow.case.units import Units

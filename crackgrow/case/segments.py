@@ -26,6 +26,11 @@ class Segments:
     tree: shapely.STRtree
 
 
+def line_length(line: Floats) -> float:
+    """Length (m) of a polyline (n, 2), 0 of fewer than two points."""
+    return float(np.hypot(*np.diff(line, axis=0).T).sum())
+
+
 def segments_of(lines: Sequence[Floats]) -> Segments:
     """Return the segments of polylines, each `(k, 2) float` with k > 1."""
     ends = np.concatenate([np.zeros((0, 2, 2)), *(np.stack([line[:-1], line[1:]], axis=1) for line in lines)])
@@ -64,7 +69,8 @@ def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:
     places = np.einsum("mkx,mx->mk", second - start[:, None], unit)
     low, high = np.clip(places.min(axis=1), 0.0, length), np.clip(places.max(axis=1), 0.0, length)
     parts = start[:, None] + np.stack([low, high], axis=1)[:, :, None] * unit[:, None]
-    apart = np.stack([distances(parts[:, end], second) for end in (0, 1)], axis=1).max(axis=1, initial=0.0)
+    off = parts - np.stack([nearest_places(parts[:, end], second) for end in (0, 1)], axis=1)
+    apart = np.hypot(off[..., 0], off[..., 1]).max(axis=1, initial=0.0)
     parts[(high - low <= tolerance) | (apart > tolerance)] = np.nan
     return np.asarray(parts, dtype=float)
 
@@ -85,11 +91,6 @@ def meeting_places(lines: Sequence[Floats], tolerance: float) -> Floats:
     point, spot = shapely.STRtree(shapely.get_parts(spots)).query(shapely.points(places), predicate="intersects")
     _, first = np.unique(spot, return_index=True)
     return np.asarray(places[np.sort(point[first])])
-
-
-def distances(points: Floats, segments: Floats) -> Floats:
-    """Return the distances (m,) of points (m, 2) from segments (m, 2, 2)."""
-    return np.asarray(np.hypot(*(points - nearest_places(points, segments)).T), dtype=float)
 
 
 def nearest_places(points: Floats, segments: Floats) -> Floats:

@@ -11,10 +11,9 @@ import numpy as np
 from crackgrow.case import model
 from crackgrow.case.accuracy import STANDARD, name_of
 from crackgrow.case.changes import changes_of
-from crackgrow.case.features import line_length
 from crackgrow.case.layout import ON_OUTLINE
 from crackgrow.case.model import Case, CoulombContact, Crack
-from crackgrow.case.segments import meeting_places
+from crackgrow.case.segments import line_length, meeting_places
 from crackgrow.case.touching import scene_size
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.case.units import Metres

@@ -11,7 +11,6 @@ import shapely
 
 from crackgrow.accuracy.features import BY_HAND, Grading
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.features import Length, rim_lengths
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import (
     Case,
@@ -28,6 +27,7 @@ from crackgrow.case.model import (
     Stages,
     Strength,
 )
+from crackgrow.case.sizing import Length, rim_lengths
 from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation

@@ -10,7 +10,6 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.changes import changes_of
-from crackgrow.case.features import line_length
 from crackgrow.case.model import (
     Case,
     Component,
@@ -22,6 +21,7 @@ from crackgrow.case.model import (
     PointForce,
     PointSupport,
 )
+from crackgrow.case.segments import line_length
 from crackgrow.case.touching import SNAP, scene_size
 from crackgrow.case.toughness import BY_K, shear_radius
 from crackgrow.case.units import Metres, place_text

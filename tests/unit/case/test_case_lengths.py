@@ -11,8 +11,8 @@ import pytest
 import crackgrow
 from crackgrow.arrays import Floats
 from crackgrow.case import dump_case, load_case
-from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
-from crackgrow.case.features import Kind, Length, feature_lengths
+from crackgrow.case.accuracy import REFINED_AT, TARGETS, Kind, cells_along
+from crackgrow.case.sizing import Length, automatic_spacing, feature_lengths
 from crackgrow.plan.text import overview
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import COMPRESSION, MATERIAL, NAMES, compression, fault, joint, load

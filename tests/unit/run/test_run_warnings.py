@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from crackgrow.case import load_case
-from crackgrow.case.features import line_length
+from crackgrow.case.segments import line_length
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import Ripple
 from crackgrow.fracture.advance import GrowingCrack

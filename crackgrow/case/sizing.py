@@ -1,14 +1,14 @@
-"""The lengths of a scene that a lattice must resolve: holes, notches and corners, bridges of rock, parts of edges.
+"""The automatic spacing of a scene, and the lengths that it follows from: cracks, holes, corners, bridges of rock.
 
 A curve given as many short sides counts by its radius, and what an outline does over less than ROUGHNESS is not seen.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final, Literal
+from typing import Final
 
 import numpy as np
 import shapely
@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 from shapely.ops import substring
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.accuracy import AUTO, LEVELS_OF_SPACING, REFINED_AT, Kind, cells_along
+from crackgrow.case.layout import Scene, named, points_of
 from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.segments import line_length
 from crackgrow.case.units import place_text
 from crackgrow.vectors import cross
-
-Kind = Literal[
-    "tip", "stretch", "kink", "end", "room", "increment", "radius", "width", "feature", "bridge", "distance",
-    "support", "load",
-]  # fmt: skip
 
 ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none
 SHARP: Final = np.deg2rad(30.0)  # a ring that turns by more at a vertex has a corner there, by less it is a curve
@@ -31,6 +29,7 @@ SHARP_KINK: Final = np.deg2rad(10.0)  # a crack that turns by less at a vertex i
 NARROWER: Final = 0.8  # corners and curves of a hole count beside its width where they are smaller by this factor
 SAME_PLACE: Final = 1e-9  # over the length of a ring: parts of it that are no farther apart are one
 IN_ROCK: Final = 0.99  # part of a bridge that must lie in rock: its ends lie on the boundary but for rounding
+SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,6 +44,71 @@ class Length:
 
 Rims = Mapping[str, Sequence[Floats]]
 """By name of a body its rings, closed lines with rock on their left: corners (n, 2) m of the outline, then of holes."""
+
+
+def settle_spacing(scene: Scene) -> None:
+    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds.
+
+    Cells are refined as accuracy asks where the spacing is automatic or a target is a number, else by hand.
+    """
+    given = scene.get("numerics", "spacing")
+    accuracy = scene.get("numerics", "accuracy")
+    if given is None:
+        return
+    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in SPACED_BY)):
+        if given == AUTO:
+            scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
+        return
+    numerics = scene.resolved["numerics"]
+    spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
+    if given == AUTO or "auto_rule" in numerics:
+        refined = [kind for key in REFINED_AT if refine.get(key, AUTO) == AUTO for kind in REFINED_AT[key]]
+        spacing, rule = automatic_spacing(accuracy, _lengths(scene), refined)
+    followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
+    rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
+    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
+    levels = dict.fromkeys(REFINED_AT, AUTO if followed or not isinstance(accuracy, str) else 0)
+    rest["refine"] = {**levels, **refine}
+    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
+
+
+def _lengths(scene: Scene) -> Iterator[Length]:
+    """Every length of the scene that the lattice must resolve."""
+    for name, crack in named(scene.resolved, "cracks").items():
+        points = points_of(crack["path"])
+        if line_length(points) > 0.0:
+            yield Length("tip", line_length(points), f"length of crack '{name}'")
+            kinks, parts = stretches(points)
+            if len(kinks):
+                yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
+    for body in scene.bodies.values():
+        yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
+    rims = {name: [ring.points for ring in body.rings] for name, body in scene.bodies.items()}
+    supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
+    loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
+    yield from rim_lengths(rims, scene.shared.items(), supported, loaded, scene.units.origin or (0.0, 0.0))
+    increment = scene.get("growth", "increment")
+    if increment is not None:
+        yield Length("increment", increment, "growth.increment")
+    for body_name, key, radius in scene.averaging_radii():
+        by = key[-1].replace("_", " ")
+        what = ".".join(key) if body_name is None else f"averaging radius by the {by} of body '{body_name}'"
+        yield Length("radius", radius, what)
+
+
+def automatic_spacing(
+    accuracy: str | float, lengths: Iterable[Length], refined: Container[Kind] = ()
+) -> tuple[float, str]:
+    """The spacing (m) that resolves every one of the lengths, of which there is one at least, and what gave it.
+
+    At lengths of the kinds `refined` cells are refined.
+    """
+    found = []
+    for length in lengths:
+        n, levels = cells_along(length.kind, accuracy), LEVELS_OF_SPACING if length.kind in refined else 0
+        rule = f"{length.what} / {n:g}" + (f" x 2^{levels}" if levels else "")
+        found.append((2**levels * length.metres / n, rule))
+    return min(found)
 
 
 def rim_lengths(
@@ -112,11 +176,6 @@ def stretches(line: Floats) -> tuple[Ints, Floats]:
     sharp = 1 + np.flatnonzero(np.abs(turns) > SHARP_KINK)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
     return sharp, np.diff(along[np.concatenate([[0], sharp, [len(line) - 1]])])
-
-
-def line_length(line: Floats) -> float:
-    """Length (m) of a polyline (n, 2), 0 of fewer than two points."""
-    return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
 def _ends(link: shapely.LineString) -> shapely.MultiPoint:
