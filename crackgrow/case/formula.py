@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -183,9 +184,12 @@ def _function(node: ast.expr, level: int = 1) -> _Function:
         raise FormulaError(f"is nested deeper than {DEEPEST} levels")
     match node:
         case ast.Constant(int() | float() as value) if not isinstance(value, bool):
-            return _constant(value)
+            if abs(value) > sys.float_info.max:
+                raise FormulaError("has a number that is too large")
+            number = np.array(float(value))
+            return lambda x, y: number
         case ast.Name("x" | "y" | "pi" as name):
-            return {"x": lambda x, y: x, "y": lambda x, y: y, "pi": _constant(np.pi)}[name]
+            return lambda x, y: {"x": x, "y": y, "pi": np.array(np.pi)}[name]
         case ast.Name(name):
             hint = did_you_mean(name, (*_NAMES, *_FUNCTIONS))
             raise FormulaError(f"has the unknown name {quoted(name)}; allowed: {_ALLOWED}{hint}")
@@ -203,26 +207,15 @@ def _function(node: ast.expr, level: int = 1) -> _Function:
     return lambda x, y: combine(*(part(x, y) for part in parts))
 
 
-def _constant(value: float) -> _Function:
-    try:
-        number = np.array(float(value))
-    except OverflowError:  # of an integer
-        number = np.array(np.inf)
-    if not np.isfinite(number):
-        raise FormulaError("has a number that is too large")
-    return lambda x, y: number
-
-
 def _named(name: str, n_values: int) -> Callable[..., Floats]:
     """The function of a name, of so many values."""
-    if name not in _FUNCTIONS:
-        hint = did_you_mean(name, _FUNCTIONS)
-        raise FormulaError(f"has the unknown function {quoted(name)}; allowed: {_ALLOWED}{hint}")
-    if name in ONE_VALUE and n_values != 1:
-        raise FormulaError(f"gives {name} {n_values} values; it takes one")
-    if name in _EXTREMES:
-        if n_values < 2:
-            raise FormulaError(f"gives {name} {n_values} values; it takes two or more")
+    if name in ONE_VALUE and n_values == 1:
+        function: Callable[..., Floats] = getattr(np, name)
+        return function
+    if name in _EXTREMES and n_values > 1:
         return lambda *values: reduce(_EXTREMES[name], values)
-    function: Callable[..., Floats] = getattr(np, name)
-    return function
+    if name in _FUNCTIONS:
+        wanted = "one" if name in ONE_VALUE else "two or more"
+        raise FormulaError(f"gives {name} {n_values} values; it takes {wanted}")
+    hint = did_you_mean(name, _FUNCTIONS)
+    raise FormulaError(f"has the unknown function {quoted(name)}; allowed: {_ALLOWED}{hint}")

@@ -159,13 +159,12 @@ def _edge_name(name: str) -> str:
 def checked_file(file: FilePath, most_bytes: int) -> os.stat_result:
     """The state of a file that can be read; raises ContentError."""
     try:
-        if not file.is_file():
-            raise ContentError("is no file" if file.exists() else f"does not exist in {file.parent}")
-        state = file.stat()
-    except ContentError:
-        raise
+        is_file, exists = file.is_file(), file.exists()
+        state = file.stat() if is_file else None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise ContentError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if state is None:
+        raise ContentError("is no file" if exists else f"does not exist in {file.parent}")
     if state.st_size > most_bytes:
         raise ContentError(f"is larger than {most_bytes // 2**20} MiB")
     return state
