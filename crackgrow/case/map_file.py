@@ -80,8 +80,13 @@ def features_of(
         found, unit = _table(_text_of(file), unit, columns)
     elif kind in GDAL:
         found = _by_gdal(file, layer)
+    elif kind == ".wkt":
+        system, _, text = _text_of(file).strip().rpartition(";")
+        _check_system(system.upper().replace("SRID=", "EPSG:"))
+        shapes = shapely.get_parts(_shape("wkt", text))
+        found = [Feature(shape, f"shape {number}", None, {}) for number, shape in enumerate(shapes, 1)]
     else:
-        found = _by_wkt(_text_of(file)) if kind == ".wkt" else _by_geojson(_text_of(file))
+        found = _by_geojson(_text_of(file))
     return [part for feature in found for part in _parts(feature)], unit
 
 
@@ -127,13 +132,6 @@ def _shape(kind: str, text: Any, where: str = "") -> shapely.Geometry:
     except (shapely.errors.ShapelyError, NotImplementedError, TypeError) as error:  # NotImplementedError: curves
         told = clean(str(error).removeprefix("ParseException: "))
         raise ContentError(f"cannot be read as {kind}{f' at {where}' if where else ''}: {told}") from None
-
-
-def _by_wkt(text: str) -> list[Feature]:
-    system, _, rest = text.strip().rpartition(";")
-    _check_system(system.upper().replace("SRID=", "EPSG:"))
-    shape = _shape("wkt", rest)
-    return [Feature(part, f"shape {number}", None, {}) for number, part in enumerate(shapely.get_parts(shape), 1)]
 
 
 def _by_geojson(text: str) -> list[Feature]:

@@ -24,6 +24,7 @@ ENDINGS: Final = (".msh", ".vtu", ".vtk", ".inp", ".xdmf", ".med", ".mesh", ".bd
 MAX_BYTES: Final = 200 * 2**20
 SAME: Final = 1e-9  # points nearer than this part of the mesh's extent are one, and lie on the line that they are near
 MOST_TAGS: Final = 100  # of cell data with more different values none is a group
+LONGEST_NAME: Final = 58  # letters of the name of an edge: there is room for a number
 SHOWN: Final = 12  # longer lists of groups are cut in messages
 
 SAVE: Final = "save it without Mesh.SaveAll (-save_all)"
@@ -62,9 +63,12 @@ class PlaneMesh:
         that a name of a case lacks become _. Raises ContentError.
         """
         cells = _group(self.regions, region, "region") if region is not None else range(len(self.surfaces))
-        named = [(_edge_name(name), found) for name, found in self.curves.items() if "=" not in name]
-        named.sort(key=lambda curve: -len(curve[1]))
-        names = {frozenset(side): name for name, found in named for side in found}
+        named = sorted(self.curves.items(), key=lambda curve: -len(curve[1]))
+        names = {
+            frozenset(side): re.sub(r"^-|[^\w-]", "_", name)[:LONGEST_NAME]
+            for name, found in named
+            for side in (found if "=" not in name else ())
+        }
         outer, *holes = (self._corners(ring, names) for ring in self._rings(cells))
         low = min(range(len(outer)), key=lambda k: (self.points[outer[k][0], 1], self.points[outer[k][0], 0]))
         outer = outer[low:] + outer[:low]
@@ -149,11 +153,6 @@ def _edges(names: list[str]) -> dict[str, list[int]]:
         for name, parts in runs.items()
         for k, part in enumerate(parts, 1)
     }
-
-
-def _edge_name(name: str) -> str:
-    """The name of a curve as one of a case, with room for a number."""
-    return re.sub(r"^-|[^\w-]", "_", name)[:58]
 
 
 def checked_file(file: FilePath, most_bytes: int) -> os.stat_result:

@@ -12,7 +12,6 @@ from typing import Final
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.ops import substring
 
 from crackgrow.arrays import Floats, Ints
@@ -137,9 +136,11 @@ def feature_lengths(body: str, rings: Sequence[Floats], origin: tuple[float, flo
     names, widths = _names(rings), [_width(line) for line in lines]
     for name, width, line in zip(names[1:], widths[1:], lines[1:], strict=True):
         yield Length("feature", width, f"width of {name} of body '{body}'", line)
-    for apart, pair in _nearest_rings(lines):
-        what = f"rock between {' and '.join(names[ring] for ring in pair)} of body '{body}'"
-        yield Length("bridge", apart, what, _ends(shapely.shortest_line(*lines[list(pair)])))
+    pairs, distances = shapely.STRtree(lines).query_nearest(lines, exclusive=True, return_distance=True)
+    nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
+    for (first, second), apart in sorted(nearest.items()):
+        what = f"rock between {names[first]} and {names[second]} of body '{body}'"
+        yield Length("bridge", apart, what, _ends(shapely.shortest_line(lines[first], lines[second])))
     region = shapely.Polygon(rings[0], rings[1:])
     shapely.prepare(region)
     for name, line, width in zip(names, lines, widths, strict=True):
@@ -186,15 +187,6 @@ def _ends(link: shapely.LineString) -> shapely.MultiPoint:
 def _names(rings: Sequence[Floats]) -> list[str]:
     """What an outline and holes are called."""
     return ["the outline", *(f"hole{number}" for number in range(len(rings) - 1))]
-
-
-def _nearest_rings(lines: NDArray[np.object_]) -> Iterator[tuple[float, tuple[int, int]]]:
-    """The outline, lines[0], and the holes: each pair of which one is nearest to the other, and the distance (m)."""
-    if len(lines) < 2:
-        return
-    pairs, distances = shapely.STRtree(lines).query_nearest(lines, exclusive=True, return_distance=True)
-    nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
-    yield from ((apart, (first, second)) for (first, second), apart in sorted(nearest.items()))
 
 
 def _width(line: shapely.LinearRing) -> float:
