@@ -29,8 +29,6 @@ from crackgrow.run.scene_warnings import scene_warnings, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 
-TERMS: Final = ("command", "files", "first step", "growth", "contact")
-MEMORY_TERMS: Final = ("program", "unknowns", "products", "growth", "contact")
 OF_COMPANION: Final = 0.5  # of a step: to hold it against its companion mesh
 MOST_LAID_OUT: Final = 300_000  # nodes: their cover is made in two seconds
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
@@ -191,7 +189,7 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
 
 
 def terms_of(case: Case, sizes: Sizes) -> tuple[Floats, Floats]:
-    """The values of TERMS and of MEMORY_TERMS.
+    """The values of the terms of time and of memory in cost.json.
 
     First steps and those of stages begin anew; each of growth makes new cells where tips advance, and takes the rest
     over. All of it is done once more, in part, on the companion mesh where errors are measured.
