@@ -16,15 +16,12 @@ Kind = Literal[
 
 AUTO: Final = "auto"
 STANDARD: Final = "standard"
-
 TARGETS: Final[Mapping[str, float]] = {"draft": 0.03, STANDARD: 0.01, "fine": 0.002}
 """What the error estimate of K, or of the goal, may be, over its largest value."""
 
-MOST_ASKED_FOR: Final = 11
-"""Refinement levels that a case can ask for by hand; a run takes as many as it needs."""
-
-LEVELS_OF_SPACING: Final = 12
-"""Refinement levels that an automatic spacing counts on at its features; the others are for what is smaller there."""
+MOST_ASKED_FOR: Final = 11  # refinement levels by hand; a run takes as many as it needs
+LEVELS_OF_SPACING: Final = 12  # levels that an automatic spacing counts on; the others are for what is smaller there
+FEWEST, MOST = 0.6, 2.0  # parts of CELLS that a run begins with for 3 % and for less than 1 %: it refines where needed
 
 REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
     "tips": ("tip", "increment", "radius"),
@@ -49,9 +46,6 @@ CELLS: Final[Mapping[Kind, float]] = {
     "load": 2.0,  # along loaded parts of edges, and over which a pressure varies
 }
 """Cells along a length for 1 %."""
-
-FEWEST, MOST = 0.6, 2.0
-"""Parts of these that a run begins with for 3 % and for less than 1 %: it refines where that is not enough."""
 
 
 def target_of(accuracy: str | float) -> float:

@@ -29,9 +29,7 @@ _OPERATORS: Final[dict[type[ast.operator | ast.unaryop], Callable[..., Floats]]]
     ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.power,
     ast.UAdd: np.positive, ast.USub: np.negative,
 }  # fmt: skip
-ONE_VALUE: Final = ("sin", "cos", "tan", "sqrt", "exp", "log", "abs")
-"""Functions that take one value."""
-
+ONE_VALUE: Final = ("sin", "cos", "tan", "sqrt", "exp", "log", "abs")  # functions of one value
 _EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": np.maximum}
 _FUNCTIONS: Final = (*ONE_VALUE, *_EXTREMES)
 _NAMES: Final = ("x", "y", "pi")
@@ -44,9 +42,7 @@ _ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join(_FUNCTIONS)}
 _Function = Callable[[Floats, Floats], Floats]  # of x and y
 
 
-Formula = Callable[[Floats], Floats]
-"""Values (n,) in SI at points (n, 2) m."""
-
+Formula = Callable[[Floats], Floats]  # values (n,) in SI at points (n, 2) m
 Component = float | Formula
 
 

@@ -30,14 +30,11 @@ SHOWN: Final = 12  # longer lists of groups are cut in messages
 SAVE: Final = "save it without Mesh.SaveAll (-save_all)"
 OF_GMSH_4_0: Final = re.compile(rb"\s*\$MeshFormat\s+4(\.0)?\s")
 
-SURFACES: Final = {
+SURFACES: Final = {  # nodes round a cell
     "triangle": (0, 1, 2), "triangle6": (0, 3, 1, 4, 2, 5), "quad": (0, 1, 2, 3), "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
     "quad9": (0, 4, 1, 5, 2, 6, 3, 7),
 }  # fmt: skip
-"""Nodes round a cell."""
-CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}
-"""Nodes along a cell."""
-
+CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}  # nodes along a cell
 Side = frozenset[int]  # the two nodes of a side, or all of a cell
 
 
@@ -89,12 +86,10 @@ class PlaneMesh:
 
     def _lines(self, sides: Iterable[Side]) -> list[list[int]]:
         """Sides joined to lines of nodes where two of them meet."""
-        pairs = np.array([sorted(side) for side in sides if len(side) == 2]).reshape(-1, 2)
-        merged = shapely.get_parts(
-            shapely.line_merge(shapely.multilinestrings(shapely.linestrings(self.points[pairs])))
-        )
+        pairs = np.array([sorted(side) for side in sides if len(side) == 2], dtype=np.int64).reshape(-1, 2)
+        lines = shapely.line_merge(shapely.MultiLineString([*self.points[pairs]]))
         node = {tuple(self.points[number]): number for number in pairs.ravel().tolist()}
-        return [[node[place] for place in line.coords] for line in merged]
+        return [[node[place] for place in line.coords] for line in shapely.get_parts(lines)]
 
     def _rings(self, cells: Iterable[int]) -> list[list[int]]:
         """The closed lines of nodes round cells, the outer one first, counter-clockwise."""

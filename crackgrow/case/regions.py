@@ -18,9 +18,7 @@ from crackgrow.case.scalars import Context, refuse
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
 from crackgrow.case.units import UNITS, QuantityError, is_number, parse_quantity
 
-Measure = Literal["x", "y", "distance", "angle"]
-"""What tells a place on an edge."""
-
+Measure = Literal["x", "y", "distance", "angle"]  # what tells a place on an edge
 FULL_CIRCLE = 360.0  # degrees
 SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none
 
