@@ -156,23 +156,22 @@ def joined(
 def _ended(line: Floats, near: Sequence[Thing], tolerance: float, same: float) -> tuple[Floats, str] | None:
     """A line (n, 2) m that ends on what its end is near to, and what that is; None where it is near to nothing."""
     end, shape = Point(line[-1]), LineString(line)
-    beside: list[tuple[bool, bool, float, Thing]] = []
-    others: list[tuple[bool, bool, float, Thing]] = []
+    found: list[tuple[bool, bool, bool, float, Thing]] = []
     for thing in near:
         distance, at = thing.shape.distance(end), thing.shape.project(end)
         if distance <= tolerance:
-            passes = thing.is_rim or 0.0 < at < thing.shape.length
-            (beside if passes else others).append((distance > same, not thing.is_rim, distance, thing))
-    if not (beside or others):
+            is_beside = thing.is_rim or 0.0 < at < thing.shape.length
+            found.append((not is_beside, distance > same, not thing.is_rim, distance, thing))
+    if not found:
         return None
-    is_off, _, distance, host = min(beside or others, key=lambda item: item[:3])
+    _, is_off, _, distance, host = min(found, key=lambda item: item[:4])
     place = shapely.get_coordinates(host.shape.interpolate(host.shape.project(end)))[0]
     if not is_off:
         return (line if distance <= round_off(line) else np.vstack([line[:-1], place])), host.words
     words, start = host.words, _last(shape, host.shape, tolerance)
     vertices = [
         (float(np.hypot(*(corner - line[-1]))), tuple(corner), thing.vertex)
-        for _, _, _, thing in (*beside, *others)
+        for *_, thing in found
         for corner in shapely.get_coordinates(thing.shape)
         if host.shape.dwithin(Point(corner), same)
     ]
@@ -189,16 +188,17 @@ def _ended(line: Floats, near: Sequence[Thing], tolerance: float, same: float) -
     ended = np.vstack([line[:1], line[1:-1][lengths[1:-1] < start], place])
     if len(ended) == 2 and np.hypot(*(place - line[0])) <= tolerance:
         return None  # it would be too short
+    onto = [host, *(thing for thing in near if thing.is_rim)]
+    return None if any(_is_amiss(ended, thing, tolerance, same) for thing in onto) else (ended, words)
+
+
+def _is_amiss(ended: Floats, thing: Thing, tolerance: float, same: float) -> bool:
+    """Whether the last segment of a line (n, 2) m that ends on something runs along it, or crosses it though a rim."""
     last = LineString(ended[-2:])
-    for thing in (host, *(thing for thing in near if thing.is_rim)):
-        on_it = last.intersection(thing.shape.buffer(same))
-        if on_it.length > 0.5 * last.length:
-            return None  # it would run along
-        ends = shapely.points([place, ended[-2]])  # the other one may be an end that has not moved yet
-        off = shapely.distance(shapely.get_parts(on_it)[:, None], ends) > [same, tolerance]
-        if thing.is_rim and off.all(axis=1).any():
-            return None  # it would cross the rim
-    return ended, words
+    on_it = last.intersection(thing.shape.buffer(same))
+    ends = shapely.points(ended[[-1, -2]])  # the other one may be an end that has not moved yet
+    off = shapely.distance(shapely.get_parts(on_it)[:, None], ends) > [same, tolerance]
+    return bool(on_it.length > 0.5 * last.length or (thing.is_rim and off.all(axis=1).any()))
 
 
 def _last(line: LineString, other: shapely.Geometry, tolerance: float) -> float:
