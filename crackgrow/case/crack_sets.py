@@ -17,14 +17,13 @@ from shapely.ops import substring
 from crackgrow.case.joining import Thing, crack_thing, joined, rims_of, unstacked
 from crackgrow.case.layout import ENDS_WITH_TIP, Scene, named, points_of
 from crackgrow.case.map_file import Feature, attribute
-from crackgrow.case.mesh_file import ContentError
+from crackgrow.case.mesh_file import LONGEST_NAME, ContentError
 from crackgrow.case.model import Cut
 from crackgrow.case.report import Place, did_you_mean, quoted
 from crackgrow.case.schema import MOST_ITEMS
 from crackgrow.case.shapes import Resolved, without_repeats
 
 LONGEST: Final = 50  # name of a set: with a number or an attribute and another number it is still that of a crack
-LONGEST_WHOLE: Final = 58  # letters of a name of a line: with the number of a part it has 64 at most
 OUTSIDE: Final = "outside of the rock"
 MOST_ROUNDS: Final = 5  # of taking out what runs along and joining the rest; two do nearly always
 NO_NAME: Final = re.compile(r"[^\w-]")  # signs of an attribute that a name has not
@@ -124,7 +123,7 @@ def _pieces(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) ->
         except ContentError as error:
             scene.report.fault((*key, "path", "names"), f"{quoted(path['file'].text)} {error}")
     for trace, label in zip(traces, labels, strict=True):
-        full = f"{name}-{label}"[:LONGEST_WHOLE]
+        full = f"{name}-{label}"[:LONGEST_NAME]
         given = shapely.get_coordinates(trace.shape)
         points = given[without_repeats(given, closed=False)]
         repeats = len(given) - len(points)

@@ -17,14 +17,13 @@ from typing import Any, Final
 import numpy as np
 import shapely
 
-from crackgrow.case.mesh_file import ContentError, checked_file
+from crackgrow.case.mesh_file import ContentError, checked_file, listed
 from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.units import UNITS
 
 MAX_BYTES: Final = 20 * 2**20
 SEPARATORS: Final = ",;\t"  # of tables; but for the first one, numbers may have a decimal comma
 OF_A_RUN: Final = {"crack", "vertex", "x", "y", "step"}  # columns of paths.csv, which is in m
-SHOWN_VALUES: Final = 12  # longer lists of values are cut in messages
 VERTICES: Final[Mapping[str, Any]] = {"crack": "crack", "x": "x", "y": "y"}  # the columns where none are given
 
 GDAL: Final = (".gpkg", ".shp", ".dxf")
@@ -51,12 +50,6 @@ def attribute(features: Sequence[Feature], name: str) -> list[str]:
     if name not in known:
         raise ContentError(f"has no attribute {quoted(name)}; it has: {listed(known)}{did_you_mean(name, known)}")
     return [feature.attributes.get(name, "") for feature in features]
-
-
-def listed(words: Sequence[str]) -> str:
-    """Words, each once, cut if they are many."""
-    each = [clean(word) or "''" for word in dict.fromkeys(words)]
-    return ", ".join(each[:SHOWN_VALUES] + ["..."] * (len(each) > SHOWN_VALUES)) or "none"
 
 
 def features_of(

@@ -24,8 +24,8 @@ ENDINGS: Final = (".msh", ".vtu", ".vtk", ".inp", ".xdmf", ".med", ".mesh", ".bd
 MAX_BYTES: Final = 200 * 2**20
 SAME: Final = 1e-9  # points nearer than this part of the mesh's extent are one, and lie on the line that they are near
 MOST_TAGS: Final = 100  # of cell data with more different values none is a group
-LONGEST_NAME: Final = 58  # letters of the name of an edge: there is room for a number
-SHOWN: Final = 12  # longer lists of groups are cut in messages
+LONGEST_NAME: Final = 58  # letters of a name that may get a number: with that it has 64 at most
+SHOWN: Final = 12  # longer lists are cut in messages
 
 SAVE: Final = "save it without Mesh.SaveAll (-save_all)"
 OF_GMSH_4_0: Final = re.compile(rb"\s*\$MeshFormat\s+4(\.0)?\s")
@@ -150,6 +150,12 @@ def _edges(names: list[str]) -> dict[str, list[int]]:
     }
 
 
+def listed(words: Iterable[str]) -> str:
+    """Words, each once, cut if they are many."""
+    each = [clean(word) or "''" for word in dict.fromkeys(words)]
+    return ", ".join(each[:SHOWN] + ["..."] * (len(each) > SHOWN)) or "none"
+
+
 def checked_file(file: FilePath, most_bytes: int) -> os.stat_result:
     """The state of a file that can be read; raises ContentError."""
     try:
@@ -261,9 +267,7 @@ def _group(groups: Mapping[str, Any], name: str, kind: str) -> Any:
     tags = [known for known in groups if known.endswith(f"={name}") and known.startswith(("gmsh:physical", "medit:"))]
     chosen = [known for known in (name, *tags) if known in groups]
     if not chosen:
-        known = [*groups][:SHOWN] + ["..."] * (len(groups) > SHOWN)
-        has = f"it has {', '.join(map(clean, known))}" if known else "it has none"
-        raise ContentError(f"has no {kind} {quoted(name)}; {has}{did_you_mean(name, groups)}")
+        raise ContentError(f"has no {kind} {quoted(name)}; it has {listed(groups)}{did_you_mean(name, groups)}")
     return groups[chosen[0]]
 
 

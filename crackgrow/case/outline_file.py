@@ -16,8 +16,8 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case import map_file, mesh_file
-from crackgrow.case.map_file import Feature, attribute, features_of, listed
-from crackgrow.case.mesh_file import ContentError, PlaneMesh, read_mesh
+from crackgrow.case.map_file import Feature, attribute, features_of
+from crackgrow.case.mesh_file import ContentError, PlaneMesh, listed, read_mesh
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse

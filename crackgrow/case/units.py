@@ -12,7 +12,6 @@ from fractions import Fraction
 INCH = Fraction("0.0254")  # m
 POUND = Fraction("0.45359237") * Fraction("9.80665")  # N, of force
 PSI = POUND / INCH**2
-DAY = 86400  # s
 
 # One unit of each name in SI (angles in degrees). The first unit of a kind is what the program computes in.
 _LENGTHS: dict[str, str | Fraction] = {
@@ -35,8 +34,8 @@ _TABLE: dict[str, dict[str, str | Fraction]] = {
     "velocity": {
         **{f"{length}/s": one for length, one in _LENGTHS.items()},
         "nm/s": "1e-9",
-        "mm/day": Fraction(1, 1000 * DAY),
-        "mm/year": Fraction(1, 1000 * DAY) / Fraction("365.25"),
+        "mm/day": Fraction(1, 86_400_000),
+        "mm/year": Fraction(1, 31_557_600_000),  # of 365.25 days
     },
 }
 UNITS = {kind: {name: Fraction(one) for name, one in units.items()} for kind, units in _TABLE.items()}
