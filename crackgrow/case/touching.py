@@ -13,6 +13,7 @@ from typing import Final
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Case, Move
@@ -51,10 +52,10 @@ def snapped_bodies(bodies: list[BodyShape], reach: float) -> tuple[list[BodyShap
     return [_with_corners_of(body, done, reach, moves) for body in done], moves
 
 
-def _corners_of(bodies: Sequence[BodyShape]) -> tuple[Floats, list[str]]:
-    """All corners (n, 2) of bodies, and the name of the body of each."""
+def _corners_of(bodies: Sequence[BodyShape]) -> tuple[Floats, NDArray[np.object_]]:
+    """All corners (n, 2) of bodies, and the name (n,) of the body of each."""
     owners = [body.name for body in bodies for _ in body.corners]
-    return np.concatenate([np.zeros((0, 2)), *(body.corners for body in bodies)]), owners
+    return np.concatenate([np.zeros((0, 2)), *(body.corners for body in bodies)]), np.array(owners, dtype=object)
 
 
 def _move(what: str, onto: str, distance: float, place: Floats) -> Move:
@@ -82,6 +83,7 @@ def _with_corners_of(body: BodyShape, bodies: list[BodyShape], reach: float, mov
     known, owners = _corners_of([other for other in bodies if other is not body])
     same = round_off(known)
     away = shapely.distance(shapely.multipoints(body.corners), shapely.points(known)) > same
+    known, owners = known[away], owners[away]
     tree, rings = shapely.STRtree(shapely.points(known)), []
     for ring in body.rings:
         sides = ring.sides
@@ -90,7 +92,7 @@ def _with_corners_of(body: BodyShape, bodies: list[BodyShape], reach: float, mov
         distance = shapely.distance(lines[which], shapely.points(known[corner]))
         step = sides[which, 1] - sides[which, 0]
         along, length = np.sum((known[corner] - sides[which, 0]) * step, axis=1), np.hypot(*step.T)
-        beside = away[corner] & (along > 0.0) & (along < length**2) & (distance > same) & (distance < ITS_OWN * length)
+        beside = (along > 0.0) & (along < length**2) & (distance > same) & (distance < ITS_OWN * length)
         order = np.lexsort((along, which))
         order = order[beside[order]]
         rings.append(_with_corners(ring, which[order], known[corner[order]]))
