@@ -92,7 +92,7 @@ class PlaneMesh:
         return [[node[place] for place in line.coords] for line in shapely.get_parts(lines)]
 
     def _rings(self, cells: Iterable[int]) -> list[list[int]]:
-        """The closed lines of nodes round cells, the outer one first, counter-clockwise."""
+        """The closed lines of nodes round cells: the outer one, counter-clockwise, and holes in the order of cells."""
         around = (self.surfaces[cell].tolist() for cell in cells)
         count = Counter(frozenset(side) for nodes in around for side in pairwise([*nodes, nodes[0]]))
         rim = [side for side, number in count.items() if number == 1 and len(side) == 2]
@@ -100,12 +100,17 @@ class PlaneMesh:
             if number > 2:
                 x, y = self.points[node]
                 raise ContentError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
-        rings = [_from_first(line[:-1], rim) for line in self._lines(rim)]
-        rings.sort(key=lambda ring: -float(shapely.Polygon(self.points[ring]).area))
-        body = shapely.Polygon(self.points[rings[0]])
-        if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings[1:]):
+        lines = self._lines(rim)
+        line_of = {node: number for number, line in enumerate(lines) for node in line}
+        first: dict[int, Side] = {}
+        for side in rim:
+            first.setdefault(line_of[min(side)], side)
+        rings = [_from_side(lines[number][:-1], *sorted(side)) for number, side in first.items()]
+        outer = rings.pop(int(np.argmax([shapely.Polygon(self.points[ring]).area for ring in rings])))
+        body = shapely.Polygon(self.points[outer])
+        if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings):
             raise ContentError("is in several pieces; each body is one: give each piece a group of its own")
-        return [rings[0] if shapely.is_ccw(body.exterior) else rings[0][::-1], *rings[1:]]
+        return [outer if shapely.is_ccw(body.exterior) else outer[::-1], *rings]
 
     def _corners(self, ring: list[int], names: Mapping[Side, str]) -> list[tuple[int, str]]:
         """The nodes of a ring at which it turns, or its edge has another name; and the name of the edge after each."""
@@ -127,11 +132,10 @@ class PlaneMesh:
         return length > 0 and off <= SAME * self.extent * length and 0 < (x, y) @ along < length**2
 
 
-def _from_first(ring: list[int], sides: list[Side]) -> list[int]:
-    """A ring of nodes that begins with the first of its sides, at the node of the lower number."""
-    place = {node: k for k, node in enumerate(ring)}
-    start, second = sorted(next(side for side in sides if side <= place.keys()))
-    ring = ring[place[start] :] + ring[: place[start]]
+def _from_side(ring: list[int], start: int, second: int) -> list[int]:
+    """A ring of nodes that begins with one of its sides."""
+    place = ring.index(start)
+    ring = ring[place:] + ring[:place]
     return ring if ring[1] == second else [ring[0], *ring[:0:-1]]
 
 
