@@ -157,36 +157,39 @@ class Solution(_Tables):
 
         A point on a crack or between two bodies has the displacement of one of the sides.
         """
-        at, shape = _places(points)
-        inside, local, elements = self._located(at)
-        found = np.full((len(at), 2), np.nan)
-        found[inside] = recovery.displacement_at(self._solved.cover, self._solved.outcome.u, local, elements)
-        return found.reshape(*shape, 2)
+        cover, u = self._solved.cover, self._solved.outcome.u
+        return self._read(points, 2, lambda *places: recovery.displacement_at(cover, u, *places))
 
     def stress_at(self, points: ArrayLike) -> Floats:
         """Stress (..., 3) Pa: xx, yy, xy, tension positive, at points (..., 2) in m; nan outside and at tips.
 
         In-situ stress is included. A point on a crack or between two bodies has the stress of one of the sides.
         """
-        at, shape = _places(points)
-        inside, local, elements = self._located(at)
-        solved = self._solved
-        found = np.full((len(at), 3), np.nan)
-        found[inside] = recovery.stress_at(solved.cover, solved.state.materials, solved.outcome.u, local, elements)
-        for tip in solved.cover.tips:
-            found[inside[np.hypot(*(local - tip.point).T) < ON_LINE]] = np.nan
-        return found.reshape(*shape, 3)
+        cover, u, materials = self._solved.cover, self._solved.outcome.u, self._solved.state.materials
 
-    def _located(self, at: Floats) -> tuple[Ints, Floats, Ints]:
-        """Which of the points (n, 2) lie in the rock (m,), their lattice coordinates (m, 2) and elements (m,)."""
-        lattice, cells = self._solved.cover.lattice, self._solved.cover.elements
-        at = at - lattice.map_origin
+        def stress(local: Floats, elements: Ints) -> Floats:
+            found = recovery.stress_at(cover, materials, u, local, elements)
+            for tip in cover.tips:
+                found[np.hypot(*(local - tip.point).T) < ON_LINE] = np.nan
+            return found
+
+        return self._read(points, 3, stress)
+
+    def _read(self, points: ArrayLike, n: int, values: Callable[[Floats, Ints], Floats]) -> Floats:
+        """The n components of a field (..., n) at points (..., 2) m, from lattice coordinates and elements of these."""
+        at = np.asarray(points, dtype=np.float64)
+        if at.ndim == 0 or at.shape[-1] != 2:
+            raise ValueError(f"points have the shape {at.shape}: wanted are x and y in m, (..., 2)")
+        lattice = self._solved.cover.lattice
+        places = at.reshape(-1, 2) - lattice.map_origin
         low, high = lattice.to_metres(np.array([[0, 0], lattice.shape]))
-        near = np.flatnonzero(np.all((at >= low) & (at <= high), axis=1))
-        local = lattice.to_lattice(at[near])
-        elements = locate(lattice, cells, local)
+        near = np.flatnonzero(np.all((places >= low) & (places <= high), axis=1))
+        local = lattice.to_lattice(places[near])
+        elements = locate(lattice, self._solved.cover.elements, local)
         inside = elements >= 0
-        return near[inside], local[inside], elements[inside]
+        found = np.full((len(places), n), np.nan)
+        found[near[inside]] = values(local[inside], elements[inside])
+        return found.reshape(*at.shape[:-1], n)
 
     def __repr__(self) -> str:
         return f"<Solution of {self.case.name}: {self._words()}>"
@@ -287,14 +290,6 @@ def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> R
     end = for_each(steps, collect)
     assert last is not None  # step 0 can be solved, or raises
     return Run(case, tuple(results), end, last)
-
-
-def _places(points: ArrayLike) -> tuple[Floats, tuple[int, ...]]:
-    """Points (n, 2), and the shape that they came in."""
-    at = np.asarray(points, dtype=np.float64)
-    if at.ndim == 0 or at.shape[-1] != 2:
-        raise ValueError(f"points have the shape {at.shape}: wanted are x and y in m, (..., 2)")
-    return at.reshape(-1, 2), at.shape[:-1]
 
 
 def _summary(shown: Solution | Run, text: str, tips: pd.DataFrame) -> str:

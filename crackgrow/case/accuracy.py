@@ -6,22 +6,22 @@ is within 1 % in most scenes with known K: tests/benchmarks/errors.md. A run ref
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping
-from typing import Final
+from collections.abc import Mapping
+from typing import Final, Literal
 
-from crackgrow.case.features import Kind, Length
+Kind = Literal[
+    "tip", "stretch", "kink", "end", "room", "increment", "radius", "width", "feature", "bridge", "distance",
+    "support", "load",
+]  # fmt: skip
 
 AUTO: Final = "auto"
 STANDARD: Final = "standard"
-
 TARGETS: Final[Mapping[str, float]] = {"draft": 0.03, STANDARD: 0.01, "fine": 0.002}
 """What the error estimate of K, or of the goal, may be, over its largest value."""
 
-MOST_ASKED_FOR: Final = 11
-"""Refinement levels that a case can ask for by hand; a run takes as many as it needs."""
-
-LEVELS_OF_SPACING: Final = 12
-"""Refinement levels that an automatic spacing counts on at its features; the others are for what is smaller there."""
+MOST_ASKED_FOR: Final = 11  # refinement levels by hand; a run takes as many as it needs
+LEVELS_OF_SPACING: Final = 12  # levels that an automatic spacing counts on; the others are for what is smaller there
+FEWEST, MOST = 0.6, 2.0  # parts of CELLS that a run begins with for 3 % and for less than 1 %: it refines where needed
 
 REFINED_AT: Final[Mapping[str, tuple[Kind, ...]]] = {
     "tips": ("tip", "increment", "radius"),
@@ -47,9 +47,6 @@ CELLS: Final[Mapping[Kind, float]] = {
 }
 """Cells along a length for 1 %."""
 
-FEWEST, MOST = 0.6, 2.0
-"""Parts of these that a run begins with for 3 % and for less than 1 %: it refines where that is not enough."""
-
 
 def target_of(accuracy: str | float) -> float:
     """What a name or a number asks for."""
@@ -64,18 +61,3 @@ def cells_along(kind: Kind, accuracy: str | float) -> float:
 def name_of(accuracy: str | float, goal: str = "K") -> str:
     """What messages say of it."""
     return accuracy if isinstance(accuracy, str) else f"{goal} within {100.0 * accuracy:.3g} %"
-
-
-def automatic_spacing(
-    accuracy: str | float, lengths: Iterable[Length], refined: Container[Kind] = ()
-) -> tuple[float, str]:
-    """The spacing (m) that resolves every one of the lengths, of which there is one at least, and what gave it.
-
-    At lengths of the kinds `refined` cells are refined.
-    """
-    found = []
-    for length in lengths:
-        n, levels = cells_along(length.kind, accuracy), LEVELS_OF_SPACING if length.kind in refined else 0
-        rule = f"{length.what} / {n:g}" + (f" x 2^{levels}" if levels else "")
-        found.append((2**levels * length.metres / n, rule))
-    return min(found)

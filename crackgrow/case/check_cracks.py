@@ -9,9 +9,16 @@ import shapely
 from shapely import LineString, Point, Polygon
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.features import line_length
 from crackgrow.case.layout import SMALLEST, Scene
-from crackgrow.case.segments import MOST_PAIRS, Segments, close_segments, common_parts, places_between, segments_of
+from crackgrow.case.segments import (
+    MOST_PAIRS,
+    Segments,
+    close_segments,
+    common_parts,
+    line_length,
+    places_between,
+    segments_of,
+)
 from crackgrow.case.shapes import BodyShape
 
 

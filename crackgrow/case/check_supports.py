@@ -10,7 +10,7 @@ from shapely import LineString, Point
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_regions import knows_body
-from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
@@ -97,8 +97,9 @@ def _check_formulas(scene: Scene) -> None:
 
 def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
     """Report a formula that has no finite value at one of some points (n, 2) m."""
-    if isinstance(value, str):
-        _, nowhere = CoordinateFormula(value).values(points)
+    formula = component_of(value) if isinstance(value, str) else None
+    if isinstance(formula, CoordinateFormula):
+        _, nowhere = formula.values(points)
         if nowhere is not None:
             scene.report.fault(key, f"has no finite value at {scene.point(nowhere)}")
 
@@ -252,9 +253,10 @@ def _values(value: float | str, places: Floats | None) -> Floats | None:
     """Displacements (n,) m at places (n, 2) m; None where these or the values of a formula are not known."""
     if places is None:
         return None
-    if not isinstance(value, str):
+    formula = component_of(value)
+    if not isinstance(formula, CoordinateFormula):
         return np.full(len(places), value)
-    values, nowhere = CoordinateFormula(value).values(places)
+    values, nowhere = formula.values(places)
     return values if nowhere is None else None
 
 

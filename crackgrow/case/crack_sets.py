@@ -16,15 +16,14 @@ from shapely.ops import substring
 
 from crackgrow.case.joining import Thing, crack_thing, joined, rims_of, unstacked
 from crackgrow.case.layout import ENDS_WITH_TIP, Scene, named, points_of
-from crackgrow.case.mesh_file import ContentError
+from crackgrow.case.map_file import Feature, attribute
+from crackgrow.case.mesh_file import LONGEST_NAME, ContentError
 from crackgrow.case.model import Cut
-from crackgrow.case.outline_file import Trace, attribute
 from crackgrow.case.report import Place, did_you_mean, quoted
 from crackgrow.case.schema import MOST_ITEMS
 from crackgrow.case.shapes import Resolved, without_repeats
 
 LONGEST: Final = 50  # name of a set: with a number or an attribute and another number it is still that of a crack
-LONGEST_WHOLE: Final = 58  # letters of a name of a line: with the number of a part it has 64 at most
 OUTSIDE: Final = "outside of the rock"
 MOST_ROUNDS: Final = 5  # of taking out what runs along and joining the rest; two do nearly always
 NO_NAME: Final = re.compile(r"[^\w-]")  # signs of an attribute that a name has not
@@ -36,7 +35,7 @@ class _Piece:
 
     crack: Resolved  # of its set
     name: str  # of its line
-    trace: Trace
+    trace: Feature
     line: LineString
     tolerance: float  # m
 
@@ -47,49 +46,50 @@ def place_ends_and_sets(scene: Scene) -> None:
     Ends that lie on something are no tips. What is changed goes into the lists of the scene.
     """
     cracks = named(scene.resolved, "cracks")
-    sound = {name for name in cracks if scene.report.sound("cracks", name)}
-    sets = {name for name in sound if "traces" in cracks[name]["path"]}
-    for name in sound - sets:
+    sound = [name for name in cracks if scene.report.sound("cracks", name)]
+    sets = [name for name in sound if "traces" in cracks[name]["path"]]
+    single = [name for name in sound if name not in sets]
+    for name in single:
         if "contact_by" in cracks[name]:
-            scene.report.fault(
-                ("cracks", name, "contact_by"), "is for lines of a map; one crack has its law in `contact`"
-            )
+            message = "is for lines of a map; one crack has its law in `contact`"
+            scene.report.fault(("cracks", name, "contact_by"), message)
     if not scene.complete:  # the faults of its bodies are told
         for name in sets:
             del cracks[name]
         return
     rock = shapely.union_all([body.polygon for body in scene.bodies.values()])
-    for name in sound - sets:
+    for name in single:
         _cut_ends(scene, name, cracks[name], rock)
-    given = {name: points_of(cracks[name]["path"]) for name in cracks if name in sound - sets}
-    fixed = [
-        *rims_of(scene.bodies.values()),
-        *(crack_thing(name, line) for name, line in given.items() if len(line) > 1),
-    ]
-    made = _cracks_of(
-        scene, [piece for name in cracks if name in sets for piece in _pieces(scene, name, cracks[name], rock)], fixed
-    )
+    given = {name: points_of(cracks[name]["path"]) for name in single}
+    fixed = [crack_thing(name, line) for name, line in given.items() if len(line) > 1]
+    pieces = [piece for name in sets for piece in _pieces(scene, name, cracks[name], rock)]
+    made = _cracks_of(scene, pieces, [*rims_of(scene.bodies.values()), *fixed])
     every: dict[str, Any] = {}
     for name, crack in cracks.items():
-        if name not in sets:
-            every[name] = crack
-            continue
-        _check_laws(scene, name, crack)
-        place = scene.report.places.get(("cracks", name), Place(scene.report.source, 1))
-        mine = {new: part for new, part in made.items() if part[0].crack is crack}
-        if not mine:
-            scene.report.fault(("cracks", name, "path", "file"), "none of its lines lies in the rock")
-        for new, (piece, part) in mine.items():
-            if new in cracks:
-                scene.report.fault(("cracks", new), f"is the name of a crack of the set '{name}'; choose another")
-            trace, places = piece.trace, scene.report.places
-            source = trace.file if trace.line else f"{trace.file}, {trace.where}"
-            places["cracks", new], places["cracks", new, "path"] = place, Place(source, trace.line)
-            every[new] = part
+        every.update(_made_of_set(scene, name, made) if name in sets else {name: crack})
     if len(every) > max(MOST_ITEMS, len(cracks)):
         scene.report.fault(("cracks",), f"sets make {len(every)} cracks of it; wanted: {MOST_ITEMS} at most")
     cracks.clear()
     cracks.update(every)
+
+
+def _made_of_set(scene: Scene, name: str, made: dict[str, tuple[_Piece, Resolved]]) -> dict[str, Resolved]:
+    """The cracks that a set has become, and in the report their places; reports what is wrong with them."""
+    cracks, places = named(scene.resolved, "cracks"), scene.report.places
+    _check_laws(scene, name, cracks[name])
+    found, file = {}, cracks[name]["path"]["file"].text
+    for new, (piece, crack) in made.items():
+        if piece.crack is not cracks[name]:
+            continue
+        if new in cracks:
+            scene.report.fault(("cracks", new), f"is the name of a crack of the set '{name}'; choose another")
+        places["cracks", new] = places.get(("cracks", name), Place(scene.report.source, 1))
+        line = piece.trace.line
+        places["cracks", new, "path"] = Place(file if line else f"{file}, {piece.trace.where}", line)
+        found[new] = crack
+    if not found:
+        scene.report.fault(("cracks", name, "path", "file"), "none of its lines lies in the rock")
+    return found
 
 
 def _cut_ends(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) -> None:
@@ -97,17 +97,16 @@ def _cut_ends(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) 
     points = points_of(crack["path"])
     if len(points) < 2:
         return
-    line, ends = LineString(points), shapely.points(points[[0, -1]])
-    off = [end for end, out in zip(("start", "end"), ~shapely.dwithin(ends, rock, scene.reach), strict=True) if out]
+    line, outside = LineString(points), ~shapely.dwithin(shapely.points(points[[0, -1]]), rock, scene.reach)
     parts = _inside(line, rock, scene.reach)
-    if not off or len(parts) != 1:
+    if not outside.any() or len(parts) != 1:
         return
     inside = shapely.get_coordinates(parts[0])
+    first, last = (line.project(shapely.Point(inside[k])) for k in (0, -1))
+    lost = {"start": (0.0, first), "end": (last, line.length)}
+    off = [end for end, is_off in zip(lost, outside, strict=True) if is_off]
+    scene.cuts.extend(_cut(name, substring(line, *lost[end]), OUTSIDE) for end in off)
     tips = [end for end in ENDS_WITH_TIP[crack["tips"]] if end not in off]
-    for end in off:
-        at = line.project(shapely.Point(inside[0 if end == "start" else -1]))
-        lost = substring(line, *((0.0, at) if end == "start" else (at, line.length)))
-        scene.cuts.append(_cut(name, lost, OUTSIDE))
     crack |= {"path": {"points": list(map(scene.units.coordinates, inside.tolist()))}, "tips": _word(tips)}
 
 
@@ -118,36 +117,33 @@ def _pieces(scene: Scene, name: str, crack: Resolved, rock: shapely.Geometry) ->
     if len(name) > LONGEST:
         scene.report.fault(key, f"the name of a set has {LONGEST} letters at most")
     labels = [str(number) for number in range(1, len(traces) + 1)]
-    try:
-        labels = (
-            [NO_NAME.sub("_", word)[:LONGEST] for word in attribute(traces, path["names"])]
-            if "names" in path
-            else labels
-        )
-    except ContentError as error:
-        scene.report.fault((*key, "path", "names"), f"{quoted(traces[0].file)} {error}")
+    if "names" in path:
+        try:
+            labels = [NO_NAME.sub("_", word)[:LONGEST] for word in attribute(traces, path["names"])]
+        except ContentError as error:
+            scene.report.fault((*key, "path", "names"), f"{quoted(path['file'].text)} {error}")
     for trace, label in zip(traces, labels, strict=True):
-        full = f"{name}-{label}"[:LONGEST_WHOLE]
-        points = trace.points[without_repeats(trace.points, closed=False)]
-        repeats = len(trace.points) - len(points)
+        full = f"{name}-{label}"[:LONGEST_NAME]
+        given = shapely.get_coordinates(trace.shape)
+        points = given[without_repeats(given, closed=False)]
+        repeats = len(given) - len(points)
         line = LineString(points if len(points) > 1 else [points[0], points[0]])
         if line.length <= tolerance:
             why = "is shorter than the tolerance" if line.length else "has no length"
             scene.cuts.append(_cut(full, line, why, trace.where, whole=True))
             continue
         simple = _simple(line)
-        changes = (
-            (repeats > 0, f"{repeats} of its vertices repeat others"),
-            (len(simple) > 1, "meets itself, and is divided there"),
-        )
         start = LineString([points[0], points[0]])  # nothing of its length is lost
-        scene.cuts.extend(_cut(full, start, why, trace.where) for changed, why in changes if changed)
+        if repeats:
+            scene.cuts.append(_cut(full, start, f"{repeats} of its vertices repeat others", trace.where))
+        if len(simple) > 1:
+            scene.cuts.append(_cut(full, start, "meets itself, and is divided there", trace.where))
         inside = [_inside(part, body.polygon, tolerance) for part in simple for body in scene.bodies.values()]
         found = [part for parts in inside for part in parts]
         lost = line.length - sum(part.length for part in found)
         if lost > scene.tolerance:
-            left = max(shapely.get_parts(line.difference(rock)), key=shapely.length, default=line)
-            cut = _cut(full, left, OUTSIDE, trace.where, whole=not found)
+            longest = max(shapely.get_parts(line.difference(rock)), key=shapely.length, default=line)
+            cut = _cut(full, longest, OUTSIDE, trace.where, whole=not found)
             scene.cuts.append(replace(cut, length=float(lost)))
         found.sort(key=lambda part: float(line.project(shapely.Point(part.coords[0]))))
         yield from (_Piece(crack, full, trace, part, tolerance) for part in found)
@@ -220,8 +216,9 @@ def _unstacked(scene: Scene, pieces: list[_Piece], fixed: Sequence[Thing]) -> li
 def _law(piece: _Piece) -> object:
     """The law of contact of a crack by an attribute of its line, else that of its set."""
     for name, laws in piece.crack.get("contact_by", {}).items():
-        if piece.trace.attributes.get(name, "") in laws:
-            return laws[piece.trace.attributes[name]]
+        value = piece.trace.attributes.get(name, "")
+        if value in laws:
+            return laws[value]
     return piece.crack["contact"]
 
 
@@ -233,9 +230,9 @@ def _check_laws(scene: Scene, name: str, crack: Resolved) -> None:
         try:
             words = attribute(traces, key)
         except ContentError as error:
-            scene.report.fault(where, f"{quoted(traces[0].file)} {error}")
+            scene.report.fault(where, f"{quoted(crack['path']['file'].text)} {error}")
             continue
-        for value in laws.keys() - {*words}:
+        for value in [value for value in laws if value not in words]:
             scene.report.fault((*where, value), f"no line has the {key} {quoted(value)}{did_you_mean(value, words)}")
 
 

@@ -17,25 +17,13 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import Context
 
-MOST_TURN: Final = np.deg2rad(1.0)
-"""rad, from one segment to the next in the middle of a curve."""
-
-LEAST_TURN: Final = np.deg2rad(0.5)
-"""rad, at its ends: K of a half circle is within 1e-3."""
-
-NEAR_END: Final = 0.1
-"""Of the length of a curve: within that of an end segments turn by less, in proportion to the distance."""
-
-STRAIGHT: Final = 0.01
-"""Segments that a part of a curve would have: with less it is straight."""
-
-FEWEST: Final = 3
-"""Segments of an arc, or between two places of a spline."""
-
-SAMPLES: Final = 4000
-"""Steps along a curve at which its direction is taken, FEWEST_SAMPLES at least between two places."""
-
-FEWEST_SAMPLES: Final = 20
+MOST_TURN: Final = np.deg2rad(1.0)  # rad, from one segment to the next in the middle of a curve
+LEAST_TURN: Final = np.deg2rad(0.5)  # rad, at its ends: K of a half circle is within 1e-3
+NEAR_END: Final = 0.1  # of its length: so near to an end segments turn by less, in proportion to the distance from it
+STRAIGHT: Final = 0.01  # segments that a part of a curve would have: with less it is straight
+FEWEST: Final = 3  # segments of an arc, or between two places of a spline
+SAMPLES: Final = 4000  # steps along a curve at which its direction is taken
+FEWEST_SAMPLES: Final = 20  # the same between two places of a spline
 
 
 def with_curve_points(value: object, path: Path, context: Context) -> object:

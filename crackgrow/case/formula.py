@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import ast
-import math
 import re
+import sys
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import lru_cache
-from typing import Final, Protocol
+from functools import lru_cache, reduce
+from typing import Final
 
 import numpy as np
 
@@ -25,42 +25,24 @@ DEEPEST = 100  # levels of its tree
 
 _QUANTITY = re.compile(r"[-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?\s*[^\W\d_]+")  # a number and one word, perhaps a unit
 
-_OPERATORS: Final[dict[type[ast.operator], Callable[..., Floats]]] = {
-    ast.Add: np.add,
-    ast.Sub: np.subtract,
-    ast.Mult: np.multiply,
-    ast.Div: np.divide,
-    ast.Pow: np.power,
-}
-_SIGNS: Final[dict[type[ast.unaryop], Callable[..., Floats]]] = {ast.UAdd: np.positive, ast.USub: np.negative}
-_FUNCTIONS: Final[dict[str, Callable[..., Floats]]] = {
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "sqrt": np.sqrt,
-    "exp": np.exp,
-    "log": np.log,
-    "abs": np.abs,
-}
+_OPERATORS: Final[dict[type[ast.operator | ast.unaryop], Callable[..., Floats]]] = {
+    ast.Add: np.add, ast.Sub: np.subtract, ast.Mult: np.multiply, ast.Div: np.divide, ast.Pow: np.power,
+    ast.UAdd: np.positive, ast.USub: np.negative,
+}  # fmt: skip
+ONE_VALUE: Final = ("sin", "cos", "tan", "sqrt", "exp", "log", "abs")  # functions of one value
 _EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": np.maximum}
-_NAMES = ("x", "y", "pi")
-ONE_VALUE = tuple(_FUNCTIONS)
-"""Functions that take one value."""
+_FUNCTIONS: Final = (*ONE_VALUE, *_EXTREMES)
+_NAMES: Final = ("x", "y", "pi")
 
-ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS, *_EXTREMES))}"
+ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
 """Pattern of the letters, signs and words that a formula is made of."""
 
-_ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join((*_FUNCTIONS, *_EXTREMES))}"
+_ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join(_FUNCTIONS)}"
+
+_Function = Callable[[Floats, Floats], Floats]  # of x and y
 
 
-class Formula(Protocol):
-    """A component of a displacement or a load as a function of the place."""
-
-    def __call__(self, points: Floats) -> Floats:
-        """Values (n,) in SI at points (n, 2) m."""
-        ...
-
-
+Formula = Callable[[Floats], Floats]  # values (n,) in SI at points (n, 2) m
 Component = float | Formula
 
 
@@ -84,7 +66,7 @@ class CoordinateFormula:
     @property
     def scaled(self) -> tuple[float, str]:
         """The number by which all of the formula is multiplied, such as the unit of its values, and the rest."""
-        tree = _tree(self.text)
+        tree = ast.parse(self.text, mode="eval").body
         if isinstance(tree, ast.BinOp) and isinstance(tree.op, ast.Mult) and isinstance(tree.left, ast.Constant):
             return float(ast.literal_eval(tree.left)), ast.unparse(tree.right)
         return 1.0, self.text
@@ -96,18 +78,17 @@ class CoordinateFormula:
         """
         values, nowhere = self.values(points)
         if nowhere is not None:
-            message = f"has no finite value at {place_text(nowhere)}"
+            message = f"has no finite value at {place_text(nowhere + self.origin)}"
             raise CaseError.at(f"formula {quoted(self.text)}", message)
         return values
 
     def values(self, points: Floats) -> tuple[Floats, Floats | None]:
-        """The same, finite or not, and the first place (2,) m, on the map, where the formula has no finite value."""
-        places = np.asarray(points, dtype=float) + self.origin
-        x, y = places.T
+        """The same, finite or not, and the first of the points, (2,) m, at which the formula has no finite value."""
+        x, y = (np.asarray(points, dtype=float) + self.origin).T
         with np.errstate(all="ignore"):
-            values = np.array(np.broadcast_to(_evaluate(_tree(self.text), x, y), x.shape), dtype=float)
+            values = np.array(np.broadcast_to(_function_of(self.text)(x, y), x.shape), dtype=float)
         finite = np.isfinite(values)
-        return values, None if finite.all() else places[int(np.argmin(finite))]
+        return values, None if finite.all() else points[int(np.argmin(finite))]
 
 
 def component_of(value: float | str) -> Component:
@@ -131,13 +112,12 @@ def parse_formula(text: str, unit: float = 1.0, of_value: float | None = None) -
     of_value = unit if of_value is None else of_value
     if len(text) > LONGEST:
         raise FormulaError(f"is longer than {LONGEST} characters")
-    tree = _parse(text)
+    in_si = _checked(text)
     if unit != 1.0:
-        tree = _Rescaled(ast.Constant(unit)).visit(tree)
+        in_si = re.sub(r"\b[xy]\b", rf"(\g<0> / {unit!r})", in_si)
     if of_value != 1.0:
-        tree = ast.BinOp(ast.Constant(of_value), ast.Mult(), tree)
-    _check(tree)
-    in_si = ast.unparse(tree)
+        in_si = f"{of_value!r} * ({in_si})"
+    in_si = _checked(in_si)
     if len(in_si) > LONGEST:
         raise FormulaError(f"is longer than {LONGEST} characters in SI")
     return in_si
@@ -172,99 +152,66 @@ class OrFormula:
         return formula
 
 
+def _checked(text: str) -> str:
+    """The text of a formula with no more parentheses and spaces than it needs; raises FormulaError."""
+    tree = _tree(text)
+    _function(tree)
+    return ast.unparse(tree)
+
+
 @lru_cache(maxsize=64)
+def _function_of(text: str) -> _Function:
+    return _function(_tree(text))
+
+
 def _tree(text: str) -> ast.expr:
-    return _parse(text)
-
-
-def _parse(text: str) -> ast.expr:
-    """Return the checked tree of a formula."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of the reader, about what is refused below anyway
-            tree = ast.parse(text.strip(), mode="eval").body
+            return ast.parse(text.strip(), mode="eval").body
     except (SyntaxError, ValueError, MemoryError, RecursionError) as error:
         reason = error.msg if isinstance(error, SyntaxError) else "unreadable"
         raise FormulaError(f"is not a formula: {clean(reason)}") from None
-    _check(tree)
-    return tree
 
 
-def _check(tree: ast.expr) -> None:
-    """Hold every node to the whitelist, and the tree to its depth."""
-    level: list[ast.expr] = [tree]
-    for _ in range(DEEPEST):
-        level = [child for node in level for child in _parts(node)]
-        if not level:
-            return
-    raise FormulaError(f"is nested deeper than {DEEPEST} levels")
-
-
-def _parts(node: ast.expr) -> list[ast.expr]:
-    """Return what an allowed node is made of."""
+def _function(node: ast.expr, level: int = 1) -> _Function:
+    """The function that a node on a level of the tree stands for; raises FormulaError where it is not allowed."""
+    if level > DEEPEST:
+        raise FormulaError(f"is nested deeper than {DEEPEST} levels")
     match node:
-        case ast.BinOp(left, operator, right) if type(operator) in _OPERATORS:
-            return [left, right]
+        case ast.Constant(int() | float() as value) if not isinstance(value, bool):
+            if abs(value) > sys.float_info.max:
+                raise FormulaError("has a number that is too large")
+            number = np.array(float(value))
+            return lambda x, y: number
+        case ast.Name("x" | "y" | "pi" as name):
+            return lambda x, y: {"x": x, "y": y, "pi": np.array(np.pi)}[name]
+        case ast.Name(name):
+            hint = did_you_mean(name, (*_NAMES, *_FUNCTIONS))
+            raise FormulaError(f"has the unknown name {quoted(name)}; allowed: {_ALLOWED}{hint}")
         case ast.BinOp(_, ast.BitXor(), _):
             raise FormulaError("has ^, which is no power here: write **")
-        case ast.UnaryOp(sign, operand) if type(sign) in _SIGNS:
-            return [operand]
-        case ast.Constant(int() | float() as value) if not isinstance(value, bool):
-            try:
-                finite = math.isfinite(float(value))
-            except OverflowError:
-                finite = False
-            if not finite:
-                raise FormulaError("has a number that is too large")
-            return []
-        case ast.Name(name) if name in _NAMES:
-            return []
-        case ast.Name(name):
-            known = (*_NAMES, *_FUNCTIONS, *_EXTREMES)
-            message = f"has the unknown name {quoted(name)}; allowed: {_ALLOWED}{did_you_mean(name, known)}"
-            raise FormulaError(message)
+        case ast.BinOp(left, operator, right) if type(operator) in _OPERATORS:
+            combine, arguments = _OPERATORS[type(operator)], [left, right]
+        case ast.UnaryOp(sign, operand) if type(sign) in _OPERATORS:
+            combine, arguments = _OPERATORS[type(sign)], [operand]
         case ast.Call(ast.Name(name), arguments, []):
-            return _arguments(name, arguments)
-    raise FormulaError(f"has {quoted(ast.unparse(node))}, which is not allowed; allowed: {_ALLOWED}")
+            combine = _named(name, len(arguments))
+        case _:
+            raise FormulaError(f"has {quoted(ast.unparse(node))}, which is not allowed; allowed: {_ALLOWED}")
+    parts = [_function(argument, level + 1) for argument in arguments]
+    return lambda x, y: combine(*(part(x, y) for part in parts))
 
 
-def _arguments(name: str, arguments: list[ast.expr]) -> list[ast.expr]:
-    if name not in _FUNCTIONS and name not in _EXTREMES:
-        hint = did_you_mean(name, (*_FUNCTIONS, *_EXTREMES))
-        raise FormulaError(f"has the unknown function {quoted(name)}; allowed: {_ALLOWED}{hint}")
-    if name in _FUNCTIONS and len(arguments) != 1:
-        raise FormulaError(f"gives {name} {len(arguments)} values; it takes one")
-    if name in _EXTREMES and len(arguments) < 2:
-        raise FormulaError(f"gives {name} {len(arguments)} values; it takes two or more")
-    return arguments
-
-
-class _Rescaled(ast.NodeTransformer):
-    """Writes x and y in m into a tree in another unit."""
-
-    def __init__(self, unit: ast.Constant) -> None:
-        self.unit = unit
-
-    def visit_Name(self, node: ast.Name) -> ast.expr:
-        return ast.BinOp(node, ast.Div(), self.unit) if node.id in ("x", "y") else node
-
-
-def _evaluate(node: ast.expr, x: Floats, y: Floats) -> Floats:
-    match node:
-        case ast.BinOp(left, operator, right):
-            return _OPERATORS[type(operator)](_evaluate(left, x, y), _evaluate(right, x, y))
-        case ast.UnaryOp(sign, operand):
-            return _SIGNS[type(sign)](_evaluate(operand, x, y))
-        case ast.Call(ast.Name(name), arguments):
-            values = [_evaluate(argument, x, y) for argument in arguments]
-            if name in _FUNCTIONS:
-                return _FUNCTIONS[name](*values)
-            extreme = values[0]
-            for value in values[1:]:
-                extreme = _EXTREMES[name](extreme, value)
-            return extreme
-        case ast.Name(name):
-            return {"x": x, "y": y}.get(name, np.array(np.pi))
-        case ast.Constant(int() | float() as value):
-            return np.array(float(value))
-    raise TypeError("the tree was not checked")
+def _named(name: str, n_values: int) -> Callable[..., Floats]:
+    """The function of a name, of so many values."""
+    if name in ONE_VALUE and n_values == 1:
+        function: Callable[..., Floats] = getattr(np, name)
+        return function
+    if name in _EXTREMES and n_values > 1:
+        return lambda *values: reduce(_EXTREMES[name], values)
+    if name in _FUNCTIONS:
+        wanted = "one" if name in ONE_VALUE else "two or more"
+        raise FormulaError(f"gives {name} {n_values} values; it takes {wanted}")
+    hint = did_you_mean(name, _FUNCTIONS)
+    raise FormulaError(f"has the unknown function {quoted(name)}; allowed: {_ALLOWED}{hint}")

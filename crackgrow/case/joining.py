@@ -14,7 +14,7 @@ from shapely.ops import substring
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Move
 from crackgrow.case.shapes import BodyShape, frozen
-from crackgrow.case.snapping import round_off
+from crackgrow.case.touching import round_off
 
 ALONG: Final = 10.0  # tolerances: a line that is beside another one for longer runs along it; below 6 degrees at an end
 MOST_ROUNDS: Final = 20  # ends that end on each other; each round leaves a part of what the last one moved
@@ -26,31 +26,25 @@ class Thing:
 
     words: str  # such as "crack 'joint'"
     shape: LineString
-    vertex: str  # what a vertex of it is called
     is_rim: bool = False  # of a body: nothing touches it but with an end
 
-    def moved(self, points: Floats) -> Thing:
-        """The same with other vertices (n, 2) m."""
-        return Thing(self.words, LineString(points), self.vertex, self.is_rim)
+    @property
+    def vertex(self) -> str:
+        """What a vertex of it is called."""
+        return (
+            f"a corner of {self.words.removeprefix('the boundary of ')}" if self.is_rim else f"a vertex of {self.words}"
+        )
 
 
 def crack_thing(name: str, points: Floats) -> Thing:
     """A crack (n, 2) m."""
-    return Thing(f"crack '{name}'", LineString(points), f"a vertex of crack '{name}'")
+    return Thing(f"crack '{name}'", LineString(points))
 
 
 def rims_of(bodies: Iterable[BodyShape]) -> list[Thing]:
     """The outlines and holes of bodies."""
-    return [
-        Thing(
-            f"the boundary of body '{body.name}'",
-            LineString([*ring.points, ring.points[0]]),
-            f"a corner of body '{body.name}'",
-            is_rim=True,
-        )
-        for body in bodies
-        for ring in body.rings
-    ]
+    rings = [(body.name, ring.points) for body in bodies for ring in body.rings]
+    return [Thing(f"the boundary of body '{name}'", LineString([*ring, ring[0]]), is_rim=True) for name, ring in rings]
 
 
 def unstacked(
@@ -63,30 +57,27 @@ def unstacked(
     left, out = [line], []
     for thing in things:
         for part in [part for part in left if part.dwithin(thing.shape, tolerance)]:
-            along = [
-                ends for ends in _beside(part, thing.shape, tolerance) if _runs_along(part, ends, thing, tolerance)
-            ]
-            along += _parts(part, part.intersection(thing.shape))
-            close, begin, kept = (
-                thing.shape.buffer(2.0 * tolerance),
-                0.0,
-                [],
-            )  # both ends of what is that close would be on it
-            for start, end in [*sorted(along), (part.length, part.length)]:
-                if start - begin > tolerance and not close.covers(substring(part, begin, start)):
-                    kept.append((begin, start))
-                begin = max(begin, end)
+            kept = _clear_of(part, thing, tolerance)
             if kept == [(0.0, part.length)]:
                 continue
             at, ends = left.index(part), [0.0, *(end for pair in kept for end in pair), part.length]
             left[at : at + 1] = [substring(part, *pair) for pair in kept]
-            lost = [
-                pair
-                for pair in zip(ends[::2], ends[1::2], strict=True)
-                if pair[1] - pair[0] > round_off(shapely.get_coordinates(part))
-            ]
+            least = round_off(shapely.get_coordinates(part))
+            lost = [pair for pair in zip(ends[::2], ends[1::2], strict=True) if pair[1] - pair[0] > least]
             out += [(substring(part, *pair), thing.words) for pair in lost]
     return left, out
+
+
+def _clear_of(line: LineString, thing: Thing, tolerance: float) -> list[tuple[float, float]]:
+    """The parts of a line, from one arc length (m) to another, that are left of it beside something."""
+    along = [ends for ends in _beside(line, thing.shape, tolerance) if _runs_along(line, ends, thing, tolerance)]
+    along += _parts(line, line.intersection(thing.shape))
+    close, begin, kept = thing.shape.buffer(2.0 * tolerance), 0.0, []
+    for start, end in [*sorted(along), (line.length, line.length)]:
+        if start - begin > tolerance and not close.covers(substring(line, begin, start)):  # its ends would be on it
+            kept.append((begin, start))
+        begin = max(begin, end)
+    return kept
 
 
 def _beside(line: LineString, other: shapely.Geometry, tolerance: float) -> list[tuple[float, float]]:
@@ -151,7 +142,7 @@ def joined(
             ended, found[name, which] = new
             ended = ended if which == "end" else ended[::-1]
             if ended.shape != line.shape or not np.allclose(ended, line, rtol=0.0, atol=round_off(line)):
-                moved, lines[name], things[number] = True, ended, things[number].moved(ended)
+                moved, lines[name], things[number] = True, ended, crack_thing(name, ended)
         if not moved:
             break
     moves = []
@@ -165,23 +156,22 @@ def joined(
 def _ended(line: Floats, near: Sequence[Thing], tolerance: float, same: float) -> tuple[Floats, str] | None:
     """A line (n, 2) m that ends on what its end is near to, and what that is; None where it is near to nothing."""
     end, shape = Point(line[-1]), LineString(line)
-    beside: list[tuple[bool, bool, float, Thing]] = []
-    others: list[tuple[bool, bool, float, Thing]] = []
+    found: list[tuple[bool, bool, bool, float, Thing]] = []
     for thing in near:
         distance, at = thing.shape.distance(end), thing.shape.project(end)
         if distance <= tolerance:
-            passes = thing.is_rim or 0.0 < at < thing.shape.length
-            (beside if passes else others).append((distance > same, not thing.is_rim, distance, thing))
-    if not (beside or others):
+            is_beside = thing.is_rim or 0.0 < at < thing.shape.length
+            found.append((not is_beside, distance > same, not thing.is_rim, distance, thing))
+    if not found:
         return None
-    is_off, _, distance, host = min(beside or others, key=lambda item: item[:3])
+    _, is_off, _, distance, host = min(found, key=lambda item: item[:4])
     place = shapely.get_coordinates(host.shape.interpolate(host.shape.project(end)))[0]
     if not is_off:
         return (line if distance <= round_off(line) else np.vstack([line[:-1], place])), host.words
     words, start = host.words, _last(shape, host.shape, tolerance)
     vertices = [
         (float(np.hypot(*(corner - line[-1]))), tuple(corner), thing.vertex)
-        for _, _, _, thing in (*beside, *others)
+        for *_, thing in found
         for corner in shapely.get_coordinates(thing.shape)
         if host.shape.dwithin(Point(corner), same)
     ]
@@ -198,16 +188,17 @@ def _ended(line: Floats, near: Sequence[Thing], tolerance: float, same: float) -
     ended = np.vstack([line[:1], line[1:-1][lengths[1:-1] < start], place])
     if len(ended) == 2 and np.hypot(*(place - line[0])) <= tolerance:
         return None  # it would be too short
+    onto = [host, *(thing for thing in near if thing.is_rim)]
+    return None if any(_is_amiss(ended, thing, tolerance, same) for thing in onto) else (ended, words)
+
+
+def _is_amiss(ended: Floats, thing: Thing, tolerance: float, same: float) -> bool:
+    """Whether the last segment of a line (n, 2) m that ends on something runs along it, or crosses it though a rim."""
     last = LineString(ended[-2:])
-    for thing in (host, *(thing for thing in near if thing.is_rim)):
-        on_it = last.intersection(thing.shape.buffer(same))
-        if on_it.length > 0.5 * last.length:
-            return None  # it would run along
-        ends = shapely.points([place, ended[-2]])  # the other one may be an end that has not moved yet
-        off = shapely.distance(shapely.get_parts(on_it)[:, None], ends) > [same, tolerance]
-        if thing.is_rim and off.all(axis=1).any():
-            return None  # it would cross the rim
-    return ended, words
+    on_it = last.intersection(thing.shape.buffer(same))
+    ends = shapely.points(ended[[-1, -2]])  # the other one may be an end that has not moved yet
+    off = shapely.distance(shapely.get_parts(on_it)[:, None], ends) > [same, tolerance]
+    return bool(on_it.length > 0.5 * last.length or (thing.is_rim and off.all(axis=1).any()))
 
 
 def _last(line: LineString, other: shapely.Geometry, tolerance: float) -> float:

@@ -21,15 +21,15 @@ from crackgrow.case.format import CASE, DEFINITIONS, EVENTS, UNITS_SPEC
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
-from crackgrow.case.neighbours import shared_lines
 from crackgrow.case.outline import settle_outlines
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Place, Report
 from crackgrow.case.scalars import INVALID, Context
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
-from crackgrow.case.spacing import settle_spacing
+from crackgrow.case.sizing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
+from crackgrow.case.touching import shared_lines
 from crackgrow.case.units import Units
 
 REDUCTION: Final = "strength_reduction"

@@ -8,7 +8,7 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path as FilePath
@@ -17,7 +17,7 @@ from typing import Any, Final
 import numpy as np
 import shapely
 
-from crackgrow.case.mesh_file import ContentError, checked_file
+from crackgrow.case.mesh_file import ContentError, checked_file, listed
 from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.units import UNITS
 
@@ -44,6 +44,14 @@ class Feature:
     attributes: Mapping[str, str]  # empty where there is no value
 
 
+def attribute(features: Sequence[Feature], name: str) -> list[str]:
+    """The values of an attribute, which some of the features have; raises ContentError."""
+    known = list(dict.fromkeys(key for feature in features for key in feature.attributes))
+    if name not in known:
+        raise ContentError(f"has no attribute {quoted(name)}; it has: {listed(known)}{did_you_mean(name, known)}")
+    return [feature.attributes.get(name, "") for feature in features]
+
+
 def features_of(
     file: FilePath, unit: str | None = None, layer: str | None = None, columns: Mapping[str, Any] | None = None
 ) -> tuple[list[Feature], str | None]:
@@ -65,8 +73,13 @@ def features_of(
         found, unit = _table(_text_of(file), unit, columns)
     elif kind in GDAL:
         found = _by_gdal(file, layer)
+    elif kind == ".wkt":
+        system, _, text = _text_of(file).strip().rpartition(";")
+        _check_system(system.upper().replace("SRID=", "EPSG:"))
+        shapes = shapely.get_parts(_shape("wkt", text))
+        found = [Feature(shape, f"shape {number}", None, {}) for number, shape in enumerate(shapes, 1)]
     else:
-        found = _by_wkt(_text_of(file)) if kind == ".wkt" else _by_geojson(_text_of(file))
+        found = _by_geojson(_text_of(file))
     return [part for feature in found for part in _parts(feature)], unit
 
 
@@ -112,13 +125,6 @@ def _shape(kind: str, text: Any, where: str = "") -> shapely.Geometry:
     except (shapely.errors.ShapelyError, NotImplementedError, TypeError) as error:  # NotImplementedError: curves
         told = clean(str(error).removeprefix("ParseException: "))
         raise ContentError(f"cannot be read as {kind}{f' at {where}' if where else ''}: {told}") from None
-
-
-def _by_wkt(text: str) -> list[Feature]:
-    system, _, rest = text.strip().rpartition(";")
-    _check_system(system.upper().replace("SRID=", "EPSG:"))
-    shape = _shape("wkt", rest)
-    return [Feature(part, f"shape {number}", None, {}) for number, part in enumerate(shapely.get_parts(shape), 1)]
 
 
 def _by_geojson(text: str) -> list[Feature]:

@@ -6,10 +6,11 @@ import contextlib
 import io
 import os
 import re
+from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from functools import lru_cache
-from itertools import pairwise
+from itertools import groupby, pairwise
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -23,19 +24,17 @@ ENDINGS: Final = (".msh", ".vtu", ".vtk", ".inp", ".xdmf", ".med", ".mesh", ".bd
 MAX_BYTES: Final = 200 * 2**20
 SAME: Final = 1e-9  # points nearer than this part of the mesh's extent are one, and lie on the line that they are near
 MOST_TAGS: Final = 100  # of cell data with more different values none is a group
-SHOWN: Final = 12  # longer lists of groups are cut in messages
+LONGEST_NAME: Final = 58  # letters of a name that may get a number: with that it has 64 at most
+SHOWN: Final = 12  # longer lists are cut in messages
 
 SAVE: Final = "save it without Mesh.SaveAll (-save_all)"
 OF_GMSH_4_0: Final = re.compile(rb"\s*\$MeshFormat\s+4(\.0)?\s")
 
-SURFACES: Final = {
+SURFACES: Final = {  # nodes round a cell
     "triangle": (0, 1, 2), "triangle6": (0, 3, 1, 4, 2, 5), "quad": (0, 1, 2, 3), "quad8": (0, 4, 1, 5, 2, 6, 3, 7),
     "quad9": (0, 4, 1, 5, 2, 6, 3, 7),
 }  # fmt: skip
-"""Nodes round a cell."""
-CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}
-"""Nodes along a cell."""
-
+CURVES: Final = {"line": (0, 1), "line3": (0, 2, 1)}  # nodes along a cell
 Side = frozenset[int]  # the two nodes of a side, or all of a cell
 
 
@@ -60,53 +59,67 @@ class PlaneMesh:
         of it gives as many edges: NAME-1, NAME-2 and so on; of two on a side the one of fewer sides names it. Signs
         that a name of a case lacks become _. Raises ContentError.
         """
-        sides = self._rim(_group(self.regions, region, "region") if region is not None else range(len(self.surfaces)))
-        named = [(_edge_name(name), found) for name, found in self.curves.items() if "=" not in name]
-        named.sort(key=lambda curve: -len(curve[1]))
-        names = {frozenset(side): name for name, found in named for side in found}
-        rings = [self._corners(ring, names) for ring in _rings(sides, self.points)]
-        areas = [shapely.Polygon(self.points[ring]).area for ring in rings]
-        outer = rings.pop(int(np.argmax(areas)))
-        body = shapely.Polygon(self.points[outer])
-        if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings):
-            raise ContentError("is in several pieces; each body is one: give each piece a group of its own")
-        if not shapely.is_ccw(shapely.LinearRing(self.points[outer])):
-            outer = outer[::-1]
-        low = min(range(len(outer)), key=lambda k: (self.points[outer[k], 1], self.points[outer[k], 0]))
+        cells = _group(self.regions, region, "region") if region is not None else range(len(self.surfaces))
+        named = sorted(self.curves.items(), key=lambda curve: -len(curve[1]))
+        names = {
+            frozenset(side): re.sub(r"^-|[^\w-]", "_", name)[:LONGEST_NAME]
+            for name, found in named
+            for side in (found if "=" not in name else ())
+        }
+        outer, *holes = (self._corners(ring, names) for ring in self._rings(cells))
+        low = min(range(len(outer)), key=lambda k: (self.points[outer[k][0], 1], self.points[outer[k][0], 0]))
         outer = outer[low:] + outer[:low]
-        return [self.points[ring] for ring in (outer, *rings)], self._edges(outer, names)
+        edges = _edges([name for _, name in outer])
+        return [self.points[[node for node, _ in ring]] for ring in (outer, *holes)], edges
 
     def path(self, curve: str) -> Floats:
         """The vertices (n, 2) of a curve from end to end, in the direction of its first cell; raises ContentError."""
-        sides = list(dict.fromkeys(frozenset(side) for side in _group(self.curves, curve, "curve")))
-        first = self.curves[curve][0]
-        chain = _chain(sides)
-        if chain is None:
+        sides = _group(self.curves, curve, "curve")
+        chains = self._lines({frozenset(side) for side in sides})
+        if len(chains) != 1 or chains[0][0] == chains[0][-1]:
             what = "branches, closes or is in several parts; a crack is a line"
             raise ContentError(f"has a curve {quoted(curve)} that {what}")
-        place = {node: k for k, node in enumerate(chain)}
-        chain = chain if place[first[0]] < place[first[1]] else chain[::-1]
+        (chain,) = chains
+        chain = chain if chain.index(sides[0][0]) < chain.index(sides[0][1]) else chain[::-1]
         kept = [k for k in range(1, len(chain) - 1) if not self._straight(*chain[k - 1 : k + 2])]
         return np.asarray(self.points[[chain[0], *(chain[k] for k in kept), chain[-1]]], dtype=float)
 
-    def _rim(self, cells: Iterable[int]) -> list[Side]:
-        """The sides of cells that belong to one of them alone."""
-        count: dict[Side, int] = {}
-        for cell in cells:
-            nodes = self.surfaces[cell].tolist()
-            for side in zip(nodes, [*nodes[1:], nodes[0]], strict=True):
-                if side[0] != side[1]:
-                    count[frozenset(side)] = count.get(frozenset(side), 0) + 1
-        return [side for side, number in count.items() if number == 1]
+    def _lines(self, sides: Iterable[Side]) -> list[list[int]]:
+        """Sides joined to lines of nodes where two of them meet."""
+        pairs = np.array([sorted(side) for side in sides if len(side) == 2], dtype=np.int64).reshape(-1, 2)
+        lines = shapely.line_merge(shapely.MultiLineString([*self.points[pairs]]))
+        node = {tuple(self.points[number]): number for number in pairs.ravel().tolist()}
+        return [[node[place] for place in line.coords] for line in shapely.get_parts(lines)]
 
-    def _corners(self, ring: list[int], names: Mapping[Side, str]) -> list[int]:
-        """The nodes of a ring at which it turns, or its edge has another name."""
-        n = len(ring)
-        sides = [names.get(frozenset((ring[k], ring[(k + 1) % n])), "") for k in range(n)]
+    def _rings(self, cells: Iterable[int]) -> list[list[int]]:
+        """The closed lines of nodes round cells: the outer one, counter-clockwise, and holes in the order of cells."""
+        around = (self.surfaces[cell].tolist() for cell in cells)
+        count = Counter(frozenset(side) for nodes in around for side in pairwise([*nodes, nodes[0]]))
+        rim = [side for side, number in count.items() if number == 1 and len(side) == 2]
+        for node, number in Counter(node for side in rim for node in sorted(side)).items():
+            if number > 2:
+                x, y = self.points[node]
+                raise ContentError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
+        lines = self._lines(rim)
+        line_of = {node: number for number, line in enumerate(lines) for node in line}
+        first: dict[int, Side] = {}
+        for side in rim:
+            first.setdefault(line_of[min(side)], side)
+        rings = [_from_side(lines[number][:-1], *sorted(side)) for number, side in first.items()]
+        outer = rings.pop(int(np.argmax([shapely.Polygon(self.points[ring]).area for ring in rings])))
+        body = shapely.Polygon(self.points[outer])
+        if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings):
+            raise ContentError("is in several pieces; each body is one: give each piece a group of its own")
+        return [outer if shapely.is_ccw(body.exterior) else outer[::-1], *rings]
+
+    def _corners(self, ring: list[int], names: Mapping[Side, str]) -> list[tuple[int, str]]:
+        """The nodes of a ring at which it turns, or its edge has another name; and the name of the edge after each."""
+        after = [*ring[1:], ring[0]]
+        sides = [names.get(frozenset(side), "") for side in zip(ring, after, strict=True)]
         return [
-            ring[k]
-            for k in range(n)
-            if sides[k - 1] != sides[k] or not self._straight(ring[k - 1], ring[k], ring[(k + 1) % n])
+            (node, sides[k])
+            for k, node in enumerate(ring)
+            if sides[k - 1] != sides[k] or not self._straight(ring[k - 1], node, after[k])
         ]
 
     def _straight(self, before: int, node: int, after: int) -> bool:
@@ -118,51 +131,44 @@ class PlaneMesh:
         off = abs(x * along[1] - y * along[0])
         return length > 0 and off <= SAME * self.extent * length and 0 < (x, y) @ along < length**2
 
-    def _edges(self, ring: list[int], names: Mapping[Side, str]) -> dict[str, list[int]]:
-        """Numbers of the sides of a ring of corners by name of the curve that each lies on."""
-        n, found = len(ring), self._side_names(ring, names)
-        starts = [k for k in range(n) if found[k - 1] != found[k]] or [0]
-        runs: dict[str, list[list[int]]] = {}
-        for start in starts:
-            if found[start]:
-                run = [start]
-                while (run[-1] + 1) % n != start and found[(run[-1] + 1) % n] == found[start]:
-                    run.append((run[-1] + 1) % n)
-                runs.setdefault(found[start], []).append(run)
-        return {
-            name if len(parts) == 1 else f"{name}-{k}": part
-            for name, parts in runs.items()
-            for k, part in enumerate(parts, 1)
-        }
 
-    def _side_names(self, ring: list[int], names: Mapping[Side, str]) -> list[str]:
-        """The name of the curve that begins at each corner along the ring; empty where there is none."""
-        found = []
-        at: dict[int, list[tuple[int, str]]] = {}
-        for side, name in names.items():
-            for node in side:
-                at.setdefault(node, []).extend((other, name) for other in side - {node})
-        for node, after in zip(ring, [*ring[1:], ring[0]], strict=True):
-            along = [name for other, name in at.get(node, []) if other == after or self._straight(node, other, after)]
-            found.append(along[0] if along else "")
-        return found
+def _from_side(ring: list[int], start: int, second: int) -> list[int]:
+    """A ring of nodes that begins with one of its sides."""
+    place = ring.index(start)
+    ring = ring[place:] + ring[:place]
+    return ring if ring[1] == second else [ring[0], *ring[:0:-1]]
 
 
-def _edge_name(name: str) -> str:
-    """The name of a curve as one of a case, with room for a number."""
-    return re.sub(r"^-|[^\w-]", "_", name)[:58]
+def _edges(names: list[str]) -> dict[str, list[int]]:
+    """Numbers of the sides of a ring by the name of the curve that each lies on; several parts of it have numbers."""
+    n = len(names)
+    start = next((k for k in range(n) if names[k - 1] != names[k]), 0)
+    runs: dict[str, list[list[int]]] = {}
+    for name, run in groupby(((start + k) % n for k in range(n)), key=names.__getitem__):
+        if name:
+            runs.setdefault(name, []).append(list(run))
+    return {
+        name if len(parts) == 1 else f"{name}-{k}": part
+        for name, parts in runs.items()
+        for k, part in enumerate(parts, 1)
+    }
+
+
+def listed(words: Iterable[str]) -> str:
+    """Words, each once, cut if they are many."""
+    each = [clean(word) or "''" for word in dict.fromkeys(words)]
+    return ", ".join(each[:SHOWN] + ["..."] * (len(each) > SHOWN)) or "none"
 
 
 def checked_file(file: FilePath, most_bytes: int) -> os.stat_result:
     """The state of a file that can be read; raises ContentError."""
     try:
-        if not file.is_file():
-            raise ContentError("is no file" if file.exists() else f"does not exist in {file.parent}")
-        state = file.stat()
-    except ContentError:
-        raise
+        is_file, exists = file.is_file(), file.exists()
+        state = file.stat() if is_file else None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         raise ContentError(f"cannot be read: {getattr(error, 'strerror', None) or error}") from None
+    if state is None:
+        raise ContentError("is no file" if exists else f"does not exist in {file.parent}")
     if state.st_size > most_bytes:
         raise ContentError(f"is larger than {most_bytes // 2**20} MiB")
     return state
@@ -265,48 +271,8 @@ def _group(groups: Mapping[str, Any], name: str, kind: str) -> Any:
     tags = [known for known in groups if known.endswith(f"={name}") and known.startswith(("gmsh:physical", "medit:"))]
     chosen = [known for known in (name, *tags) if known in groups]
     if not chosen:
-        known = [*groups][:SHOWN] + ["..."] * (len(groups) > SHOWN)
-        has = f"it has {', '.join(map(clean, known))}" if known else "it has none"
-        raise ContentError(f"has no {kind} {quoted(name)}; {has}{did_you_mean(name, groups)}")
+        raise ContentError(f"has no {kind} {quoted(name)}; it has {listed(groups)}{did_you_mean(name, groups)}")
     return groups[chosen[0]]
-
-
-def _neighbours(sides: Iterable[Side]) -> dict[int, list[int]]:
-    """By node those at the other ends of its sides."""
-    at: dict[int, list[int]] = {}
-    for first, second in map(sorted, sides):
-        at.setdefault(first, []).append(second)
-        at.setdefault(second, []).append(first)
-    return at
-
-
-def _rings(sides: list[Side], points: Floats) -> list[list[int]]:
-    """Sides as closed lines of nodes; raises ContentError where more than two meet at a node."""
-    at = _neighbours(sides)
-    for node, others in at.items():
-        if len(others) != 2:
-            x, y = points[node]
-            raise ContentError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
-    rings, left = [], dict.fromkeys(at)
-    while left:
-        ring = [next(iter(left))]
-        while ring[-1] in left:
-            del left[ring[-1]]
-            ring += [node for node in at[ring[-1]] if node in left][:1]
-        rings.append(ring)
-    return rings
-
-
-def _chain(sides: list[Side]) -> list[int] | None:
-    """Sides as one open line of nodes; None where they are none."""
-    at = _neighbours(side for side in sides if len(side) == 2)
-    ends = [node for node, others in at.items() if len(others) == 1]
-    if len(ends) != 2 or any(len(others) > 2 for others in at.values()):
-        return None
-    chain = [ends[0]]
-    while after := [node for node in at[chain[-1]] if node not in chain[-2:]]:
-        chain.append(after[0])
-    return chain if len(chain) == len(at) else None
 
 
 def _extent(points: Floats) -> float:

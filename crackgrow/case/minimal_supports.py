@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from typing import Any, Final
 
 import numpy as np
@@ -33,9 +33,9 @@ def settle_supports(scene: Scene) -> None:
         return
     loose = _loose_groups(scene)
     if len(loose) > 1:
+        message = f"'{MINIMAL}' holds one body, or bodies that are bonded; loose from each other are"
         listed = " and ".join(", ".join(group) for group in loose)
-        message = f"'{MINIMAL}' holds one body, or bodies that are bonded; loose from each other are {listed}"
-        scene.report.fault((KEY,), f"{message}: give a list of supports")
+        scene.report.fault((KEY,), f"{message} {listed}: give a list of supports")
         return
     _check_balance(scene)
     points = _points(scene, max(scene.bodies.values(), key=lambda body: body.size))
@@ -86,13 +86,11 @@ def _loaded(scene: Scene) -> list[Floats]:
     return [*lines, *(np.array([load["at"]]) for _, load in scene.items("loads", "force"))]
 
 
-def _distances(lines: Any, places: Floats) -> Floats:
+def _distances(lines: Iterable[Floats], places: Floats) -> Floats:
     """Distance (n,) m of places (n, 2) m from the nearest of some lines, or points, (k, 2) m."""
     shapes = [shapely.LineString(line) if len(line) > 1 else shapely.Point(line[0]) for line in lines if len(line)]
-    if not shapes:
-        return np.full(len(places), np.inf)
-    _, apart = shapely.STRtree(shapes).query_nearest(shapely.points(places), return_distance=True, all_matches=False)
-    return np.asarray(apart, dtype=float)
+    apart = shapely.distance(shapely.points(places), shapely.GeometryCollection(shapes))
+    return np.asarray(apart) if shapes else np.full(len(places), np.inf)
 
 
 def _check_balance(scene: Scene) -> None:
@@ -122,23 +120,17 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
     region = scene.regions.get(("loads", index, "on"))
     if region is not None:
         ends = ends_of(scene.bodies[region.body], region)
-        outward = np.repeat(outward_normals(ends[:, 1] - ends[:, 0]), GAUSS_POINTS, axis=0)
+        step = ends[:, 1] - ends[:, 0]
         along, weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
-        points = ends[:, :1] + 0.5 * (1.0 + along)[:, None] * (ends[:, 1:] - ends[:, :1])
-        lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
-        places = points.reshape(-1, 2)
-        on_edge: EdgeLoad = (
-            made(EdgePressure, load, region=region)
-            if "pressure" in load
-            else made(FarField, load, region=region)
-            if "far_field" in load
-            else made(EdgeTraction, load, region=region)
-        )
+        places = (ends[:, :1] + 0.5 * (1.0 + along)[:, None] * step[:, None]).reshape(-1, 2)
+        lengths = np.outer(np.hypot(*step.T), 0.5 * weights).ravel()
+        kind: type[Any] = EdgePressure if "pressure" in load else FarField if "far_field" in load else EdgeTraction
         try:
-            traction = on_edge.traction_at(places, outward)
+            outward = np.repeat(outward_normals(step), GAUSS_POINTS, axis=0)
+            on_edge: EdgeLoad = made(kind, load, region=region)
+            yield places, lengths[:, None] * on_edge.traction_at(places, outward)
         except CaseError:
             return  # a formula without a value, which is told elsewhere
-        yield places, lengths[:, None] * traction
     elif "gravity" in load and scene.get("bodies", load["body"], "material", "density"):
         polygon = scene.bodies[load["body"]].polygon
         mass = scene.get("bodies", load["body"], "material", "density") * polygon.area

@@ -11,9 +11,10 @@ import shapely
 
 from crackgrow.case.check_regions import knows_body
 from crackgrow.case.layout import Scene
-from crackgrow.case.regions import SAME_PLACE, Along, Edge, EdgeRegion, edge_of
+from crackgrow.case.regions import Along, Edge, EdgeRegion, edge_of
 from crackgrow.case.report import Path
 from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.touching import divided, lies_on
 
 Run = tuple[Resolved, float, float]
 """What is held along an edge, and from where to where (m) as it was drawn."""
@@ -49,20 +50,14 @@ def settle_outlines(scene: Scene) -> None:
 
 def _outer_sides(scene: Scene, body: BodyShape) -> list[tuple[int, float, float]]:
     """Sides of the outline of a body, each between two fractions of it, where no other body lies."""
-    shared = [line for pair, lines in scene.shared.items() if body.name in pair for line in lines]
-    boundary = shapely.MultiLineString(list(shared))
-    corners = np.concatenate([np.empty((0, 2)), *shared])
-    found: list[tuple[int, float, float]] = []
-    for side, (start, end) in enumerate(body.sides[: len(body.outline)]):
-        step = end - start
-        along = (corners - start) @ step / (step @ step)
-        off = np.hypot(*(corners - start - np.clip(along, 0.0, 1.0)[:, None] * step).T)
-        stops = np.unique(np.concatenate([[0.0, 1.0], np.clip(along[off <= scene.tolerance], 0.0, 1.0)]))
-        for low, high in pairwise(stops.tolist()):
-            middle = shapely.Point(start + 0.5 * (low + high) * step)
-            if high - low > SAME_PLACE and not (shared and boundary.dwithin(middle, scene.tolerance)):
-                found.append((side, low, high))
-    return found
+    lines = [line for pair, lines in scene.shared.items() if body.name in pair for line in lines]
+    boundary, corners = shapely.MultiLineString(lines), np.concatenate([np.empty((0, 2)), *lines])
+    return [
+        (number, low, high)
+        for number, side in enumerate(body.rings[0].sides)
+        for (low, start), (high, end) in pairwise(divided(side, corners, scene.tolerance))
+        if not lies_on(boundary, start, end, scene.tolerance)
+    ]
 
 
 def _held(
@@ -71,7 +66,7 @@ def _held(
     """Supports of the edges that these parts of sides belong to; reports parts that can't be held so."""
     for name in dict.fromkeys(body.rings[0].edge_names):
         edge = edge_of(body, name, scene.tolerance)
-        total = float(np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T).sum())
+        total = float(edge.lengths.sum())
         for held, start, end in _runs(scene, edge, parts, item["outline"] == "fixed"):
             whole = start <= scene.tolerance and end >= total - scene.tolerance
             what = f"edge '{name}' of body '{body.name}'"

@@ -6,42 +6,29 @@ edges, and curves.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from pathlib import Path as FilePath
 from typing import Any, Final
 
-import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case import map_file, mesh_file
-from crackgrow.case.map_file import Feature, features_of
-from crackgrow.case.mesh_file import ContentError, PlaneMesh, read_mesh
+from crackgrow.case.map_file import Feature, attribute, features_of
+from crackgrow.case.mesh_file import ContentError, PlaneMesh, listed, read_mesh
 from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, clean, did_you_mean, quoted
+from crackgrow.case.report import Path, clean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
 from crackgrow.case.units import UNITS, QuantityError
 
 MOST_CORNERS: Final = 5000  # of an outline; a disk has 360
 MOST_LINES: Final = 1000  # of a set of cracks
-SHOWN_VALUES: Final = 12  # longer lists of values are cut in messages
 
 Corners = list[list[float]]  # m, not closed
 
 TEXTS: Final = (".geojson", ".json", ".wkt")
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Trace:
-    """A line of a map, in m of the case."""
-
-    points: Floats  # (n, 2) m
-    file: str  # as it is given in the case
-    where: str  # such as "feature 12"
-    line: int | None  # of a table, that it begins in
-    attributes: Mapping[str, str]
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,45 +145,25 @@ def with_file_points(value: object, path: Path, context: Context) -> object:
         return context.refused((*path, "curve"), f"the mesh {error}")
 
 
-def _traces(file: GivenFile, value: Mapping[str, Any], context: Context) -> list[Trace]:
-    """The lines of a map that `where` wants, in its order; raises ContentError and QuantityError."""
+def _traces(file: GivenFile, value: Mapping[str, Any], context: Context) -> list[Feature]:
+    """The lines of a map that `where` wants, in its order, in m of the case; raises ContentError and QuantityError."""
     features, unit = features_of(file.path, value.get("units"), value.get("layer"), value.get("columns"))
     for name, wanted in value.get("where", {}).items():
         words = wanted if isinstance(wanted, list) else [wanted]
         there = attribute(features, name)
         features = [feature for feature, word in zip(features, there, strict=True) if word in words]
         if not features:
-            raise ContentError(f"has no {name} {' or '.join(map(quoted, words))}; it has: {_shown(there)}")
-    strange = [feature for feature in features if feature.shape.geom_type != "LineString" or feature.shape.is_empty]
-    if strange or not features:
-        odd = "an empty line" if strange and strange[0].shape.is_empty else strange and strange[0].shape.geom_type
-        raise ContentError(f"holds {f'{odd} in {strange[0].where}; wanted: lines' if strange else 'nothing'}")
+            raise ContentError(f"has no {name} {' or '.join(map(quoted, words))}; it has: {listed(there)}")
+    if not features:
+        raise ContentError("holds nothing")
+    for feature in features:
+        if feature.shape.geom_type != "LineString" or feature.shape.is_empty:
+            odd = "an empty line" if feature.shape.is_empty else feature.shape.geom_type
+            raise ContentError(f"holds {odd} in {feature.where}; wanted: lines")
     if len(features) > MOST_LINES:
         raise ContentError(f"holds {len(features)} lines, more than {MOST_LINES}; `where` chooses some")
-    return [
-        Trace(
-            np.array(_corners(shapely.get_coordinates(feature.shape), unit, value, context)),
-            file.text,
-            feature.where,
-            feature.line,
-            feature.attributes,
-        )
-        for feature in features
-    ]
-
-
-def attribute(features: Sequence[Feature | Trace], name: str) -> list[str]:
-    """The values of an attribute, which some of the features have; raises ContentError."""
-    known = list(dict.fromkeys(key for feature in features for key in feature.attributes))
-    if name not in known:
-        raise ContentError(f"has no attribute {quoted(name)}; it has: {_shown(known)}{did_you_mean(name, known)}")
-    return [feature.attributes.get(name, "") for feature in features]
-
-
-def _shown(words: Sequence[str]) -> str:
-    """Words, each once, cut if they are many."""
-    each = [clean(word) or "''" for word in dict.fromkeys(words)]
-    return ", ".join(each[:SHOWN_VALUES] + ["..."] * (len(each) > SHOWN_VALUES)) or "none"
+    lines = [_corners(shapely.get_coordinates(feature.shape), unit, value, context) for feature in features]
+    return [replace(each, shape=shapely.LineString(line)) for each, line in zip(features, lines, strict=True)]
 
 
 def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[list[Corners], dict[str, object]] | None:
@@ -216,11 +183,8 @@ def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[li
             raise ContentError(f"has {n_corners} corners, more than {MOST_CORNERS}")
         return [_corners(ring, shape.get("units"), shape, context) for ring in rings], dict(edges)
     except (ContentError, QuantityError) as error:
-        told = (
-            f"{quoted(file.text)} {error}; wanted: {OutlineFile().describe()}"
-            if file.mesh is None
-            else f"the mesh {error}"
-        )
+        of_map = f"{quoted(file.text)} {error}; wanted: {OutlineFile().describe()}"
+        told = of_map if file.mesh is None else f"the mesh {error}"
         context.report.fault((*path, "region" if region is not None else "file"), told)
         return None
 

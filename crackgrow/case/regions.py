@@ -18,6 +18,7 @@ from crackgrow.case.scalars import Context, refuse
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
 from crackgrow.case.units import UNITS, QuantityError, is_number, parse_quantity
 
+Measure = Literal["x", "y", "distance", "angle"]  # what tells a place on an edge
 FULL_CIRCLE = 360.0  # degrees
 SAME_PLACE = 1e-9  # parts of a side shorter than this part of it are none
 
@@ -51,8 +52,13 @@ class Edge:
     ends: Floats  # (k, 2, 2) m, first and second corner of each as drawn
     drawn: Ints  # (k,) number of the drawn side that each is, or is a part of
     backwards: bool  # whether the stored sides run the other way
-    measure: Literal["x", "y", "distance", "angle"]  # what tells a place on it
+    measure: Measure
     reach: tuple[float, float]  # m or degrees, least and largest place
+
+    @property
+    def lengths(self) -> Floats:
+        """Lengths (k,) m of the sides."""
+        return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
 
 
 def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
@@ -70,10 +76,9 @@ def region_of(body: BodyShape, on: Resolved, tolerance: float) -> EdgeRegion:
     edge = edge_of(body, on["edge"], tolerance)
     if "from" not in on and "to" not in on:
         parts = [(side, 0.0, 1.0) for side in edge.sides]
-    elif edge.measure == "angle":
-        parts = _part_of_arc(edge, on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
     else:
-        parts = _part_of_line(edge, on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
+        part_of = _part_of_arc if edge.measure == "angle" else _part_of_line
+        parts = part_of(edge, on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
     if edge.backwards:
         parts = [(side, 1.0 - end, 1.0 - start) for side, start, end in reversed(parts)]
     sides, limits = np.array([part[0] for part in parts], dtype=np.int64), np.array([part[1:] for part in parts])
@@ -90,7 +95,7 @@ def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
 
 def _edge(ring: DrawnRing, name: str, first_side: int, tolerance: float) -> Edge:
     n = len(ring.points)
-    ends = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
+    ends = ring.sides
     given = np.stack([ring.given, np.roll(ring.given, -1, axis=0)], axis=1)[ring.drawn]
     ids = np.arange(n)
     if ring.backwards:
@@ -105,9 +110,7 @@ def _edge(ring: DrawnRing, name: str, first_side: int, tolerance: float) -> Edge
     return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
-def _measure(
-    ends: Floats, given: Floats, is_arc: bool, tolerance: float
-) -> tuple[Literal["x", "y", "distance", "angle"], tuple[float, float]]:
+def _measure(ends: Floats, given: Floats, is_arc: bool, tolerance: float) -> tuple[Measure, tuple[float, float]]:
     """Return what tells a place on an edge, which was drawn as sides `given` (m, 2, 2), and its range."""
     if is_arc:
         return "angle", (0.0, FULL_CIRCLE)
@@ -122,32 +125,37 @@ def _measure(
 
 def _part_of_line(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
     """Return sides with fractions, both in drawing order, between two places on straight sides."""
-    lengths = np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T)
     if edge.measure != "distance":
         axis = "xy".index(edge.measure)
         first, second = edge.ends[0, 0, axis], edge.ends[-1, 1, axis]
-        start, end = sorted(((place - first) / (second - first) * lengths.sum()) for place in (start, end))
-    parts, passed = [], 0.0
-    for side, length in zip(edge.sides, lengths.tolist(), strict=True):
-        parts += _piece(side, (start - passed) / length, (end - passed) / length)
-        passed += length
-    return parts
+        start, end = sorted(((place - first) / (second - first) * edge.lengths.sum()) for place in (start, end))
+    return _parts(edge, range(len(edge.sides)), start, end)
 
 
 def _part_of_arc(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
     """Return sides with fractions, both in drawing order, between two angles in degrees."""
-    chords = np.flatnonzero(np.append(True, edge.drawn[1:] != edge.drawn[:-1]))  # the first part of each
-    n = len(chords)
+    chords = np.flatnonzero(np.append(True, edge.drawn[1:] != edge.drawn[:-1])).tolist()  # the first side of each
+    bounds, n = [*chords, len(edge.sides)], len(chords)
     step = FULL_CIRCLE / n
-    lengths = np.hypot(*(edge.ends[:, 1] - edge.ends[:, 0]).T)
     parts = []
     for k in range(math.floor(start / step), math.ceil(end / step)):
-        low, high = (_chord_fraction(angle / step - k, step) for angle in (start, end))
-        sides = range(int(chords[k % n]), int(chords[k % n + 1]) if k % n + 1 < n else len(edge.sides))
-        whole, passed = float(lengths[sides].sum()), 0.0
-        for side in sides:
-            parts += _piece(edge.sides[side], *((t * whole - passed) / float(lengths[side]) for t in (low, high)))
-            passed += float(lengths[side])
+        sides = range(bounds[k % n], bounds[k % n + 1])
+        low, high = (_chord_fraction(angle / step - k, step) * edge.lengths[sides].sum() for angle in (start, end))
+        parts += _parts(edge, sides, low, high)
+    return parts
+
+
+def _parts(edge: Edge, sides: range, start: float, end: float) -> list[tuple[int, float, float]]:
+    """Return those of some sides that lie between two distances (m) from where they begin, with fractions.
+
+    Fractions hardly more than 0 or less than 1 are these.
+    """
+    parts, passed = [], 0.0
+    for side, length in zip(sides, edge.lengths[sides].tolist(), strict=True):
+        limits = ((start - passed) / length, (end - passed) / length)
+        low, high = (0.0 if t <= SAME_PLACE else 1.0 if t >= 1.0 - SAME_PLACE else t for t in limits)
+        parts += [(edge.sides[side], low, high)] if high > low else []
+        passed += length
     return parts
 
 
@@ -157,12 +165,6 @@ def _chord_fraction(fraction: float, step: float) -> float:
         return min(max(fraction, 0.0), 1.0)
     half = math.radians(step) / 2
     return 0.5 + math.tan((2.0 * fraction - 1.0) * half) / math.tan(half) / 2
-
-
-def _piece(side: int, start: float, end: float) -> list[tuple[int, float, float]]:
-    """Return the part of a side between two fractions, clipped and snapped to its ends; nothing if it is empty."""
-    start, end = (0.0 if t <= SAME_PLACE else 1.0 if t >= 1.0 - SAME_PLACE else t for t in (start, end))
-    return [(side, start, end)] if end > start else []
 
 
 @dataclass(frozen=True, slots=True)

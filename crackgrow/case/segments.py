@@ -13,6 +13,7 @@ from crackgrow.arrays import Floats, Ints
 
 MOST_PAIRS = 200_000  # of segments that come close; cracks of a scene make a few per crack
 CHUNK = 64  # segments that are looked at together
+SAME_MEETING = 10.0  # places nearer than so many tolerances are one: each lies within the tolerance of its lines
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -23,6 +24,11 @@ class Segments:
     lines: Ints  # (n,) number of the polyline that each belongs to
     shapes: NDArray[np.object_]  # (n,) the same as shapes
     tree: shapely.STRtree
+
+
+def line_length(line: Floats) -> float:
+    """Length (m) of a polyline (n, 2), 0 of fewer than two points."""
+    return float(np.hypot(*np.diff(line, axis=0).T).sum())
 
 
 def segments_of(lines: Sequence[Floats]) -> Segments:
@@ -63,7 +69,8 @@ def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:
     places = np.einsum("mkx,mx->mk", second - start[:, None], unit)
     low, high = np.clip(places.min(axis=1), 0.0, length), np.clip(places.max(axis=1), 0.0, length)
     parts = start[:, None] + np.stack([low, high], axis=1)[:, :, None] * unit[:, None]
-    apart = np.stack([distances(parts[:, end], second) for end in (0, 1)], axis=1).max(axis=1, initial=0.0)
+    off = parts - np.stack([nearest_places(parts[:, end], second) for end in (0, 1)], axis=1)
+    apart = np.hypot(off[..., 0], off[..., 1]).max(axis=1, initial=0.0)
     parts[(high - low <= tolerance) | (apart > tolerance)] = np.nan
     return np.asarray(parts, dtype=float)
 
@@ -75,9 +82,15 @@ def places_between(segments: Segments, pairs: Ints) -> Floats:
     return np.asarray(links[:, 0], dtype=float)
 
 
-def distances(points: Floats, segments: Floats) -> Floats:
-    """Return the distances (m,) of points (m, 2) from segments (m, 2, 2)."""
-    return np.asarray(np.hypot(*(points - nearest_places(points, segments)).T), dtype=float)
+def meeting_places(lines: Sequence[Floats], tolerance: float) -> Floats:
+    """Return the places `(k, 2) float` in m where two or more polylines come within the tolerance of each other."""
+    segments = segments_of(lines)
+    pairs = close_segments(segments, tolerance)
+    places = places_between(segments, pairs[segments.lines[pairs[:, 0]] != segments.lines[pairs[:, 1]]])
+    spots = shapely.union_all(shapely.buffer(shapely.points(places), 0.5 * SAME_MEETING * tolerance))
+    point, spot = shapely.STRtree(shapely.get_parts(spots)).query(shapely.points(places), predicate="intersects")
+    _, first = np.unique(spot, return_index=True)
+    return np.asarray(places[np.sort(point[first])])
 
 
 def nearest_places(points: Floats, segments: Floats) -> Floats:

@@ -14,13 +14,13 @@ from shapely import Polygon
 
 from crackgrow.arrays import Floats
 from crackgrow.case.report import Path, Report, did_you_mean, quoted
+from crackgrow.case.segments import close_segments, places_between, segments_of
 from crackgrow.case.units import Units
 
 Resolved = dict[str, Any]  # a part of the resolved case
 
 RECTANGLE_EDGES: Final = ("bottom", "right", "top", "left")
 ARC: Final = "arc"  # the edge of a disk
-CHUNK: Final = 64  # sides that are looked at together
 HOLE: Final = "hole{}"  # the edge of a hole
 DISK_SIDES: Final = 360  # a disk is a polygon with a corner at every whole degree
 REPEATED_VERTEX: Final = 1e-9  # vertices nearer than this part of the line's extent are one
@@ -37,6 +37,11 @@ class DrawnRing:
     drawn: NDArray[np.int64]  # (n,) number of the given corner that each side begins at, or at whose side it lies
     backwards: bool  # whether it runs against the direction in which it was drawn
     is_arc: bool  # whether it is a circle, on which places are angles
+
+    @property
+    def sides(self) -> Floats:
+        """Ends `(n, 2, 2) float` of its sides in m."""
+        return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,9 +80,7 @@ class BodyShape:
     @property
     def sides(self) -> Floats:
         """Ends `(n, 2, 2) float` of all sides in m, ring by ring."""
-        return np.concatenate(
-            [np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1) for ring in self.rings]
-        )
+        return np.concatenate([ring.sides for ring in self.rings])
 
     @property
     def edge_names(self) -> tuple[str, ...]:
@@ -156,23 +159,11 @@ def _drawn(shape: Resolved) -> tuple[Floats, tuple[str, ...]]:
         rays = [direction_of(360.0 * k / DISK_SIDES) for k in range(DISK_SIDES)]
         return frozen([(x + radius * cos, y + radius * sin) for cos, sin in rays]), (ARC,) * DISK_SIDES
     points = frozen(np.array(shape["polygon"], dtype=float).reshape(-1, 2))
-    kept = without_repeats(points, closed=True)
+    every, kept = (without_repeats(points, closed=closed) for closed in (False, True))
     # A side keeps the number of the one drawn edge between two kept corners that is not a mere repetition: the
     # one that leaves the last point of the first corner's run.
-    following = [*kept[1:], len(points)] if len(kept) else []
-    names = [str(end - 1) for end in following]
-    if len(kept) > 1:
-        names[-1] = str(_last_edge(points, int(kept[-1])))
-    return frozen(points[kept]), tuple(names)
-
-
-def _last_edge(points: Floats, last: int) -> int:
-    """Return the number of the drawn edge from the run of the last kept corner back to the first corner."""
-    smallest = REPEATED_VERTEX * math.hypot(*np.ptp(points, axis=0))
-    edge = last
-    while edge + 1 < len(points) and math.dist(points[edge + 1], points[last]) <= smallest:
-        edge += 1
-    return edge
+    ends = [*every[1:], len(points)][: len(kept)]
+    return frozen(points[kept]), tuple(str(end - 1) for end in ends)
 
 
 def _oriented(points: Floats, names: tuple[str, ...], *, is_hole: bool, is_arc: bool) -> DrawnRing:
@@ -190,19 +181,14 @@ def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | N
     size = math.hypot(*np.ptp(points, axis=0))
     if shapely.MultiPoint(points).convex_hull.area <= REPEATED_VERTEX * size**2:
         return "the corners lie on a line; they enclose no area"
-    n = len(points)
-    sides = shapely.linestrings(np.stack([points, np.roll(points, -1, axis=0)], axis=1))
-    tree = shapely.STRtree(sides)
-    for start in range(0, n, CHUNK):  # the first that cross end the search: there may be millions
-        some = sides[start : start + CHUNK]
-        first, second = tree.query(some, predicate="dwithin", distance=REPEATED_VERTEX * size)
-        first = first + start
-        apart = (second - first >= 2) & (second - first <= n - 2)  # if neighbours fold back, one next to them touches
-        if apart.any():
-            one, other = min(zip(first[apart].tolist(), second[apart].tolist(), strict=True))
-            place = units.place(shapely.shortest_line(sides[one], sides[other]).coords[0])
-            return f"edges {names[one]} and {names[other]} cross or touch at {place}"
-    return None
+    sides = segments_of([np.vstack([points, points[:1]])])
+    pairs = close_segments(sides, REPEATED_VERTEX * size)
+    between = pairs[:, 1] - pairs[:, 0]
+    apart = pairs[(between >= 2) & (between <= len(points) - 2)]  # if neighbours fold back, one next to them touches
+    if not len(apart):
+        return None
+    one, other = apart[0].tolist()
+    return f"edges {names[one]} and {names[other]} cross or touch at {units.place(places_between(sides, apart[:1])[0])}"
 
 
 def _check_holes(rings: list[DrawnRing], key: Path, report: Report) -> None:

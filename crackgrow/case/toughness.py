@@ -20,13 +20,8 @@ from crackgrow.case.model import Growth, Strength
 MODE_I: Final[Mapping[str, float]] = {"strength": 1.5279, "directional_strength": 2.0, "max_hoop_stress": 1.0}
 """s_yy sqrt(2 pi R) / K_I that a criterion sees in pure mode I: over the disc (4.8 / pi), a ray, at the radius."""
 
-MODE_II: Final = 2.0
-"""s_xy sqrt(2 pi R) / K_II on a ray straight ahead in pure mode II."""
-
-BY_K: Final = frozenset({"max_hoop_stress"})
-"""Criteria that go by K_I and K_II alone, and need no radius where the toughness is known."""
-
-
+MODE_II: Final = 2.0  # s_xy sqrt(2 pi R) / K_II on a ray straight ahead in pure mode II
+BY_K: Final = frozenset({"max_hoop_stress"})  # criteria that need K alone, and no radius where the toughness is known
 RAY_CRITERIA: Final = frozenset({"directional_strength", "max_hoop_stress"})
 """Criteria that judge shear on rays; the second one at tips of cracks that have started in shear."""
 

@@ -9,54 +9,36 @@ from dataclasses import dataclass
 from decimal import Decimal, localcontext
 from fractions import Fraction
 
-INCH = Fraction(254, 10**4)  # m
-POUND = Fraction(45359237, 10**8) * Fraction(980665, 10**5)  # N, of force
+INCH = Fraction("0.0254")  # m
+POUND = Fraction("0.45359237") * Fraction("9.80665")  # N, of force
+PSI = POUND / INCH**2
 
 # One unit of each name in SI (angles in degrees). The first unit of a kind is what the program computes in.
-UNITS: dict[str, dict[str, Fraction]] = {
-    "length": {
-        "m": Fraction(1),
-        "cm": Fraction(1, 100),
-        "mm": Fraction(1, 1000),
-        "um": Fraction(1, 10**6),
-        "km": Fraction(1000),
-        "in": INCH,
-        "ft": 12 * INCH,
-    },
-    "stress": {
-        "Pa": Fraction(1),
-        "kPa": Fraction(10**3),
-        "MPa": Fraction(10**6),
-        "GPa": Fraction(10**9),
-        "psi": POUND / INCH**2,
-        "ksi": 1000 * POUND / INCH**2,
-    },
-    "density": {"kg/m^3": Fraction(1), "g/cm^3": Fraction(1000), "t/m^3": Fraction(1000)},
-    "acceleration": {"m/s^2": Fraction(1), "mm/s^2": Fraction(1, 1000)},
-    "angle": {"deg": Fraction(1)},
+_LENGTHS: dict[str, str | Fraction] = {
+    "m": "1", "cm": "1e-2", "mm": "1e-3", "um": "1e-6", "km": "1e3", "in": INCH, "ft": 12 * INCH,
+}  # fmt: skip
+_STRESSES: dict[str, str | Fraction] = {"Pa": "1", "kPa": "1e3", "MPa": "1e6", "GPa": "1e9"}
+_TABLE: dict[str, dict[str, str | Fraction]] = {
+    "length": _LENGTHS,
+    "stress": {**_STRESSES, "psi": PSI, "ksi": 1000 * PSI},
+    "density": {"kg/m^3": "1", "g/cm^3": "1e3", "t/m^3": "1e3"},
+    "acceleration": {"m/s^2": "1", "mm/s^2": "1e-3"},
+    "angle": {"deg": "1"},
     "toughness": {
-        "Pa sqrt(m)": Fraction(1),
-        "kPa sqrt(m)": Fraction(10**3),
-        "MPa sqrt(m)": Fraction(10**6),
-        "GPa sqrt(m)": Fraction(10**9),
+        **{f"{stress} sqrt(m)": one for stress, one in _STRESSES.items()},
         "MPa sqrt(mm)": Fraction(math.sqrt(1e9)),
-        "psi sqrt(in)": POUND / INCH**2 * Fraction(math.sqrt(INCH)),
-        "ksi sqrt(in)": 1000 * POUND / INCH**2 * Fraction(math.sqrt(INCH)),
+        "psi sqrt(in)": PSI * Fraction(math.sqrt(INCH)),
+        "ksi sqrt(in)": 1000 * PSI * Fraction(math.sqrt(INCH)),
+    },
+    "force": {"N/m": "1", "kN/m": "1e3", "MN/m": "1e6", "N/mm": "1e3", "kN/mm": "1e6"},
+    "velocity": {
+        **{f"{length}/s": one for length, one in _LENGTHS.items()},
+        "nm/s": "1e-9",
+        "mm/day": Fraction(1, 86_400_000),
+        "mm/year": Fraction(1, 31_557_600_000),  # of 365.25 days
     },
 }
-UNITS["force"] = {
-    "N/m": Fraction(1),
-    "kN/m": Fraction(10**3),
-    "MN/m": Fraction(10**6),
-    "N/mm": Fraction(10**3),
-    "kN/mm": Fraction(10**6),
-}
-UNITS["velocity"] = {
-    **{f"{length}/s": one for length, one in UNITS["length"].items()},
-    "nm/s": Fraction(1, 10**9),
-    "mm/day": Fraction(1, 1000 * 86400),
-    "mm/year": Fraction(1, 1000 * 31557600),  # of 365.25 days
-}
+UNITS = {kind: {name: Fraction(one) for name, one in units.items()} for kind, units in _TABLE.items()}
 UNITS["stiffness"] = {
     f"{stress}/{length}": one / other
     for length, other in UNITS["length"].items()

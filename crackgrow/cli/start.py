@@ -175,7 +175,7 @@ def check(arguments: argparse.Namespace) -> int:
     if not arguments.json:
         say(plan_text(case))
     if arguments.picture is not None:
-        from crackgrow.plan.sizes import squares_of
+        from crackgrow.plan.cost import squares_of
         from crackgrow.results.drawing import draw_scene  # only now: it loads matplotlib
 
         draw_scene(arguments.picture, case, squares_of(case))

@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Bools, Floats
-from crackgrow.case.features import SHARP
+from crackgrow.case.sizing import SHARP
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import BodyGeometry
 from crackgrow.cover.tips import Tip

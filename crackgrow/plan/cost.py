@@ -1,6 +1,7 @@
-"""What a run takes, start, files, figures and report included: a few terms, fitted to whole runs.
+"""How large the first step of a case is, counted on the cover that the run will make, and what the whole run takes.
 
-tests/benchmarks/cost.py measures shipped cases and fits the constants, cost.json. Seconds are those of the CPU there.
+Cost is a few terms, start, files, figures and report included. tests/benchmarks/cost.py measures shipped cases and fits
+the constants, cost.json. Seconds are those of the CPU there.
 """
 
 from __future__ import annotations
@@ -13,22 +14,59 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
+import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case, LoadHistory, Stages
+from crackgrow.cover.squares import QUANTA
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.limits import allowed
-from crackgrow.plan.overview import estimated_nodes
-from crackgrow.plan.sizes import Sizes, guessed_sizes, sizes_of
 from crackgrow.results.units import duration, memory_text
-from crackgrow.run.warning_causes import WarningCause
+from crackgrow.run.layout import cells_of, contact_faces, cover_of, n_constraints_of
+from crackgrow.run.scene import make_scene
+from crackgrow.run.scene_warnings import dry_joints, scene_warnings, unbalanced_loads
+from crackgrow.run.surface_laws import SurfaceLaw
+from crackgrow.run.warning_causes import StepWarning, WarningCause
 
-TERMS: Final = ("command", "files", "first step", "growth", "contact")
-MEMORY_TERMS: Final = ("program", "unknowns", "products", "growth", "contact")
 OF_COMPANION: Final = 0.5  # of a step: to hold it against its companion mesh
 MOST_LAID_OUT: Final = 300_000  # nodes: their cover is made in two seconds
 STATIC_SHARE: Final = 0.03  # of the first step that another load factor on the same cracks takes
 IMPLICIT_SOLVES: Final = 3.0  # of a step whose direction is corrected at the new tip
 CONTAINER_MEMORY = (Path("/sys/fs/cgroup/memory.max"), Path("/sys/fs/cgroup/memory/memory.limit_in_bytes"))  # bytes
+
+
+@dataclass(frozen=True, slots=True)
+class SurfacePlan:
+    """A crack, interface line or foundation."""
+
+    name: str
+    n_points: int  # contact points
+    bonded: bool
+    touching: bool  # whether its faces can press on each other
+    rough: bool  # whether they bear shear, by friction or cohesion
+
+
+@dataclass(frozen=True, slots=True)
+class Sizes:
+    """Counts of step 0, and what the user should know before it."""
+
+    n_dofs: int
+    n_patches: int  # physical
+    n_singular: int  # carriers of tip functions
+    n_tips: int
+    n_elements: int
+    n_products: int  # of two functions that meet on an element, over all elements
+    n_contact: int  # points
+    n_multipliers: int  # of supports and bonds
+    surfaces: tuple[SurfacePlan, ...]
+    scene_warnings: tuple[StepWarning, ...]
+    n_gathered: int = 0  # tips whose functions are gathered
+    cells: tuple[tuple[float, int], ...] = ()  # sides (m) of cells that rock lies in, largest first, and their numbers
+
+    @property
+    def n_tractions(self) -> int:
+        """Contact unknowns where all points are pressed: normal ones, and tangential where any surface is rough."""
+        return self.n_contact * (2 if any(surface.rough for surface in self.surfaces) else 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,6 +103,78 @@ class Cost:
         )
 
 
+def squares_of(case: Case) -> Floats:
+    """Corners (n, 4, 2) m, on the map, of the cells before anything grows."""
+    scene = make_scene(case)
+    cells = cells_of(scene, tuple(map(GrowingCrack.given, scene.case.cracks)))
+    corners = cells.low[:, None] + cells.size[:, None, None] * np.array([(0, 0), (1, 0), (1, 1), (0, 1)])
+    return scene.lattice.to_map(corners / QUANTA)
+
+
+def estimated_nodes(case: Case) -> int:
+    """About how many lattice nodes have a patch that overlaps a body, counted for each body.
+
+    Nodes within half a patch r of the outline count too: area + perimeter r + 4 r^2 (a convex outline, square
+    patches), without those further than r inside of a hole: its area - perimeter r + 4 r^2; over the area h^2 of a
+    node.
+    """
+    h = case.numerics.spacing
+    reach = case.numerics.support * h
+    total = 0.0
+    for body in case.bodies:
+        outline, *holes = (shapely.Polygon(ring.points - ring.points[0]) for ring in body.rings)
+        total += outline.area + outline.length * reach + 4 * reach**2
+        for hole in holes:
+            if hole.area > hole.length * reach / 2:  # a square hole wider than a patch
+                total -= hole.area - hole.length * reach + 4 * reach**2
+    return round(total / h**2)
+
+
+def guessed_sizes(case: Case) -> Sizes:
+    """Estimate the sizes of step 0 from areas alone, as if all cells were of one size and none were cut.
+
+    A cover of millions of cells takes minutes.
+    """
+    nodes, tips = estimated_nodes(case), sum(crack.tip_at_start + crack.tip_at_end for crack in case.cracks)
+    met = round((2.0 * case.numerics.support) ** 4)  # pairs of the patches that hold a cell
+    return Sizes(2 * nodes, nodes, 0, tips, nodes, met * nodes, 0, 0, (), ())
+
+
+def sizes_of(case: Case) -> Sizes:
+    """Make the cover of step 0 and count. Raises GeometryError where it can't be made."""
+    scene = make_scene(case)
+    cover = cover_of(scene, tuple(map(GrowingCrack.given, case.cracks)))
+    faces = contact_faces(scene, cover)
+    cells = np.unique(cover.lattice.tiles.cell[cover.elements.tile])
+    of_size, n_of_size = np.unique(cover.lattice.cells.size[cells] / QUANTA, return_counts=True)
+    sides = cover.lattice.spacing * of_size[::-1]
+    n_points = np.bincount(faces.surface, minlength=len(cover.surfaces)).tolist()
+    surfaces = tuple(
+        SurfacePlan(str(surface.name), n, law.bonded, law.contact is not None, _rough(law))
+        for surface, law, n in zip(cover.surfaces, scene.laws, n_points, strict=True)
+    )
+    return Sizes(
+        n_dofs=cover.n_dofs,
+        n_patches=len(cover.patches.nodes),
+        n_singular=sum(tip.carriers.n for tip in cover.tips),
+        n_tips=len(cover.tips),
+        n_elements=cover.elements.n,
+        n_products=int((cover.functions_on(np.arange(cover.elements.n)).counts ** 2).sum()),
+        n_contact=len(faces.surface),
+        n_multipliers=n_constraints_of(scene, cover),
+        surfaces=surfaces,
+        scene_warnings=(*scene_warnings(scene, cover), *unbalanced_loads(scene, cover), *dry_joints(scene, cover)),
+        n_gathered=sum(tip.carriers.gathered for tip in cover.tips),
+        cells=tuple(zip(sides.tolist(), n_of_size[::-1].tolist(), strict=True)),
+    )
+
+
+def _rough(law: SurfaceLaw) -> bool:
+    """Whether the faces of a surface bear shear; once they have slipped, too."""
+    contact = law.contact
+    return contact is not None and max(contact.friction, contact.residual_friction, contact.cohesion) > 0.0
+
+
 def cost_of(case: Case) -> Cost:
     """What a run of the case takes; its cover is made for that, unless that takes long. Raises GeometryError."""
     return estimated_cost(case, sizes_of(case) if estimated_nodes(case) < MOST_LAID_OUT else guessed_sizes(case))
@@ -78,7 +188,7 @@ def estimated_cost(case: Case, sizes: Sizes) -> Cost:
 
 
 def terms_of(case: Case, sizes: Sizes) -> tuple[Floats, Floats]:
-    """The values of TERMS and of MEMORY_TERMS.
+    """The values of the terms of time and of memory in cost.json.
 
     First steps and those of stages begin anew; each of growth makes new cells where tips advance, and takes the rest
     over. All of it is done once more, in part, on the companion mesh where errors are measured.

@@ -24,9 +24,9 @@ from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 
 from crackgrow.arrays import Floats
-from crackgrow.case.features import line_length
 from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
 from crackgrow.case.on_map import case_on_map
+from crackgrow.case.segments import line_length
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import component_text, extent, length_unit

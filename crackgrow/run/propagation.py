@@ -18,8 +18,8 @@ import shapely
 
 from crackgrow.accuracy.companion import End
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.meetings import scene_size
 from crackgrow.case.surface import end_word
+from crackgrow.case.touching import scene_size
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Segment, Start, advanced, started, without_tip

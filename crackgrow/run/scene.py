@@ -12,8 +12,8 @@ import shapely
 from crackgrow.accuracy.companion import BY_HAND, Grading
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case import model
-from crackgrow.case.features import Length, rim_lengths
 from crackgrow.case.formula import component_at
+from crackgrow.case.sizing import Length, rim_lengths
 from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
@@ -256,6 +256,7 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
     names = numbered([support.surface for support in supports])
     held = [support.region for support in case.supports if not isinstance(support, model.PointSupport)]
     loaded = [load.region for load in case.loads if isinstance(load, model.EdgeLoad)]
+    rims = {body.name: [ring.points for ring in body.rings] for body in case.bodies}
     joined = ((interface.bodies, interface.lines) for interface in case.interfaces)
     return Scene(
         case=case,
@@ -266,7 +267,7 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
         interfaces=tuple(interfaces),
         foundations=tuple(Foundation(name, each.region) for name, each in zip(names, supports, strict=True)),
         crack_bodies=crack_bodies,
-        lengths=tuple(rim_lengths(case.bodies, joined, held, loaded, case.origin)),
+        lengths=tuple(rim_lengths(rims, joined, held, loaded, case.origin)),
         laws=(
             *(surface_law(case, crack.contact, crack.body) for crack in case.cracks),
             *(surface_law(case, interface.contact, *interface.bodies) for interface, _ in lines),

@@ -11,10 +11,9 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.changes import changes_of
-from crackgrow.case.features import line_length
 from crackgrow.case.formula import component_at
-from crackgrow.case.meetings import scene_size
-from crackgrow.case.snapping import SNAP
+from crackgrow.case.segments import line_length
+from crackgrow.case.touching import SNAP, scene_size
 from crackgrow.case.toughness import BY_K, shear_radius
 from crackgrow.case.units import Metres, place_text
 from crackgrow.cover.cover import Cover

@@ -20,10 +20,11 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.accuracy import AUTO, cells_along
-from crackgrow.case.features import SHARP_KINK, Kind, line_length, stretches
+from crackgrow.case.accuracy import AUTO, Kind, cells_along
 from crackgrow.case.formula import component_at
 from crackgrow.case.model import ContactSupport, EdgeLoad, EdgeSupport, FluidPressure, PointForce
+from crackgrow.case.segments import line_length
+from crackgrow.case.sizing import SHARP_KINK, stretches
 from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.refinement import SizeField
 from crackgrow.cover.shapes import CrackGeometry, body_index

@@ -18,8 +18,7 @@ from scipy.optimize import nnls
 from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.plan.cost import MEMORY_TERMS, TERMS, cost_of, terms_of
-from crackgrow.plan.sizes import sizes_of
+from crackgrow.plan.cost import cost_of, sizes_of, terms_of
 from tests.benchmarks.tables import HERE, ROOT, renew_table
 from tests.benchmarks.tables import table as markdown
 
@@ -68,11 +67,12 @@ def main() -> None:
         found.append(taken(scene))
         print(*scene, *found[-1], flush=True)
     terms = [terms_of(case, sizes_of(case)) for case in cases]
-    table: dict[str, object] = {"terms": TERMS, "memory_terms": MEMORY_TERMS}
+    file = ROOT / "crackgrow" / "plan" / "cost.json"
+    table = json.loads(file.read_text(encoding="utf-8"))
     for k, value in enumerate(("seconds", "memory")):  # none negative, of least relative error
         A, b = np.array([both[k] for both in terms]), np.array([both[k] for both in found])
         table[value] = [float(f"{constant:.3g}") for constant in nnls(A / b[:, None], np.ones(len(b)))[0]]
-    (ROOT / "crackgrow" / "plan" / "cost.json").write_text(f"{json.dumps(table, indent=1)}\n", encoding="utf-8")
+    file.write_text(f"{json.dumps(table, indent=1)}\n", encoding="utf-8")
     lines = []
     for (name, settings), case, (seconds, memory) in zip(scenes, cases, found, strict=True):
         told = cost_of(case)

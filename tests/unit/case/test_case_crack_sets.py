@@ -232,7 +232,12 @@ def test_what_is_no_line_is_left_out_and_told(tmp_path: Path):
 
 # --- attributes ------------------------------------------------------------------------------------------------------
 
-ATTRIBUTES = [{"set": "J1", "id": 4}, {"set": "J2", "id": 5.0}, {"set": "J3", "id": None}, {"set": "J1", "id": "a/b"}]
+ATTRIBUTES = [
+    {"set": "J1", "id": 4, "note": "seen"},
+    {"set": "J2", "id": 5.0},
+    {"set": "J3", "id": None},
+    {"set": "J1", "id": "a/b"},
+]
 
 
 def with_attributes(folder: Path) -> None:
@@ -259,6 +264,8 @@ def test_attributes_choose_lines_name_them_and_give_laws(tmp_path: Path):
     assert one.name == "joints-1"
     open_ = of_file(tmp_path, "map.geojson", {}, contact_by={"set": {"J1": "none", "J3": smooth}})
     assert [crack.contact and crack.contact.friction for crack in open_.cracks] == [None, 0.3, 0.1, None]
+    without = of_file(tmp_path, "map.geojson", {}, contact_by={"note": {"": smooth}})  # an attribute that some have
+    assert [crack.contact.friction for crack in without.cracks] == [0.3, 0.1, 0.1, 0.1]
 
 
 def test_a_projected_system_and_a_shift_are_taken(tmp_path: Path):

@@ -11,8 +11,8 @@ import shapely
 
 import crackgrow
 from crackgrow.case import Case, dump_case
-from crackgrow.case.meetings import meeting_places
-from crackgrow.plan.sizes import sizes_of
+from crackgrow.case.segments import meeting_places
+from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
     EVERYTHING,
     MATERIAL,
@@ -147,6 +147,12 @@ MAIN: Line = ([[-2, 0], [2, 0]], "both")
 KINKED: Line = ([[-2, 0], [0, 0], [2, 1]], "both")
 SHORT: Line = ([[-2, 0], [2, 0]], "start")
 
+
+def places_of(case: Case) -> np.ndarray:
+    """Where cracks meet, (n, 2) m."""
+    return meeting_places([crack.points for crack in case.cracks], TOLERANCE)
+
+
 MEETINGS: dict[str, tuple[dict[str, Line], list[list[float]]]] = {
     "X": ({"a": MAIN, "b": ([[0, -1], [0, 1]], "both")}, [[0, 0]]),
     "X at vertices": ({"a": KINKED, "b": ([[0, -1], [0, 0], [0, 1]], "both")}, [[0, 0]]),
@@ -183,7 +189,7 @@ MEETINGS: dict[str, tuple[dict[str, Line], list[list[float]]]] = {
 def test_cracks_may_meet(name: str, tmp_path: Path):
     cracks, places = MEETINGS[name]
     case = load(tmp_path, plate(**cracks))
-    found = meeting_places(case)
+    found = places_of(case)
     np.testing.assert_allclose(found[np.lexsort(found.T[::-1])], np.reshape(places, (-1, 2)), atol=TOLERANCE)
     assert [crack.points.tolist() for crack in case.cracks] == [points for points, _ in cracks.values()]
 
@@ -215,7 +221,7 @@ def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: fl
     case = load(tmp_path, scene)
     np.testing.assert_allclose(case.cracks[1].points, [0.3 * along, points[1]], atol=1e-15)
     assert case.moved == ()  # no farther than rounding may be
-    assert len(meeting_places(case)) == 1
+    assert len(places_of(case)) == 1
 
 
 def test_cracks_within_the_tolerance_over_a_length_lie_along_each_other(tmp_path: Path):
@@ -231,7 +237,7 @@ def test_many_cracks_through_one_place_meet_once(tmp_path: Path):
         way = np.array([np.cos(angle), np.sin(angle)])
         near = np.array([0.3, 0.7]) + 0.5 * TOLERANCE * rng.uniform(-HALF, HALF, 2)
         cracks[f"c{k}"] = ([(near - k % 2 * way).tolist(), (near + 2 * way).tolist()], "both" if k % 2 else "end")
-    (place,) = meeting_places(load(tmp_path, plate(**cracks)))
+    (place,) = places_of(load(tmp_path, plate(**cracks)))
     np.testing.assert_allclose(place, [0.3, 0.7], atol=10 * TOLERANCE)
 
 
@@ -243,7 +249,7 @@ def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
     scene = plate(**{f"c{k}": ([starts[k].tolist(), ends[k].tolist()], "both") for k in range(400)})
     lines = [shapely.LineString(pair) for pair in zip(starts, ends, strict=True)]
     crossings = [a.intersection(b) for k, a in enumerate(lines) for b in lines[:k] if a.intersects(b)]
-    expected, found = np.array([(point.x, point.y) for point in crossings]), meeting_places(load(tmp_path, scene))
+    expected, found = np.array([(point.x, point.y) for point in crossings]), places_of(load(tmp_path, scene))
     assert len(expected) > 10
     np.testing.assert_allclose(
         found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-12

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ import pytest
 from crackgrow.case.formula import DEEPEST, LONGEST, CoordinateFormula, FormulaError, parse_formula
 from crackgrow.case.units import Metres, QuantityError, Units, parse_number, parse_quantity, place_text
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import compression
+from tests.unit.case.scenes import compression, fault, load, rectangle, with_body
 
 MM = Units("mm", "MPa")
 
@@ -158,6 +159,18 @@ def test_formula_in_a_case(given: str, text: str):
     x, y = case.supports[2].displacement
     assert (x.text, y) == (text, None)
     assert case.resolved["supports"][2]["displacement"] == {"x": text}
+
+
+def test_formulas_of_a_map_need_values_in_the_rock_alone(tmp_path: Path):
+    """x and y are those of the map: log(x - 399.99) has values right of x = 399.99 m."""
+    scene = {**with_body(rectangle(400, 800, 10, 10)), "units": {"length": "m", "origin": [400, 800]}}
+    for x, told in ((399.99, ""), (405, "has no finite value at (400 m, 800 m)")):
+        held = {"x": 0, "y": f"1e-6*log(x - {x})"}
+        scene["supports"] = [{"on": {"body": "rock", "edge": "bottom"}, "displacement": held}]
+        if told:
+            assert fault(tmp_path, scene)[1] == told
+        else:
+            assert load(tmp_path, scene).supports[0].displacement[1](np.zeros((1, 2))) == [1e-6 * np.log(400 - x)]
 
 
 @pytest.mark.parametrize(

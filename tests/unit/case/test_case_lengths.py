@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +11,9 @@ import pytest
 import crackgrow
 from crackgrow.arrays import Floats
 from crackgrow.case import dump_case, load_case
-from crackgrow.case.accuracy import REFINED_AT, TARGETS, automatic_spacing, cells_along
-from crackgrow.case.features import Kind, Length, feature_lengths
-from crackgrow.plan.overview import overview
+from crackgrow.case.accuracy import REFINED_AT, TARGETS, Kind, cells_along
+from crackgrow.case.sizing import Length, automatic_spacing, feature_lengths
+from crackgrow.plan.text import overview
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import COMPRESSION, MATERIAL, NAMES, compression, fault, joint, load
 
@@ -169,17 +168,6 @@ L_SHAPE = [[0.0, 0.0], [12.0, 0.0], [12.0, 2.0], [2.0, 2.0], [2.0, 12.0], [0.0, 
 V_NOTCHED = [[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0], [-10.0, 1.0], [-8.0, 0.0], [-10.0, -1.0]]
 
 
-@dataclass(frozen=True)
-class _Ring:
-    points: Floats
-
-
-@dataclass(frozen=True)
-class _Body:
-    rings: list[_Ring]
-    name: str = "rock"
-
-
 def circle(n: int, radius: float = 2.0, x: float = 0.0, scatter: float = 0.0) -> Floats:
     """A hole (n, 2) round (x, 0), which lies on the right of its outline; `scatter` makes radii and angles uneven."""
     rng = np.random.default_rng(7)
@@ -192,7 +180,7 @@ def circle(n: int, radius: float = 2.0, x: float = 0.0, scatter: float = 0.0) ->
 
 def shortest(kind: Kind, *rings: Any) -> float:
     """The shortest length of a kind that a body with these rings has, inf if none."""
-    lengths = feature_lengths(_Body([_Ring(np.asarray(ring, dtype=float)) for ring in rings]))
+    lengths = feature_lengths("rock", [np.asarray(ring, dtype=float) for ring in rings])
     return min((length.metres for length in lengths if length.kind == kind), default=np.inf)
 
 

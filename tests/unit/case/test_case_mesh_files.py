@@ -168,6 +168,21 @@ def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path):
     assert edges == {"both_ends-1": [0], "both_ends-2": [2]}
 
 
+def test_groups_are_known_by_number_and_holes_are_in_the_order_of_cells(tmp_path: Path):
+    """Of two holes the first one is that beside the first cell, however large it is."""
+    mesh, gone = block(), {(2, 2), (5, 2), (5, 3)}
+    centres = mesh.points[mesh.cells[0].data].mean(axis=1).astype(int)[:, :2].tolist()
+    left = [cell for cell, place in zip(mesh.cells[0].data, centres, strict=True) if tuple(place) not in gone]
+    cells = [("triangle", left), *((cells.type, cells.data) for cells in mesh.cells[1:])]
+    data = [np.full(len(left), 1), *mesh.cell_data["gmsh:physical"][1:]]
+    tags = {"gmsh:physical": data, "gmsh:geometrical": data}
+    mesh = meshio.Mesh(mesh.points, cells, cell_data=tags, field_data=mesh.field_data)
+    read = read_mesh(write(mesh, tmp_path / "a.msh"))
+    _, *holes = read.outline("1")[0]
+    assert [hole.min(axis=0).tolist() for hole in holes] == [[2, 2], [5, 2], [8, 3]]
+    assert read.path("4").tolist() == read.path("kinked").tolist() == [[2, 1], [4, 3], [5, 3]]
+
+
 def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path):
     mesh = with_lines(np.full(len(block().cells[2].data), 1))
     with pytest.raises(ContentError, match="has a curve 'bottom' that branches, closes or is in several parts"):

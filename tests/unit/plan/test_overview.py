@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.plan.overview import estimated_nodes, overview
+from crackgrow.plan.cost import estimated_nodes
+from crackgrow.plan.text import overview
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import EVERYTHING, load, rectangle, with_body
 

@@ -10,8 +10,7 @@ import pytest
 from crackgrow import cli
 from crackgrow.case import Case
 from crackgrow.plan import cost
-from crackgrow.plan.cost import cost_of, estimated_cost
-from crackgrow.plan.sizes import Sizes, guessed_sizes, sizes_of
+from crackgrow.plan.cost import Sizes, cost_of, estimated_cost, guessed_sizes, sizes_of
 from crackgrow.plan.text import plan_text
 from crackgrow.run import grow
 from tests.scenes import shipped_case

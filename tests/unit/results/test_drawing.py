@@ -11,7 +11,7 @@ from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Annotation
 
 from crackgrow.case import Case
-from crackgrow.plan.sizes import squares_of
+from crackgrow.plan.cost import squares_of
 from crackgrow.results import signs
 from crackgrow.results.drawing import draw_scene
 from crackgrow.results.places import size_of

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.image import imread
 
 from crackgrow.case import Case
-from crackgrow.plan.sizes import squares_of
+from crackgrow.plan.cost import squares_of
 from crackgrow.results import drawn_frame, field_picture, figures
 from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from crackgrow.case import load_case
-from crackgrow.case.features import line_length
+from crackgrow.case.segments import line_length
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import Ripple
 from crackgrow.fracture.advance import GrowingCrack

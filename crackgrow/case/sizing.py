@@ -1,29 +1,26 @@
-"""The lengths of a scene that a lattice must resolve: holes, notches and corners, bridges of rock, parts of edges.
+"""The automatic spacing of a scene, and the lengths that it follows from: cracks, holes, corners, bridges of rock.
 
 A curve given as many short sides counts by its radius, and what an outline does over less than ROUGHNESS is not seen.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final, Literal, Protocol
+from typing import Final
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from shapely.ops import substring
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.accuracy import AUTO, LEVELS_OF_SPACING, REFINED_AT, Kind, cells_along
+from crackgrow.case.layout import Scene, named, points_of
 from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.segments import line_length
 from crackgrow.case.units import place_text
 from crackgrow.vectors import cross
-
-Kind = Literal[
-    "tip", "stretch", "kink", "end", "room", "increment", "radius", "width", "feature", "bridge", "distance",
-    "support", "load",
-]  # fmt: skip
 
 ROUGHNESS: Final = 0.01  # shallower or shorter details, over the width of the ring that they are part of, are none
 SHARP: Final = np.deg2rad(30.0)  # a ring that turns by more at a vertex has a corner there, by less it is a curve
@@ -31,6 +28,7 @@ SHARP_KINK: Final = np.deg2rad(10.0)  # a crack that turns by less at a vertex i
 NARROWER: Final = 0.8  # corners and curves of a hole count beside its width where they are smaller by this factor
 SAME_PLACE: Final = 1e-9  # over the length of a ring: parts of it that are no farther apart are one
 IN_ROCK: Final = 0.99  # part of a bridge that must lie in rock: its ends lie on the boundary but for rounding
+SPACED_BY: Final = ("bodies", "cracks", "growth", "supports", "loads")  # what an automatic spacing follows from
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,25 +41,77 @@ class Length:
     where: shapely.Geometry | None = None  # m, parts of rims that it is of; None where it is of no rim
 
 
-class Ring(Protocol):
-    """A closed line with rock on its left: corners (n, 2) m, not closed."""
-
-    @property
-    def points(self) -> Floats: ...
+Rims = Mapping[str, Sequence[Floats]]
+"""By name of a body its rings, closed lines with rock on their left: corners (n, 2) m of the outline, then of holes."""
 
 
-class Outlined(Protocol):
-    """A body, as far as its shape goes: its name, its outline and then its holes."""
+def settle_spacing(scene: Scene) -> None:
+    """Give an automatic spacing its number and its rule; a rule of an earlier case stays where it still holds.
 
-    @property
-    def name(self) -> str: ...
+    Cells are refined as accuracy asks where the spacing is automatic or a target is a number, else by hand.
+    """
+    given = scene.get("numerics", "spacing")
+    accuracy = scene.get("numerics", "accuracy")
+    if given is None:
+        return
+    if not (accuracy and scene.bodies and all(scene.report.sound(key) for key in SPACED_BY)):
+        if given == AUTO:
+            scene.report.doubt(("numerics", "spacing"))  # the faults of what it depends on are reported
+        return
+    numerics = scene.resolved["numerics"]
+    spacing, rule, refine = given, "", numerics["refine"] if isinstance(numerics["refine"], dict) else {}
+    if given == AUTO or "auto_rule" in numerics:
+        refined = [kind for key in REFINED_AT if refine.get(key, AUTO) == AUTO for kind in REFINED_AT[key]]
+        spacing, rule = automatic_spacing(accuracy, _lengths(scene), refined)
+    followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
+    rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
+    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
+    levels = dict.fromkeys(REFINED_AT, AUTO if followed or not isinstance(accuracy, str) else 0)
+    rest["refine"] = {**levels, **refine}
+    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
 
-    @property
-    def rings(self) -> Sequence[Ring]: ...
+
+def _lengths(scene: Scene) -> Iterator[Length]:
+    """Every length of the scene that the lattice must resolve."""
+    for name, crack in named(scene.resolved, "cracks").items():
+        points = points_of(crack["path"])
+        if line_length(points) > 0.0:
+            yield Length("tip", line_length(points), f"length of crack '{name}'")
+            kinks, parts = stretches(points)
+            if len(kinks):
+                yield Length("stretch", float(parts.min()), f"shortest part between kinks of crack '{name}'")
+    for body in scene.bodies.values():
+        yield Length("width", float(body.extent.min()), f"smaller side of body '{body.name}'")
+    rims = {name: [ring.points for ring in body.rings] for name, body in scene.bodies.items()}
+    supported = [region for key, region in scene.regions.items() if key[0] == "supports"]
+    loaded = [region for key, region in scene.regions.items() if key[0] == "loads"]
+    yield from rim_lengths(rims, scene.shared.items(), supported, loaded, scene.units.origin or (0.0, 0.0))
+    increment = scene.get("growth", "increment")
+    if increment is not None:
+        yield Length("increment", increment, "growth.increment")
+    for body_name, key, radius in scene.averaging_radii():
+        by = key[-1].replace("_", " ")
+        what = ".".join(key) if body_name is None else f"averaging radius by the {by} of body '{body_name}'"
+        yield Length("radius", radius, what)
+
+
+def automatic_spacing(
+    accuracy: str | float, lengths: Iterable[Length], refined: Container[Kind] = ()
+) -> tuple[float, str]:
+    """The spacing (m) that resolves every one of the lengths, of which there is one at least, and what gave it.
+
+    At lengths of the kinds `refined` cells are refined.
+    """
+    found = []
+    for length in lengths:
+        n, levels = cells_along(length.kind, accuracy), LEVELS_OF_SPACING if length.kind in refined else 0
+        rule = f"{length.what} / {n:g}" + (f" x 2^{levels}" if levels else "")
+        found.append((2**levels * length.metres / n, rule))
+    return min(found)
 
 
 def rim_lengths(
-    bodies: Sequence[Outlined],
+    rims: Rims,
     interfaces: Iterable[tuple[tuple[str, str], Sequence[Floats]]],
     supported: Sequence[EdgeRegion],
     loaded: Sequence[EdgeRegion],
@@ -71,51 +121,53 @@ def rim_lengths(
 
     origin: m, on the map on which places are told
     """
-    for body in bodies:
-        yield from feature_lengths(body, origin)
-    yield from part_lengths("support", bodies, supported, "supported")
-    yield from part_lengths("load", bodies, loaded, "loaded")
+    for body, rings in rims.items():
+        yield from feature_lengths(body, rings, origin)
+    yield from _part_lengths("support", "supported", rims, supported)
+    yield from _part_lengths("load", "loaded", rims, loaded)
     for (first, second), lines in interfaces:
         what = f"interface between bodies '{first}' and '{second}'"
         yield from (Length("support", line_length(line), what, shapely.LineString(line)) for line in lines)
 
 
-def feature_lengths(body: Outlined, origin: tuple[float, float] = (0.0, 0.0)) -> Iterator[Length]:
+def feature_lengths(body: str, rings: Sequence[Floats], origin: tuple[float, float] = (0.0, 0.0)) -> Iterator[Length]:
     """Widths of the holes of a body, notches and re-entrant corners, and the rock between its rings and corners."""
-    rings = [ring.points for ring in body.rings]
     lines = np.array([shapely.LinearRing(ring) for ring in rings], dtype=object)
-    widths = [_width(line) for line in lines]
-    for number, width in enumerate(widths[1:]):
-        yield Length("feature", width, f"width of hole{number} of body '{body.name}'", lines[number + 1])
-    for apart, pair in _nearest_rings(lines):
-        what = f"rock between {' and '.join(map(_ring_name, pair))} of body '{body.name}'"
-        yield Length("bridge", apart, what, _ends(shapely.shortest_line(*lines[list(pair)])))
+    names, widths = _names(rings), [_width(line) for line in lines]
+    for name, width, line in zip(names[1:], widths[1:], lines[1:], strict=True):
+        yield Length("feature", width, f"width of {name} of body '{body}'", line)
+    pairs, distances = shapely.STRtree(lines).query_nearest(lines, exclusive=True, return_distance=True)
+    nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
+    for (first, second), apart in sorted(nearest.items()):
+        what = f"rock between {names[first]} and {names[second]} of body '{body}'"
+        yield Length("bridge", apart, what, _ends(shapely.shortest_line(lines[first], lines[second])))
     region = shapely.Polygon(rings[0], rings[1:])
     shapely.prepare(region)
-    for number, (line, width) in enumerate(zip(lines, widths, strict=True)):
+    for name, line, width in zip(names, lines, widths, strict=True):
         shape = _simplified(line, ROUGHNESS * width)
-        least, most = ROUGHNESS * width, NARROWER * width if number else np.inf
-        where = f"{_ring_name(number)} of body '{body.name}'"
+        least, most = ROUGHNESS * width, np.inf if line is lines[0] else NARROWER * width
+        where = f"{name} of body '{body}'"
         yield from (length for length in _corner_lengths(shape, least, where, origin) if length.metres < most)
         yield from _bridges(shape, region, least, where, origin)
 
 
-def part_lengths(kind: Kind, bodies: Iterable[Outlined], regions: Sequence[EdgeRegion], verb: str) -> Iterator[Length]:
+def _part_lengths(kind: Kind, verb: str, rims: Rims, regions: Sequence[EdgeRegion]) -> Iterator[Length]:
     """Lengths of the parts of edges that `regions` cover; parts that follow each other along a ring are one.
 
     verb: what is done to them, such as "loaded"
     """
-    for body in bodies:
-        mine = [region for region in regions if region.body == body.name]
+    for body, rings in rims.items():
+        mine = [region for region in regions if region.body == body]
         first_side = 0
-        for number, ring in enumerate(body.rings):
-            lengths = np.hypot(*(np.roll(ring.points, -1, axis=0) - ring.points).T)
+        for name, ring in zip(_names(rings), rings, strict=True):
+            lengths = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
             places = [places for region in mine for places in _intervals(region, first_side, lengths)]
             first_side += len(lengths)
-            covered = _united(sorted(places), float(lengths.sum()))
-            for start, end in covered:
-                what = f"{verb} part of {_ring_name(number)} of body '{body.name}'"
-                yield Length(kind, end - start, what, _part(ring.points, start, end - start))
+            twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))  # a part may lead past the first corner
+            for start, end in _united(sorted(places), float(lengths.sum())):
+                begin = start + 0.5 * twice.length
+                part = substring(twice, begin, begin + (end - start))
+                yield Length(kind, end - start, f"{verb} part of {name} of body '{body}'", part)
 
 
 def stretches(line: Floats) -> tuple[Ints, Floats]:
@@ -127,34 +179,14 @@ def stretches(line: Floats) -> tuple[Ints, Floats]:
     return sharp, np.diff(along[np.concatenate([[0], sharp, [len(line) - 1]])])
 
 
-def line_length(line: Floats) -> float:
-    """Length (m) of a polyline (n, 2), 0 of fewer than two points."""
-    return float(np.hypot(*np.diff(line, axis=0).T).sum())
-
-
 def _ends(link: shapely.LineString) -> shapely.MultiPoint:
     """Both ends of a line between two rims."""
     return shapely.MultiPoint(shapely.get_coordinates(link))
 
 
-def _part(ring: Floats, start: float, length: float) -> shapely.Geometry:
-    """A part of a ring (n, 2) from an arc length on: a negative one where it leads past the first corner."""
-    twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))
-    begin = start + 0.5 * twice.length
-    return substring(twice, begin, begin + length)
-
-
-def _ring_name(number: int) -> str:
-    return f"hole{number - 1}" if number else "the outline"
-
-
-def _nearest_rings(lines: NDArray[np.object_]) -> Iterator[tuple[float, tuple[int, int]]]:
-    """The outline, lines[0], and the holes: each pair of which one is nearest to the other, and the distance (m)."""
-    if len(lines) < 2:
-        return
-    pairs, distances = shapely.STRtree(lines).query_nearest(lines, exclusive=True, return_distance=True)
-    nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
-    yield from ((apart, (first, second)) for (first, second), apart in sorted(nearest.items()))
+def _names(rings: Sequence[Floats]) -> list[str]:
+    """What an outline and holes are called."""
+    return ["the outline", *(f"hole{number}" for number in range(len(rings) - 1))]
 
 
 def _width(line: shapely.LinearRing) -> float:

@@ -1,0 +1,185 @@
+"""Bodies that touch: corners that nearly meet are brought together, then overlaps and common boundaries are found.
+
+How near that is follows from the size of the scene alone, so that a scene is the same at every lattice spacing. Lengths
+typed with six digits meet.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from typing import Final
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from crackgrow.arrays import Floats, Ints
+from crackgrow.case.model import Case, Move
+from crackgrow.case.shapes import BodyShape, DrawnRing, body_shape, frozen
+
+SNAP: Final = 1e-5  # parts of the scene's size: what comes nearer touches
+ITS_OWN: Final = 0.01  # the same, of the sides or segments that move with a point: they turn by less than half a degree
+ROUND_OFF: Final = 4.0 * np.finfo(float).eps  # of the largest coordinate: nearer places are one already
+
+
+def size_of(points: Floats) -> float:
+    """Diameter (m) of the least circle round points (n, 2): however they are turned, it is the same."""
+    return 2.0 * float(shapely.minimum_bounding_radius(shapely.MultiPoint(points)))
+
+
+def scene_size(case: Case) -> float:
+    """Diameter (m) of the least circle round all bodies."""
+    return size_of(np.concatenate([body.outline for body in case.bodies]))
+
+
+def round_off(points: Floats) -> float:
+    """Distance (m) below which places with coordinates like those of `points` (n, 2) are one."""
+    return float(ROUND_OFF * np.abs(points).max(initial=0.0))
+
+
+def snapped_bodies(bodies: list[BodyShape], reach: float) -> tuple[list[BodyShape], list[Move]]:
+    """The bodies with common corners where they touch, and the corners that moved.
+
+    A corner moves onto one of an earlier body within `reach` (m). A side gets a corner where one of another body lies
+    within the reach of it: it moves there, and two bodies share their corners to the last bit.
+    """
+    done: list[BodyShape] = []
+    moves: list[Move] = []
+    for body in bodies:
+        done.append(_with_corners_on(body, done, reach, moves) if done else body)
+    return [_with_corners_of(body, done, reach, moves) for body in done], moves
+
+
+def _corners_of(bodies: Sequence[BodyShape]) -> tuple[Floats, NDArray[np.object_]]:
+    """All corners (n, 2) of bodies, and the name (n,) of the body of each."""
+    owners = [body.name for body in bodies for _ in body.corners]
+    return np.concatenate([np.zeros((0, 2)), *(body.corners for body in bodies)]), np.array(owners, dtype=object)
+
+
+def _move(what: str, onto: str, distance: float, place: Floats) -> Move:
+    return Move(what, onto, float(distance), (float(place[0]), float(place[1])))
+
+
+def _with_corners_on(body: BodyShape, bodies: list[BodyShape], reach: float, moves: list[Move]) -> BodyShape:
+    """The body with those of its corners on corners of other bodies that are near to these."""
+    known, owners = _corners_of(bodies)
+    tree, rings = shapely.STRtree(shapely.points(known)), []
+    for ring in body.rings:
+        onto = tree.nearest(shapely.points(ring.points))
+        distance = np.hypot(*(known[onto] - ring.points).T)
+        sides = np.hypot(*(np.roll(ring.points, -1, axis=0) - ring.points).T)
+        near = distance <= np.minimum(reach, ITS_OWN * np.minimum(sides, np.roll(sides, 1)))
+        rings.append(replace(ring, points=frozen(np.where(near[:, None], known[onto], ring.points))))
+        for k in np.flatnonzero(near):
+            what = f"a corner of body '{body.name}'"
+            moves.append(_move(what, f"one of body '{owners[onto[k]]}'", distance[k], known[onto[k]]))
+    return body_shape(body.name, rings)
+
+
+def _with_corners_of(body: BodyShape, bodies: list[BodyShape], reach: float, moves: list[Move]) -> BodyShape:
+    """The body with a corner wherever one of another body lies beside a side of it, not beside a corner of its own."""
+    known, owners = _corners_of([other for other in bodies if other is not body])
+    same = round_off(known)
+    away = shapely.distance(shapely.multipoints(body.corners), shapely.points(known)) > same
+    known, owners = known[away], owners[away]
+    tree, rings = shapely.STRtree(shapely.points(known)), []
+    for ring in body.rings:
+        sides = ring.sides
+        lines = shapely.linestrings(sides)
+        which, corner = tree.query(lines, predicate="dwithin", distance=reach)
+        distance = shapely.distance(lines[which], shapely.points(known[corner]))
+        step = sides[which, 1] - sides[which, 0]
+        along, length = np.sum((known[corner] - sides[which, 0]) * step, axis=1), np.hypot(*step.T)
+        beside = (along > 0.0) & (along < length**2) & (distance > same) & (distance < ITS_OWN * length)
+        order = np.lexsort((along, which))
+        order = order[beside[order]]
+        rings.append(_with_corners(ring, which[order], known[corner[order]]))
+        for k in order:
+            what = f"a corner of body '{owners[corner[k]]}'"
+            moves.append(_move(what, f"a side of body '{body.name}'", distance[k], known[corner[k]]))
+    return body_shape(body.name, rings)
+
+
+def _with_corners(ring: DrawnRing, side: Ints, corners: Floats) -> DrawnRing:
+    """A ring with corners (n, 2) more, on the sides (n,), in order along it; equal ones once."""
+    new = np.ones(len(side), dtype=bool)
+    new[1:] = (side[1:] != side[:-1]) | np.any(corners[1:] != corners[:-1], axis=1)
+    side = side[new]
+    names = np.array(ring.edge_names, dtype=object)
+    return replace(
+        ring,
+        points=frozen(np.insert(ring.points, side + 1, corners[new], axis=0)),
+        edge_names=tuple(np.insert(names, side + 1, names[side]).tolist()),
+        drawn=np.insert(ring.drawn, side + 1, ring.drawn[side]),
+    )
+
+
+def close_pairs(bodies: list[BodyShape], tolerance: float) -> list[tuple[int, int]]:
+    """Return the pairs of bodies that come within the tolerance, in order."""
+    polygons = np.array([body.polygon for body in bodies], dtype=object)
+    found = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=tolerance)
+    return sorted((first, second) for first, second in found.T.tolist() if first < second)
+
+
+def overlap(first: BodyShape, second: BodyShape, tolerance: float) -> Floats | None:
+    """Return a point `(2,) float` of a common part that is wider than the tolerance, None if there is none."""
+    for part in shapely.get_parts(first.polygon.intersection(second.polygon)):
+        if part.area > tolerance * part.length:  # of a thin part of width w and length l: w l > tolerance 2 (w + l)
+            return np.array(part.representative_point().coords[0])
+    return None
+
+
+def shared_lines(first: BodyShape, second: BodyShape, tolerance: float) -> tuple[Floats, ...]:
+    """Return the boundary that two bodies share: open polylines `(n, 2) float`, the first body on their left.
+
+    They have a vertex at every corner of both; a closed one comes as two. Parts of sides count as shared where they lie
+    within the tolerance of a side of the other body.
+    """
+    boundary = second.polygon.boundary
+    shapely.prepare(boundary)
+    lines: list[list[Floats]] = []
+    for ring in first.rings:
+        near = shapely.dwithin(shapely.linestrings(ring.sides), boundary, tolerance)
+        parts = [part for side in ring.sides[near] for part in pairwise(divided(side, second.corners, tolerance))]
+        pieces = [(start, end) for (_, start), (_, end) in parts if lies_on(boundary, start, end, tolerance)]
+        lines += _chained(pieces, tolerance)
+    return tuple(frozen(line) for line in lines)
+
+
+def divided(side: Floats, corners: Floats, tolerance: float) -> list[tuple[float, Floats]]:
+    """The ends of a side (2, 2) and the corners (n, 2) that lie on it, in order, with their shares of its length."""
+    step = side[1] - side[0]
+    length = float(np.hypot(*step))
+    along = (corners - side[0]) @ step / (step @ step)
+    off = np.hypot(*(corners - side[0] - np.clip(along, 0.0, 1.0)[:, None] * step).T)
+    found = [(0.0, side[0])]
+    on_it = np.flatnonzero(off <= tolerance)
+    for k in on_it[np.argsort(along[on_it], kind="stable")].tolist():
+        if (along[k] - found[-1][0]) * length > tolerance and (1.0 - along[k]) * length > tolerance:
+            found.append((float(along[k]), corners[k]))
+    return [*found, (1.0, side[1])]
+
+
+def lies_on(boundary: shapely.Geometry, start: Floats, end: Floats, tolerance: float) -> bool:
+    """Whether a part of a side that no corner divides lies on a boundary, and does not only end on it."""
+    return bool(shapely.dwithin(boundary, shapely.Point(0.5 * (start + end)), tolerance))
+
+
+def _chained(pieces: list[tuple[Floats, Floats]], tolerance: float) -> list[list[Floats]]:
+    """Join the pieces along one ring, in its order, to polylines; a closed one is halved."""
+    chains: list[list[Floats]] = []
+    for start, end in pieces:
+        if chains and np.hypot(*(start - chains[-1][-1])) <= tolerance:
+            chains[-1].append(end)
+        else:
+            chains.append([start, end])
+    if not chains or np.hypot(*(chains[-1][-1] - chains[0][0])) > tolerance:
+        return chains
+    if len(chains) > 1:  # the ring begins inside of a shared line
+        return [chains[-1] + chains[0][1:], *chains[1:-1]]
+    closed = [*chains[0][:-1], chains[0][0]]
+    lengths = np.cumsum([0.0, *(float(np.hypot(*(b - a))) for a, b in pairwise(closed))])
+    middle = int(np.argmin(np.abs(lengths - lengths[-1] / 2)))
+    return [closed[: middle + 1], closed[middle:]]
