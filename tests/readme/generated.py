@@ -17,8 +17,7 @@ from typing import Final
 from crackgrow.case.accuracy import TARGETS, cells_along
 from crackgrow.case.keys import Key, case_keys
 from crackgrow.case.units import UNITS
-from crackgrow.cli.command_line import command_line
-from crackgrow.cli.parser import GROUPS, commands_of, helps_of
+from crackgrow.cli.command_line import groups
 from crackgrow.cli.reference import FOLDERS, key_entry, sections
 from tests.readme.pictures import draw_all
 
@@ -70,9 +69,9 @@ CELL_RULES: Final = {
 
 def commands() -> str:
     """The commands that matter first with what they do, and the names of the others."""
-    helps = helps_of(commands_of(command_line()))
+    helps = {name: told["what"] for of_group in groups().values() for name, told in of_group.items()}
     rows = table(("command", "what it does"), [[f"`crackgrow {name}`", helps[name]] for name in FIRST])
-    others = [f"`{name}`" for names in GROUPS.values() for name in names if name not in FIRST]
+    others = [f"`{name}`" for name in helps if name not in FIRST]
     return f"{rows}\nAlso {', '.join(others)}.\n"
 
 
