@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -23,38 +23,31 @@ Part = Literal["given", "start", "end", "path"]  # "path": of a file that doesn'
 SLACK = 1e-9  # of a length: a point so close behind a vertex is at it
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class Place(NamedTuple):
     """A point of a path."""
 
-    point: Floats  # (2,) m
+    x: float  # m
+    y: float  # m
     s: float  # m, arc length from the part's root (of a tip), from the start otherwise
     step: int | None  # whose advance made the segment; 0 in the given crack, None if not told
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Deviation:
-    """How far apart two lines are."""
+    """How far apart two lines are, or parts of them that run side by side."""
 
+    length_a: float  # m
+    length_b: float  # m
     hausdorff: float  # m, largest distance of a point of either from the other
     frechet: float  # m, the same for points in the order of the paths: at least the Hausdorff distance
     in_a: Place  # where the Hausdorff distance is
     in_b: Place
+    ends: Floats  # (2, 2) m, where the line begins and ends in A
 
     @property
     def largest(self) -> float:
         """What is held against a tolerance, m."""
         return max(self.hausdorff, self.frechet)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Common:
-    """The part over which two lines run side by side: without what goes on beyond the other's end."""
-
-    length_a: float  # m
-    length_b: float  # m
-    ends: Floats  # (2, 2) m, on A: where the part begins and ends
-    deviation: Deviation
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,21 +60,21 @@ class Pair:
     length_b: float  # m
     whole: Deviation | None  # of the whole lengths; None where a file may hold a part of the path only
     end_distance: float | None  # m, between the tips; None like `whole`
-    common: Common | None  # None where nothing has grown in A or in B, and of given cracks
+    common: (
+        Deviation | None
+    )  # without what goes on beyond the other's end; None where A or B has not grown, or is given
 
     @property
     def deviation(self) -> Deviation:
         """What counts: of the whole lengths, or of the common part where no more is known."""
-        if self.whole is not None:
-            return self.whole
-        if self.common is None:
-            raise ValueError("a pair has a whole or a common part")
-        return self.common.deviation
+        counts = self.whole or self.common
+        assert counts is not None  # a pair has one of them
+        return counts
 
     @property
     def name(self) -> str:
         """The crack and its part, for messages."""
-        return f"{self.crack} {self.part}" if self.crack else self.part
+        return f"{self.crack} {self.part}".strip()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,12 +125,11 @@ class _Stretch:
     def place(self, s: float) -> Place:
         """The point at an arc length from where the stretch begins; its step made the younger end of its segment."""
         at = self.s_from + (s if self.s_to >= self.s_from else -s)
-        along = arc_lengths(self.line.points)
-        step = None
-        if self.line.steps is not None:
-            after = min(int(np.searchsorted(along, at - SLACK * along[-1])), len(along) - 1)
-            step = int(self.line.steps[max(after - 1, 0) : after + 1].max())
-        return Place(point_at(self.line.points, np.array([at]))[0], at, step)
+        along, steps = arc_lengths(self.line.points), self.line.steps
+        after = min(int(np.searchsorted(along, at - SLACK * along[-1])), len(along) - 1)
+        step = None if steps is None else int(steps[max(after - 1, 0) : after + 1].max())
+        x, y = point_at(self.line.points, np.array([at]))[0].tolist()
+        return Place(x, y, at, step)
 
 
 def compare_paths(
@@ -191,18 +183,16 @@ def grown_pairs(a: Path, b: Path) -> list[Pair]:
 
 
 def _tolerance(given: str | float | None, faults: list[Fault]) -> float | None:
+    """A length in m, if one is given; what is wrong with it goes to the faults."""
     if given is None:
         return None
-    text = str(given)
     try:
-        value = parse_quantity(text, "length", Units())
+        value = parse_quantity(str(given), "length", Units())
+        wrong = "is negative; allowed is a length from 0 on" if value < 0 else ""
     except QuantityError as error:
-        faults.append(
-            Fault("--tolerance", None, "", f"{quoted(text)} {error}; allowed is a length: '0.15 mm', or in m")
-        )
-        return None
-    if value < 0:
-        faults.append(Fault("--tolerance", None, "", f"{quoted(text)} is negative; allowed is a length from 0 on"))
+        value, wrong = 0.0, f"{error}; allowed is a length: '0.15 mm', or in m"
+    if wrong:
+        faults.append(Fault("--tolerance", None, "", f"{quoted(str(given))} {wrong}"))
     return value
 
 
@@ -251,9 +241,8 @@ def _grown(name: str, tip: Tip, a: PathLine, b: PathLine) -> Pair:
     if len(a.points) > 1 and len(b.points) > 1:
         s_a = overhang(a.points, b.points, at_both=False) or a.length
         s_b = overhang(b.points, a.points, at_both=False) or b.length
-        common = _common(_Stretch(a, 0.0, s_a), _Stretch(b, 0.0, s_b))
-    ends = _apart(a.points[-1], b.points[-1])
-    return Pair(name, tip, a.length, b.length, _deviation(_all(a), _all(b)), ends, common)
+        common = _deviation(_Stretch(a, 0.0, s_a), _Stretch(b, 0.0, s_b))
+    return Pair(name, tip, a.length, b.length, _deviation(_all(a), _all(b)), _apart(a.points[-1], b.points[-1]), common)
 
 
 def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
@@ -268,7 +257,7 @@ def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
         on_b, on_a = _side_by_side(b, a)
     else:
         on_a, on_b = _side_by_side(a, b)
-    return Pair(name, tip or "path", a.length, b.length, None, None, _common(on_a, on_b))
+    return Pair(name, tip or "path", a.length, b.length, None, None, _deviation(on_a, on_b))
 
 
 def _side_by_side(path: PathLine, reference: PathLine) -> tuple[_Stretch, _Stretch]:
@@ -282,15 +271,11 @@ def _side_by_side(path: PathLine, reference: PathLine) -> tuple[_Stretch, _Stret
     return _Stretch(path, float(ends[0]), float(ends[1])), _Stretch(reference, low, high)
 
 
-def _common(a: _Stretch, b: _Stretch) -> Common:
-    return Common(a.length, b.length, a.points[[0, -1]], _deviation(a, b))
-
-
 def _deviation(a: _Stretch, b: _Stretch) -> Deviation:
-    from_a, from_b = farthest(a.points, b.points), farthest(b.points, a.points)
-    s_a, s_b = (from_a.s, from_a.near_s) if from_a.distance >= from_b.distance else (from_b.near_s, from_b.s)
-    hausdorff = max(from_a.distance, from_b.distance)
-    return Deviation(hausdorff, frechet(a.points, b.points), a.place(s_a), b.place(s_b))
+    (from_a, s_a, near_b), (from_b, s_b, near_a) = farthest(a.points, b.points), farthest(b.points, a.points)
+    in_a, in_b = (a.place(s_a), b.place(near_b)) if from_a >= from_b else (a.place(near_a), b.place(s_b))
+    apart = max(from_a, from_b), frechet(a.points, b.points)
+    return Deviation(a.length, b.length, *apart, in_a, in_b, a.points[[0, -1]])
 
 
 def _all(line: PathLine) -> _Stretch:

@@ -9,7 +9,7 @@ from crackgrow.case.dump import differing
 from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import aligned, cut
-from crackgrow.study.compare import Comparison, Deviation, Pair, Place
+from crackgrow.study.compare import Comparison, Pair
 from crackgrow.study.path_files import PathSet
 
 UNEQUAL = 1e-3  # of the longer length: lengths further apart are told as unequal growth
@@ -18,6 +18,7 @@ MOST_MILLIMETRES = 1.0  # m, of the longest part: from there on lengths are prin
 HEADINGS = ("crack", "part", "length A", "length B", "Hausdorff", "Frechet", "ends apart",
             "worst at, in A", "along", "step", "in B", "along", "step")  # fmt: skip
 N_WORDS = 2  # columns of words come first, left-aligned
+N_PLACES = 6  # columns of places come last
 (CSV,) = declared(columns_of("study")["compare"])
 CSV_COLUMNS: Final = CSV.header
 
@@ -100,47 +101,31 @@ def _settings_lines(comparison: Comparison) -> list[str]:
     return ["settings that differ, A | B:", *cut(lines, MOST_SETTINGS, "  and {} more")]
 
 
-def _cells(pair: Pair, show: _Lengths) -> tuple[str, ...]:
+def _cells(pair: Pair, show: _Lengths) -> list[str]:
     deviation = pair.deviation
-    return (
-        pair.crack or "-",
-        pair.part,
-        show.bare(pair.length_a),
-        show.bare(pair.length_b),
-        show.bare(deviation.hausdorff),
-        show.bare(deviation.frechet),
-        "-" if pair.end_distance is None else show.bare(pair.end_distance),
-        *_place_cells(deviation, deviation.in_a, show),
-        *_place_cells(deviation, deviation.in_b, show),
-    )
-
-
-def _place_cells(deviation: Deviation, place: Place, show: _Lengths) -> tuple[str, ...]:
-    if deviation.hausdorff == 0:
-        return "-", "-", "-"
-    return show.point(place.point), show.bare(place.s), "-" if place.step is None else str(place.step)
+    lengths = (pair.length_a, pair.length_b, deviation.hausdorff, deviation.frechet, pair.end_distance)
+    cells = [pair.crack or "-", pair.part, *("-" if length is None else show.bare(length) for length in lengths)]
+    for x, y, s, step in (deviation.in_a, deviation.in_b):
+        cells += [show.point((x, y)), show.bare(s), "-" if step is None else str(step)]
+    return cells if deviation.hausdorff > 0.0 else [*cells[:-N_PLACES], *N_PLACES * "-"]
 
 
 def _pair_values(pair: Pair) -> tuple[Value | None, ...]:
     """The values of CSV_COLUMNS up to the verdict; None where there is none."""
     whole, common = pair.whole, pair.common
+    distances = (whole.hausdorff, whole.frechet) if whole else (None, None)
+    shared = (common.length_a, common.length_b, common.hausdorff, common.frechet) if common else 4 * (None,)
+    places = (*pair.deviation.in_a, *pair.deviation.in_b)
     return (
         pair.crack or None,
         pair.part,
         pair.length_a,
         pair.length_b,
-        *((whole.hausdorff, whole.frechet) if whole else (None, None)),
+        *distances,
         pair.end_distance,
-        *_place_values(pair.deviation.in_a),
-        *_place_values(pair.deviation.in_b),
-        *((common.length_a, common.length_b) if common else (None, None)),
-        *((common.deviation.hausdorff, common.deviation.frechet) if common else (None, None)),
+        *places,
+        *shared,
     )
-
-
-def _place_values(place: Place) -> tuple[Value | None, ...]:
-    x, y = (float(value) for value in place.point)
-    return x, y, place.s, place.step
 
 
 def _remarks(pair: Pair, comparison: Comparison, show: _Lengths) -> list[str]:
@@ -158,25 +143,22 @@ def _remarks(pair: Pair, comparison: Comparison, show: _Lengths) -> list[str]:
     further = f"{pair.name}: {'B' if ahead > 0 else 'A'} has grown {show(abs(ahead))} further"
     if common is None:
         return [f"{further}, the other not at all"]
-    apart = common.deviation
     judged = ""
     if comparison.tolerance is not None:
-        judged = ": the same path so far" if apart.largest <= comparison.tolerance else ": another path"
+        judged = ": the same path so far" if common.largest <= comparison.tolerance else ": another path"
     return [
         f"{further}; over the common part, {show(common.length_a)} of A, "
-        f"Hausdorff {show(apart.hausdorff)}, Frechet {show(apart.frechet)}{judged}"
+        f"Hausdorff {show(common.hausdorff)}, Frechet {show(common.frechet)}{judged}"
     ]
 
 
 def _largest_line(pairs: Sequence[Pair], show: _Lengths) -> str:
     worst = max(pairs, key=lambda pair: pair.deviation.hausdorff)
     deviation = worst.deviation
-    largest_frechet = max(pair.deviation.frechet for pair in pairs)
-    if deviation.hausdorff == 0:
-        place = ""
-    else:
-        place = f", {worst.name}: {show.point(deviation.in_a.point)} in A, {show.point(deviation.in_b.point)} in B"
-    return f"largest: Hausdorff {show(deviation.hausdorff)}, Frechet {show(largest_frechet)}{place}"
+    in_a, in_b = show.point(deviation.in_a[:2]), show.point(deviation.in_b[:2])
+    place = f", {worst.name}: {in_a} in A, {in_b} in B" if deviation.hausdorff > 0.0 else ""
+    frechet = max(pair.deviation.frechet for pair in pairs)
+    return f"largest: Hausdorff {show(deviation.hausdorff)}, Frechet {show(frechet)}{place}"
 
 
 def _verdict_lines(comparison: Comparison, show: _Lengths) -> list[str]:

@@ -6,8 +6,6 @@ Polylines are (n, 2) float, m; a single point, (1, 2), is a polyline of no lengt
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -23,15 +21,6 @@ SAMPLES = 1000  # places along a line that are looked at first
 ROUNDING = 1e-13  # of the largest coordinate: distances below are those of equal points
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Farthest:
-    """The point of one polyline that is farthest from another, and the point there that is nearest to it."""
-
-    distance: float  # m
-    s: float  # m, arc length on the one
-    near_s: float  # m, arc length on the other
-
-
 def nearest(points: Floats, line: Floats) -> tuple[Floats, Floats]:
     """Distance of each of `points` (n, 2) from a polyline, and the arc length of its nearest point there: (n,), (n,).
 
@@ -43,8 +32,8 @@ def nearest(points: Floats, line: Floats) -> tuple[Floats, Floats]:
     return np.where(distance > ROUNDING * np.abs(line).max(), distance, 0.0), s
 
 
-def farthest(a: Floats, b: Floats) -> Farthest:
-    """The point of `a` that is farthest from `b`: the directed Hausdorff distance, max over a of min over b.
+def farthest(a: Floats, b: Floats) -> tuple[float, float, float]:
+    """The directed Hausdorff distance, max over a of min over b, and the arc lengths of its place on `a` and on `b`, m.
 
     It is looked for at the vertices and at places between, then between the neighbours of the best, to RESOLUTION: on
     random walks of up to 60 segments, of which several may hold it, within 4e-5 of their extent.
@@ -56,7 +45,7 @@ def farthest(a: Floats, b: Floats) -> Farthest:
         best = int(np.argmax(distance))
         low, high = s[max(best - 1, 0)], s[min(best + 1, len(s) - 1)]
         if high - low <= RESOLUTION * along[-1]:
-            return Farthest(float(distance[best]), float(s[best]), float(near_s[best]))
+            return float(distance[best]), float(s[best]), float(near_s[best])
         s = np.union1d(s[best], np.linspace(low, high, SAMPLES))
 
 
@@ -69,7 +58,7 @@ def frechet(a: Floats, b: Floats) -> float:
     apart = np.hypot(*(a[:, None, :] - b[None, :, :]).transpose(2, 0, 1))
     if min(apart.shape) == 1:  # a point and a line: the farthest vertex
         return float(apart.max())
-    low = max(float(apart[0, 0]), float(apart[-1, -1]), farthest(a, b).distance, farthest(b, a).distance)
+    low = max(float(apart[0, 0]), float(apart[-1, -1]), farthest(a, b)[0], farthest(b, a)[0])
     tolerance = RESOLUTION * extent(a, b)
     if _walkable(a, b, low + 2 * tolerance):
         return low

@@ -120,7 +120,7 @@ def _lengths(s: Floats) -> Floats:
 def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
     """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
     pairs = grown_pairs(run, reference)
-    common = [pair.common.deviation for pair in pairs if pair.common is not None]
+    common = [pair.common for pair in pairs if pair.common is not None]
     hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
     frechet = max((deviation.frechet for deviation in common), default=math.nan)
     lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)

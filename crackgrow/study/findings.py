@@ -248,7 +248,7 @@ def _paths(plan: TradePlan, folders: Mapping[str, Path]) -> dict[str, Apart]:
 def _apart(first: Path, second: Path) -> Apart | None:
     """How far the paths are apart over what both have grown; None where nothing has grown in both."""
     grown = [pair.common for pair in grown_pairs(first, second) if pair.common is not None]
-    apart = [(common.deviation.hausdorff, min(common.length_a, common.length_b)) for common in grown]
+    apart = [(common.hausdorff, min(common.length_a, common.length_b)) for common in grown]
     if not apart:
         return None
     return Apart(max(d for d, _ in apart), max(d / length for d, length in apart))
