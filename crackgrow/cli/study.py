@@ -82,7 +82,7 @@ def do_trade(
 ) -> int:
     """`crackgrow trade`: what accuracy costs, and whether a case's own setting is good enough; `how` as of `sweep`."""
     from crackgrow.run.loop import for_each  # only now: they load numpy
-    from crackgrow.study.trade_text import trade_record, trade_text
+    from crackgrow.study.trade import trade_record, trade_text
 
     load_case_file(case, overrides)  # tells best what is wrong with the file
     plan = crackgrow.plan_trade(

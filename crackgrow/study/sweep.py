@@ -121,9 +121,9 @@ def sweep(
     there = Workers.of(workers, scheduler, memory, timeout)
     with locked(study):
         table = yield from run_study(study, there, resume)
-        from crackgrow.study.sweep_picture import draw  # here: it loads matplotlib
+        from crackgrow.study.pictures import draw_sweep  # here: it loads matplotlib
 
-        draw(study.folder / "sweep.png", table)
+        draw_sweep(study.folder / "sweep.png", table)
 
 
 def short_names(keys: Sequence[str]) -> tuple[str, ...]:

@@ -146,7 +146,6 @@ class Table:
         found = self.found.get(run.number, {"status": WAITING})
         return {"run": run.number, "folder": run.folder.name, **given, **found}
 
-    def numeric(self, parameter: str) -> bool:
-        """Whether all values of a parameter are bare numbers."""
-        place = self.study.parameters.index(parameter)
+    def numeric(self, place: int) -> bool:
+        """Whether all values of a parameter, given by its number, are bare numbers."""
         return all(is_number(run.values[place]) for run in self.study.runs)

@@ -14,7 +14,7 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.results.folder import TextTable
 from crackgrow.study.distance import RESOLUTION, between, extent, farthest, frechet, nearest, overhang
 from crackgrow.study.errors import K_errors, contact_errors, errors_of
-from crackgrow.study.extrapolation import LEAST_ORDER, limit_of, order_of
+from crackgrow.study.findings import LEAST_ORDER, limit_of, order_of
 
 SAMPLE = 0.05  # between the samples of the discrete Frechet distance, which is at most this much larger
 
