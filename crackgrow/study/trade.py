@@ -40,7 +40,7 @@ def trade(
 
     Raises what `sweep` raises, and SolveError where a run has not come to its end: what it lacks would not be compared.
     """
-    there = Workers.of(workers, scheduler, memory, timeout)
+    there = Workers(workers, scheduler, memory, timeout)
     study = plan.study
     with locked(study):
         table = yield from run_study(study, there, resume)

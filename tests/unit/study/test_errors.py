@@ -6,12 +6,12 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.results.folder import TextTable
 from crackgrow.study.distance import RESOLUTION, between, extent, farthest, frechet, nearest, overhang
 from crackgrow.study.errors import K_errors, contact_errors, errors_of
 from crackgrow.study.findings import LEAST_ORDER, limit_of, order_of
@@ -114,16 +114,15 @@ def test_overhang_begins_beside_the_tip() -> None:
     assert overhang(line((-3, 1), (-1, 1)), short, at_both=True) == 0.0
 
 
-def table(columns: str, *rows: tuple[str | float, ...]) -> TextTable:
-    names = columns.split()
-    return TextTable(Path("table.csv"), {name: [str(row[i]) for row in rows] for i, name in enumerate(names)})
+def table(columns: str, *rows: tuple[str | float, ...]) -> pd.DataFrame:
+    return pd.DataFrame([list(row) for row in rows], columns=pd.Index(columns.split()))
 
 
-def tips(*K: tuple[float, float]) -> TextTable:
+def tips(*K: tuple[float, float]) -> pd.DataFrame:
     return table("crack tip K_I K_II", *((f"c{i}", "end", *both) for i, both in enumerate(K)))
 
 
-def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> TextTable:
+def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> pd.DataFrame:
     """A pressure of 3, a shear of 4 and an elliptic slip, on a face of length 2; `shift` is added to the pressure."""
     slip = scale * np.sqrt(np.maximum(s * (2 - s), 0.0))
     rows = [("flaw", x, -3.0 + shift, 4.0, y) for x, y in zip(s.tolist(), slip.tolist(), strict=True)]
@@ -148,7 +147,7 @@ def test_contact_errors_do_not_depend_on_where_the_points_lie():
 def test_each_side_of_a_kink_is_held_against_its_own(rounding: float) -> None:
     """Two contact points lie at a kink, one for each side, and the pressure jumps there, from 3 to 5."""
 
-    def kinked(before: int, after: int, off: float = 0.0) -> TextTable:
+    def kinked(before: int, after: int, off: float = 0.0) -> pd.DataFrame:
         places = [np.linspace(1.0, 0.1, before)[::-1], np.linspace(1.0 + off, 1.9, after)]
         rows = [("flaw", x, -p, 0.0, p) for p, s in zip((3.0, 5.0), places, strict=True) for x in s.tolist()]
         return table("crack s normal_traction tangential_traction slip", *rows)
