@@ -12,7 +12,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.study.distance import RESOLUTION, between, extent, farthest, frechet, nearest, overhang
+from crackgrow.study.distance import RESOLUTION, WALKED, between, extent, farthest, frechet, nearest, overhang
 from crackgrow.study.errors import K_errors, contact_errors, errors_of
 from crackgrow.study.findings import LEAST_ORDER, limit_of, order_of
 
@@ -24,7 +24,7 @@ def line(*points: tuple[float, float]) -> Floats:
 
 
 def discrete_frechet(p: Floats, q: Floats) -> float:
-    """Frechet distance of point sequences by its recursion (that of GEOS 3.14 gives values that are too large)."""
+    """Frechet distance of point sequences by its recursion."""
     apart = np.hypot(*(p[:, None] - q[None]).transpose(2, 0, 1))
     row = np.maximum.accumulate(apart[0])
     for distances in apart[1:]:
@@ -78,12 +78,12 @@ def test_frechet_sees_the_order() -> None:
     there = line((0, 0), (10, 0))
     back = line((0, 0), (7, 0), (3, 0), (10, 0))
     assert max(farthest(there, back)[0], farthest(back, there)[0]) == 0.0
-    assert frechet(there, back) == pytest.approx(2.0, abs=10 * RESOLUTION)
+    assert frechet(there, back) == pytest.approx(2.0, abs=10 / WALKED)
     assert frechet(there, there[::-1]) == pytest.approx(10.0)
     assert frechet(POINT, ABOVE) == 4.0
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_distances_against_sampled_ones(seed: int) -> None:
     a, b = random_lines(seed)
     fine = RESOLUTION * extent(a, b) * 2
@@ -94,9 +94,10 @@ def test_distances_against_sampled_ones(seed: int) -> None:
     sampled = max(nearest(samples_a, b)[0].max(), nearest(samples_b, a)[0].max())
     assert sampled - fine <= hausdorff <= sampled + SAMPLE / 2
     leash = frechet(a, b)
-    assert leash - fine <= discrete_frechet(samples_a, samples_b) <= leash + SAMPLE
-    assert leash >= hausdorff
-    assert frechet(b, a) == pytest.approx(leash, abs=2 * fine)
+    step = max(arc_lengths(a)[-1], arc_lengths(b)[-1]) / WALKED
+    assert leash - step <= discrete_frechet(samples_a, samples_b) <= leash + SAMPLE
+    assert leash >= hausdorff - fine
+    assert frechet(b, a) == pytest.approx(leash, rel=1e-12)
 
 
 def test_between_keeps_the_vertices_inside() -> None:
