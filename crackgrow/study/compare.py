@@ -274,8 +274,9 @@ def _side_by_side(path: PathLine, reference: PathLine) -> tuple[_Stretch, _Stret
 def _deviation(a: _Stretch, b: _Stretch) -> Deviation:
     (from_a, s_a, near_b), (from_b, s_b, near_a) = farthest(a.points, b.points), farthest(b.points, a.points)
     in_a, in_b = (a.place(s_a), b.place(near_b)) if from_a >= from_b else (a.place(near_a), b.place(s_b))
-    apart = max(from_a, from_b), frechet(a.points, b.points)
-    return Deviation(a.length, b.length, *apart, in_a, in_b, a.points[[0, -1]])
+    hausdorff = max(from_a, from_b)
+    leash = max(hausdorff, frechet(a.points, b.points))
+    return Deviation(a.length, b.length, hausdorff, leash, in_a, in_b, a.points[[0, -1]])
 
 
 def _all(line: PathLine) -> _Stretch:
