@@ -39,15 +39,10 @@ class Deviation:
     length_a: float  # m
     length_b: float  # m
     hausdorff: float  # m, largest distance of a point of either from the other
-    frechet: float  # m, the same for points in the order of the paths: at least the Hausdorff distance
+    frechet: float  # m, the same in the order of the paths, which is at least as large: held against a tolerance
     in_a: Place  # where the Hausdorff distance is
     in_b: Place
     ends: Floats  # (2, 2) m, where the line begins and ends in A
-
-    @property
-    def largest(self) -> float:
-        """What is held against a tolerance, m."""
-        return max(self.hausdorff, self.frechet)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -98,7 +93,7 @@ class Comparison:
         """Pairs further apart than the tolerance; none without one."""
         if self.tolerance is None:
             return ()
-        return tuple(pair for pair in self.pairs if pair.deviation.largest > self.tolerance)
+        return tuple(pair for pair in self.pairs if pair.deviation.frechet > self.tolerance)
 
     @property
     def agrees(self) -> bool:

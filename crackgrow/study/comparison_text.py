@@ -41,7 +41,7 @@ def comparison_text(comparison: Comparison) -> str:
     if comparison.pairs:
         lines.append(_largest_line(comparison.pairs, show))
     if comparison.tolerance is not None:
-        apart = [f"{pair.name} ({show(pair.deviation.largest)})" for pair in comparison.beyond]
+        apart = [f"{pair.name} ({show(pair.deviation.frechet)})" for pair in comparison.beyond]
         apart += [f"{crack} (only in {name})" for crack, name in comparison.in_one_only]
         allowed = f"the tolerance of {show(comparison.tolerance)}"
         lines.append(f"beyond {allowed}: {', '.join(apart)}" if apart else f"within {allowed}")
@@ -127,7 +127,7 @@ def _remarks(pair: Pair, comparison: Comparison, show: _Lengths) -> list[str]:
         return [f"{further}, the other not at all"]
     judged = ""
     if comparison.tolerance is not None:
-        judged = ": the same path so far" if common.largest <= comparison.tolerance else ": another path"
+        judged = ": the same path so far" if common.frechet <= comparison.tolerance else ": another path"
     return [
         f"{further}; over the common part, {show(common.length_a)} of A, "
         f"Hausdorff {show(common.hausdorff)}, Frechet {show(common.frechet)}{judged}"

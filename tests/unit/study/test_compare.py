@@ -127,7 +127,7 @@ def test_cracks_that_a_run_started_are_compared_from_their_first_segment(tmp_pat
     pairs = {pair.name: pair for pair in compare_paths(a, b).pairs}
     assert {name for name in pairs if name.startswith("new")} == {"new1 given", "new1 end", "new2 given", "new2 start"}
     assert pairs["new1 given"].length_a == pytest.approx(2e-3)
-    assert pairs["new1 given"].deviation.largest == 0.0
+    assert pairs["new1 given"].deviation.frechet == 0.0
     assert pairs["new1 end"].end_distance == pytest.approx(0.5e-3)
     assert pairs["new2 start"].length_a == pytest.approx(2e-3)
 
@@ -192,7 +192,7 @@ def test_reference_of_one_of_two_wings_side_by_side(tmp_path: Path) -> None:
     wings: list[Vertex] = [(-1, 10, 2), (-1, 0, 0), (1, 0, 0), (1, 10, 1)]
     run, reference = folder(tmp_path / "run", flaw=wings), table(tmp_path / "paper.csv", "x_mm,y_mm\n1.1,2\n1.1,10\n")
     for pair in (*compare_paths(run, reference).pairs, *compare_paths(reference, run).pairs):
-        assert pair.deviation.largest == pytest.approx(0.1e-3)
+        assert pair.deviation.frechet == pytest.approx(0.1e-3)
 
 
 def test_places_beside_a_reference_that_is_drawn_backwards(tmp_path: Path) -> None:
