@@ -22,7 +22,7 @@ from crackgrow.results.units import counted
 
 if TYPE_CHECKING:
     from crackgrow.study.plan import Study
-    from crackgrow.study.table import Row
+    from crackgrow.study.runs import Row
 
 
 def do_compare(

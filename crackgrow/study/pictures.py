@@ -20,7 +20,7 @@ from crackgrow.results.style import own_style, wrapped
 from crackgrow.study.findings import Findings
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.plan import Run
-from crackgrow.study.table import Table, Values
+from crackgrow.study.runs import Table, Values
 
 CHOSEN: Final = ("K_I_first", "K_II_first", "x", "y")  # of the last tip, where nobody says what to draw
 PANEL: Final = (3.6, 3.0)  # inches
@@ -122,7 +122,7 @@ def _heat_map(figure: Figure, axes: Axes, values: Sequence[float], table: Table,
 
 def _scatter(axes: Axes, y: Sequence[float], place: int, table: Table, runs: Sequence[Run]) -> None:
     ticks, values = _ticks(table, place), [run.values[place] for run in runs]
-    if table.numeric(place):
+    if all(map(is_number, ticks)):
         x = [float(value) for value in values]
     else:
         x = [float(ticks.index(value)) for value in values]

@@ -16,9 +16,8 @@ from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
-from crackgrow.study.runner import locked, run_study
+from crackgrow.study.runs import TAKEN, Row, locked, response_columns, run_study
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
-from crackgrow.study.table import TAKEN, Row, response_columns
 from crackgrow.study.workers import Workers
 
 Combination = tuple[str, ...]

@@ -14,8 +14,7 @@ from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import INTENSITIES, aligned, or_null, unit_of
 from crackgrow.study.findings import DISPLACEMENT, MODES, Findings, Quantity, findings
-from crackgrow.study.runner import locked, run_study
-from crackgrow.study.table import Row, Table, Values
+from crackgrow.study.runs import Row, Table, Values, locked, run_study
 from crackgrow.study.trade_plan import OWN, TradePlan
 from crackgrow.study.workers import Workers
 

@@ -12,7 +12,7 @@ import pytest
 
 from crackgrow.study.findings import Findings, findings
 from crackgrow.study.pictures import draw_trade
-from crackgrow.study.table import Table, Values
+from crackgrow.study.runs import Table, Values
 from crackgrow.study.trade import COLUMNS, add_findings, convergence_csv, trade_record, trade_text
 from crackgrow.study.trade_plan import plan_trade
 

@@ -10,8 +10,8 @@ import crackgrow
 from crackgrow.study.errors import ERRORS, errors_of
 from crackgrow.study.pictures import draw_sweep, responses_of, shown_as
 from crackgrow.study.plan import Run, Study
+from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep
-from crackgrow.study.table import Table, Values, found_in
 from tests.unit.study.test_sweep_runs import rows_of
 from tests.unit.study.test_workers import FLAW
 
