@@ -155,15 +155,12 @@ def compare_paths(
     if faults:
         raise CaseError(list(dict.fromkeys(faults)))
     set_a, set_b = sets
-    names_a, names_b = _chosen(set_a, set_b, crack)
-    shared = [name for name in names_a if name in names_b]
-    pairs: list[Pair] = []
-    for name in shared:
-        pairs.extend(_pairs(name, set_a.cracks[names_a[name]], set_b.cracks[names_b[name]], tip))
-    only_a = tuple(name for name in names_a if name not in names_b)
-    only_b = tuple(name for name in names_b if name not in names_a)
+    in_a, in_b = _chosen(set_a, set_b, crack)
+    shared = [name for name in in_a if name in in_b]
+    pairs = [pair for name in shared for pair in _pairs(name, in_a[name], in_b[name], tip)]
     if tip is not None and shared and not pairs:
         raise CaseError.at("--tip", f"the {tip} has not grown in {a} nor in {b}")
+    only_a, only_b = (tuple(name for name in own if name not in shared) for own in (in_a, in_b))
     return Comparison(set_a, set_b, tuple(pairs), only_a, only_b, limit)
 
 
@@ -191,8 +188,8 @@ def _tolerance(given: str | float | None, faults: list[Fault]) -> float | None:
     return value
 
 
-def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, str], dict[str, str]]:
-    """The cracks to compare: name in the comparison to name in the file, of both; a nameless one takes the other's."""
+def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, PathLine], dict[str, PathLine]]:
+    """The cracks to compare, by name, of both; a nameless one takes the other's."""
     names = list(dict.fromkeys(name for paths in (a, b) for name in paths.cracks if name))
     if crack is not None and names and crack not in names:
         message = f"no crack {quoted(crack)}{did_you_mean(crack, names)}; there are {', '.join(names)}"
@@ -203,12 +200,9 @@ def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, str], 
         message = f"has no column crack; choose the one to compare with by --crack: {', '.join(names)}"
         raise CaseError.at(source, message)
     nameless = wanted[0] if wanted else ""
-
-    def of(paths: PathSet) -> dict[str, str]:
-        own = {name or nameless: name for name in paths.cracks}
-        return own if crack is None else {name: key for name, key in own.items() if name == crack}
-
-    return of(a), of(b)
+    named = [{name or nameless: line for name, line in paths.cracks.items()} for paths in (a, b)]
+    in_a, in_b = ({name: line for name, line in own.items() if crack in (None, name)} for own in named)
+    return in_a, in_b
 
 
 def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
@@ -222,12 +216,8 @@ def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
         ends = max(_apart(given_a.points[end], given_b.points[end]) for end in (0, -1))
         pairs.append(Pair(name, "given", given_a.length, given_b.length, whole, ends, None))
     tips: tuple[Tip, ...] = ("start", "end") if tip is None else (tip,)
-    pairs.extend(
-        _grown(name, which, a.wing(which), b.wing(which))
-        for which in tips
-        if len(a.wing(which).points) > 1 or len(b.wing(which).points) > 1
-    )
-    return pairs
+    wings = [(which, a.wing(which), b.wing(which)) for which in tips]
+    return pairs + [_grown(name, *wing) for wing in wings if any(len(line.points) > 1 for line in wing[1:])]
 
 
 def _grown(name: str, tip: Tip, a: PathLine, b: PathLine) -> Pair:
