@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, Final, NoReturn, TypeAlias
+from typing import Any, Final, NoReturn
 
 import crackgrow
 from crackgrow.blas import one_thread
@@ -30,8 +30,6 @@ from crackgrow.cli.console import (
 from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
 from crackgrow.results.style import pass_over_settings
 from crackgrow.results.units import aligned
-
-Commands: TypeAlias = "argparse._SubParsersAction[argparse.ArgumentParser]"
 
 NO_COMMANDS: Final = ("shared", "words")  # tables of commands.toml that are no groups of commands
 
@@ -73,14 +71,16 @@ def groups() -> dict[str, dict[str, Any]]:
 
 def parsed(words: Sequence[str]) -> tuple[str, str, dict[str, Any]]:
     """The group, the name and the arguments of the command that is asked for; exit code 2 where there is none."""
-    found, rest = command_line(words).parse_known_args(words)
+    parser = command_line(words)
+    found, rest = parser.parse_known_args(words)
     given = vars(found)
-    parser: Parser = given.pop("parser")
+    name: str = given.pop("command")
     if rest:
-        parser.error(f"unknown: {shlex.join(rest)}{parser.hint(rest)}")
+        command: Parser = commands_of(parser).choices[name]
+        command.error(f"unknown: {shlex.join(rest)}{command.hint(rest)}")
     if "resume" in given:
         given["again"] = spelled(*words, *([] if given["resume"] else ["--resume"]))
-    return given.pop("group"), given.pop("name of the command"), given
+    return next(group for group, commands in groups().items() if name in commands), name, given
 
 
 def command_line(words: Sequence[str] = ()) -> Parser:
@@ -92,14 +92,15 @@ def command_line(words: Sequence[str] = ()) -> Parser:
         description="Friction, slip and growth of closed cracks in rock, in two dimensions.",
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
-    commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
+    commands = parser.add_subparsers(
+        prog="crackgrow", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
+    )
     lines = []
     for group, of_group in groups().items():
         lines.append(f"{group}:")
         for name, told in of_group.items():
             lines.append(f"  {name:<11} {told['what']}")
             command = commands.add_parser(name, words=words, help=told["what"], description=told["about"])
-            command.set_defaults(parser=command, group=group, **{"name of the command": name})
             command.epilog = "\n".join([*_add_arguments(command, told), told["more"]])
     listed = "\n".join(lines)
     parser.epilog = f"{listed}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
@@ -184,6 +185,6 @@ def _keys_of(name: str) -> list[str]:
     return sorted(found, key=len)
 
 
-def commands_of(parser: argparse.ArgumentParser) -> Commands:
+def commands_of(parser: argparse.ArgumentParser) -> argparse._SubParsersAction[Any]:
     """The commands of a parser."""
     return next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))

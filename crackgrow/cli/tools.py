@@ -54,5 +54,5 @@ def completion_script(shell: str) -> str:
         for action in command._actions:
             if not action.choices and (getattr(action.type, "__name__", "") == "path" or not action.option_strings):
                 wants_yaml = "yaml" in str(action.metavar).lower()
-                action.complete = YAML_FILES if wants_yaml else shtab.FILE  # type: ignore[attr-defined]
+                action.complete = YAML_FILES if wants_yaml else shtab.FILE
     return str(shtab.complete(parser, shell, preamble=PREAMBLE.get(shell, "")))
