@@ -24,7 +24,7 @@ ERRORS = (
     "K_error", "K_II_error", "pressure_error", "shear_error", "slip_error", "energy_error",
     "path_hausdorff", "path_frechet", "length_error",
 )  # fmt: skip
-"""Columns of the table, in the order of `errors_of`."""
+"""Columns of the table, in the order of `errors_of`; paths as far as both have grown."""
 
 NEGLIGIBLE = 1e-3  # of the largest K, slip or traction: a part of the reference below it has no relative error
 
@@ -40,7 +40,12 @@ def errors_of(run: Path, reference: Path, *, grows: bool) -> dict[str, float]:
     )
     mine, true = (float(table["strain_energy"].iloc[0]) for table in steps)
     energy = abs(mine - true) / abs(true) if true else math.nan
-    values = *K_errors(*tips), *contact_errors(*contacts), energy, *_path_errors(run, reference)
+    pairs = grown_pairs(run, reference)
+    common = [pair.common for pair in pairs if pair.common is not None]
+    hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
+    frechet = max((deviation.frechet for deviation in common), default=math.nan)
+    lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)
+    values = *K_errors(*tips), *contact_errors(*contacts), energy, hausdorff, frechet, lengths
     return dict(zip(ERRORS, values, strict=True))
 
 
@@ -118,13 +123,3 @@ def _lengths(s: Floats) -> Floats:
         return np.ones(1)
     middle = (s[1:] + s[:-1]) / 2
     return np.diff(np.concatenate([[s[0]], middle, [s[-1]]]))
-
-
-def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
-    """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
-    pairs = grown_pairs(run, reference)
-    common = [pair.common for pair in pairs if pair.common is not None]
-    hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
-    frechet = max((deviation.frechet for deviation in common), default=math.nan)
-    lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)
-    return hausdorff, frechet, lengths

@@ -45,7 +45,8 @@ def draw_sweep(path: Path, table: Table) -> None:
         return
     rows = [table.row(run) for run in done]
     responses = responses_of(table, rows)
-    heat = len(study.parameters) == 2 and _is_grid(done)
+    met = [len({run.values[place] for run in done}) for place in range(len(study.parameters))]
+    heat = len(met) == 2 and 2 * len(done) >= met[0] * met[1]  # a map has few holes
     pairs = list(
         dict.fromkeys((name, "" if heat else parameter) for name in responses for parameter in study.parameters)
     )
@@ -93,12 +94,6 @@ def shown_as(name: str, length: tuple[float, str]) -> tuple[float, str]:
     if not dot:
         return 1.0, {"seconds": "s", "cpu_seconds": "s", "peak_memory_mb": "MB"}.get(name, "")
     return length if what in ("x", "y") else (1e-6, "MPa sqrt(m)")
-
-
-def _is_grid(runs: Sequence[Run]) -> bool:
-    """Whether values are met several times in both directions, so that a map of them has few holes."""
-    first, second = (len({run.values[place] for run in runs}) for place in (0, 1))
-    return 2 * len(runs) >= first * second
 
 
 def _ticks(table: Table, place: int) -> list[str]:

@@ -153,7 +153,11 @@ def verdict(found: Findings) -> str:
         return "not known: no quantity of the scene has a size that an error can be a share of"
     error, within = found.error(plan.own), f"{100.0 * plan.tolerance:.3g} %"
     of_K = " of the largest K" if worst.name in MODES else ""
-    off = f"with {own_name(plan)} {_words(worst)} is off by {100.0 * error:.2g} %{of_K}"
+    numerics = plan.case.numerics
+    own = f"numerics.accuracy, {name_of(numerics.accuracy, numerics.goal)},"
+    if numerics.auto_rule is None:
+        own = f"spacing of {Metres(numerics.spacing):.4g}"
+    off = f"with the case's own {own} {_words(worst)} is off by {100.0 * error:.2g} %{of_K}"
     if error <= plan.tolerance:
         enough = "good enough" if found.paths_good_enough else "not good enough for paths"
         return f"{enough}: {off} at most, within the {within} asked for{_path_off(found)}"
@@ -173,14 +177,6 @@ def _path_off(found: Findings) -> str:
     word = "within" if found.paths_good_enough else "more than"
     allowed = f"{100.0 * found.path_tolerance:.3g} %"
     return f"; {what} would move the path by {100.0 * apart.share:.2g} % of what has grown, {word} {allowed}"
-
-
-def own_name(plan: TradePlan) -> str:
-    """What the case's own setting is called."""
-    numerics = plan.case.numerics
-    if numerics.auto_rule is None:
-        return f"the case's own spacing of {Metres(numerics.spacing):.4g}"
-    return f"the case's own numerics.accuracy, {name_of(numerics.accuracy, numerics.goal)},"
 
 
 def _words(quantity: Quantity) -> str:

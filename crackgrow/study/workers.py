@@ -79,7 +79,8 @@ class Workers:
                 yield lambda words: executor.submit(run_process, words, *limits)
             return
         left = threading.Event()
-        with ThreadPoolExecutor(self.number or available_cores()) as threads:
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        with ThreadPoolExecutor(self.number or cores) as threads:  # cores that this process may use
             try:
                 yield lambda words: threads.submit(run_process, words, *limits, left)
             finally:
@@ -173,8 +174,3 @@ def bytes_of(memory: str | None) -> int | None:
         wanted = f"wanted: {LEAST_MEMORY // 10**6} MB or more, such as 2GB or 500MiB"
         raise CaseError.at("--memory", f"'{memory}' is no size of a memory that a run can have; {wanted}")
     return int(size)
-
-
-def available_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
