@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import shutil
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
 from typing import Final
@@ -115,16 +115,12 @@ def do_check(case: Path, overrides: list[str], picture: Path | None, as_json: bo
         from crackgrow.run.uniqueness import unique_text  # only now: it loads the solver
 
         tell("\nsolutions of the contact")
-        record["unique"] = list(_told(unique_text(model), tell))
+        record["unique"] = told = []
+        for line in unique_text(model):  # each is told as soon as it is there
+            tell(line)
+            told.append(line)
     if as_json:
         hand_out_json(record)
-
-
-def _told(lines: Iterable[str], tell: Callable[[str], None]) -> Iterator[str]:
-    """The same lines, each told as soon as it is there."""
-    for line in lines:
-        tell(line)
-        yield line
 
 
 def do_explain(name: str) -> None:
