@@ -38,9 +38,9 @@ def do_run(case: Path, overrides: list[str], out: Path | None, resume: bool, qui
     writer = RunWriter(model, folder)
     with writer.held(), _second_ends():
         found = find_resumption(model, folder) if resume else None
+        if found is None:
+            _spare_case_file(case, folder)
         if found is None or found.finished is None:
-            if found is None:
-                _spare_case_file(case, folder)
             return _run(writer, found, quiet, again)
         complete_run(model, folder)
     if not quiet:
@@ -117,12 +117,11 @@ def _expected(case: Case) -> Cost | None:
 
 
 def _progress(case: Case, quiet: bool, first: int, expected: Cost | None) -> Progress:
-    """What tells of a run that begins with step `first`."""
-    if quiet:
-        return Progress(case, lambda text, end: None, width=None, first=first)
-    live = sys.stdout is not None and sys.stdout.isatty()
+    """What tells of a run that begins with step `first`, on a live line where there is a terminal."""
+    live = not quiet and sys.stdout is not None and sys.stdout.isatty()
     width = shutil.get_terminal_size().columns - 1 if live else None
-    return Progress(case, say, width=width, first=first, expected=expected.words if expected else "")
+    tell = (lambda text, end: None) if quiet else say
+    return Progress(case, tell, width=width, first=first, expected=expected.words if expected else "")
 
 
 def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:
