@@ -1,18 +1,37 @@
-"""What a command line asks for, and the exit code of what comes of it."""
+"""The parser of the command line, made of `commands.toml`, with hints for what is mistyped; and the exit code."""
 
 from __future__ import annotations
 
 import argparse
+import difflib
+import re
+import shlex
+import sys
+import tomllib
 import traceback
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import cache
 from importlib import import_module
+from pathlib import Path
+from typing import Any, Final, NoReturn
 
 import crackgrow
 from crackgrow.blas import one_thread
-from crackgrow.cli.console import EXIT_BUG, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, write_any_character
-from crackgrow.cli.parser import GROUPS, Parser, grouped
+from crackgrow.cli.arguments import reader_of
+from crackgrow.cli.console import (
+    EXIT_BUG,
+    EXIT_DONE,
+    EXIT_INTERRUPTED,
+    EXIT_UNSOLVED,
+    complain,
+    spelled,
+    write_any_character,
+)
 from crackgrow.errors import CaseError, CrackgrowError, is_out_of_memory, reason_of
 from crackgrow.results.style import pass_over_settings
+from crackgrow.results.units import aligned
+
+NO_COMMANDS: Final = ("shared", "words")  # tables of commands.toml that are no groups of commands
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -20,16 +39,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     one_thread()
     pass_over_settings()
     write_any_character()
-    arguments = command_line().parse_args(argv)
-    command: Callable[[argparse.Namespace], int] = arguments.command
+    group, name, given = parsed(sys.argv[1:] if argv is None else argv)
     try:
-        return command(arguments)
-    except CaseError as error:
-        for fault in error.faults:
-            complain(str(fault))
-        return error.exit_code
+        command = getattr(import_module(f"crackgrow.cli.{group}"), f"do_{name}")
+        return command(**given) or EXIT_DONE
     except CrackgrowError as error:
-        complain(f"crackgrow: {error}")
+        for fault in error.faults if isinstance(error, CaseError) else [f"crackgrow: {error}"]:
+            complain(str(fault))
         return error.exit_code
     except KeyboardInterrupt:
         complain("crackgrow: interrupted")
@@ -38,22 +54,137 @@ def main(argv: Sequence[str] | None = None) -> int:
         if is_out_of_memory(error) or isinstance(error, OSError):
             complain(f"crackgrow: {reason_of(error)}")
             return EXIT_UNSOLVED
-        complain("crackgrow: internal error, a bug in the program:")
-        complain(traceback.format_exc())
+        complain(f"crackgrow: internal error, a bug in the program:\n{traceback.format_exc()}")
         return EXIT_BUG
 
 
-def command_line() -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
-    parser: argparse.ArgumentParser = Parser(
+@cache
+def declared() -> dict[str, Any]:
+    """What `commands.toml` says."""
+    return tomllib.loads(Path(__file__).with_name("commands.toml").read_text(encoding="utf-8"))
+
+
+def groups() -> dict[str, dict[str, Any]]:
+    """What is declared of each command, by group and name."""
+    return {group: commands for group, commands in declared().items() if group not in NO_COMMANDS}
+
+
+def parsed(words: Sequence[str]) -> tuple[str, str, dict[str, Any]]:
+    """The group, the name and the arguments of the command that is asked for; exit code 2 where there is none."""
+    parser = command_line(words)
+    found, rest = parser.parse_known_args(words)
+    given = vars(found)
+    name: str = given.pop("command")
+    if rest:
+        command: Parser = commands_of(parser).choices[name]
+        command.error(f"unknown: {shlex.join(rest)}{command.hint(rest)}")
+    if "resume" in given:
+        given["again"] = spelled(*words, *([] if given["resume"] else ["--resume"]))
+    return next(group for group, commands in groups().items() if name in commands), name, given
+
+
+def command_line(words: Sequence[str] = ()) -> Parser:
+    """The parser of the whole command line, for some words."""
+    parser = Parser(
+        words,
         prog="crackgrow",
         usage="crackgrow [-h] [--version] COMMAND ...",
         description="Friction, slip and growth of closed cracks in rock, in two dimensions.",
     )
     parser.add_argument("--version", action="version", version=f"crackgrow {crackgrow.__version__}")
-    commands = parser.add_subparsers(prog="crackgrow", required=True, metavar="COMMAND", help=argparse.SUPPRESS)
-    for group, names in GROUPS.items():
-        for name in names:
-            getattr(import_module(f"crackgrow.cli.{group}"), f"add_{name}")(commands)
-    parser.epilog = f"{grouped(commands)}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
+    commands = parser.add_subparsers(
+        prog="crackgrow", dest="command", required=True, metavar="COMMAND", help=argparse.SUPPRESS
+    )
+    lines = []
+    for group, of_group in groups().items():
+        lines.append(f"{group}:")
+        for name, told in of_group.items():
+            lines.append(f"  {name:<11} {told['what']}")
+            command = commands.add_parser(name, words=words, help=told["what"], description=told["about"])
+            command.epilog = "\n".join([*_add_arguments(command, told), told["more"]])
+    listed = "\n".join(lines)
+    parser.epilog = f"{listed}\n\n`crackgrow COMMAND --help` has the options of a command, and examples."
     return parser
+
+
+def _add_arguments(command: Parser, told: dict[str, Any]) -> list[str]:
+    """Add what is declared of the arguments of a command; returns lines for its help on words that they take."""
+    shared = [declared()["shared"][name] for name in told.get("shares", ())]
+    arguments = {name: of for table in (*shared, told.get("arguments", {})) for name, of in table.items()}
+    one_of: dict[str, Any] = {}
+    lines = []
+    for name, declaration in arguments.items():
+        settings = dict(declaration)
+        if "type" in settings:
+            settings["type"] = reader_of(settings["type"])
+        if isinstance(settings.get("metavar"), list):
+            settings["metavar"] = tuple(settings["metavar"])
+        if isinstance(words := settings.get("choices"), str):
+            settings["choices"] = tuple(declared()["words"][words])
+            lines += [f"{words}:", *aligned(declared()["words"][words].items(), 2, "  "), ""]
+        choice = settings.pop("one_of", None)
+        if choice is not None and choice not in one_of:
+            one_of[choice] = command.add_mutually_exclusive_group()
+        one_of.get(choice, command).add_argument(name, **settings)
+    return lines
+
+
+class Parser(argparse.ArgumentParser):
+    """A parser that says what may have been meant by words; those of its commands are such, too."""
+
+    def __init__(self, words: Sequence[str] = (), **settings: Any) -> None:
+        """`words` are those that it is going to parse; its help keeps its lines."""
+        super().__init__(formatter_class=argparse.RawDescriptionHelpFormatter, **settings)
+        self._words = list(words)
+        self._negative_number_matcher = re.compile(r"-\.?\d")  # argparse's own takes -1e3 and -20MPa for options
+
+    def error(self, message: str) -> NoReturn:
+        """Say what is wrong and where the examples are; exit code 2."""
+        unknown = [word for word in self._words if word.startswith("--") and not self._takes(word)]
+        if message.startswith("the following arguments are required") and unknown:
+            message += f"; unknown: {shlex.join(unknown)}{self.hint(unknown)}"
+        self.print_usage(sys.stderr)
+        self.exit(2, f"{self.prog}: {message}\n`{self.prog} --help` has all options, and examples\n")
+
+    def _takes(self, word: str) -> bool:
+        """Whether a word is an option, or the beginning of one."""
+        return any(option.startswith(word.partition("=")[0]) for option in self._option_string_actions)
+
+    def hint(self, rest: Sequence[str]) -> str:
+        """What may have been meant by words that a command does not take."""
+        option, given, value = rest[0].partition("=")
+        known = list(self._option_string_actions)
+        if not option.startswith("--"):
+            triples = zip(self._words, self._words[1:], self._words[2:], strict=False)
+            parted = [key for word, key, after in triples if (word, after) == ("--set", rest[0])]
+            return f"; did you mean --set {parted[0]}={rest[0]}?" if parted and "=" not in parted[0] else ""
+        keys = _keys_of(option.removeprefix("--")) if "--set" in known else []
+        if keys:
+            following = value if given else rest[1] if len(rest) > 1 else "VALUE"
+            return f"; did you mean --set {keys[0]}={following}?"
+        return _did_you_mean(option, known)
+
+    def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Refuse a word that is none of a few; argparse's own way lists them and says no more."""
+        if action.choices is not None and value not in action.choices:
+            allowed = [str(choice) for choice in action.choices]
+            message = f"{str(value)!r} is none of {', '.join(allowed)}{_did_you_mean(str(value), allowed)}"
+            raise argparse.ArgumentError(action, message)
+
+
+def _did_you_mean(word: str, known: Sequence[str]) -> str:
+    near = difflib.get_close_matches(word, known, n=1)
+    return f"; did you mean {near[0]}?" if near else ""
+
+
+def _keys_of(name: str) -> list[str]:
+    """Keys of a case that end in a name, the shortest first."""
+    from crackgrow.case.keys import case_keys  # only now: it loads numpy
+
+    found = {key.name for key in case_keys() if key.name.rpartition(".")[2] == name.replace("-", "_")}
+    return sorted(found, key=len)
+
+
+def commands_of(parser: argparse.ArgumentParser) -> argparse._SubParsersAction[Any]:
+    """The commands of a parser."""
+    return next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))

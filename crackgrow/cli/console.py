@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
+import difflib
 import io
 import json
 import os
 import shlex
 import sys
+from collections.abc import Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+import crackgrow
+from crackgrow.errors import CaseError
 from crackgrow.results.atomic import OutputError
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Case
 
 EXIT_DONE, EXIT_BUG, EXIT_UNSOLVED, EXIT_INTERRUPTED = 0, 1, 3, 130
 EXIT_DIFFERENT = 4  # of compare and trade
@@ -47,13 +54,6 @@ def hand_out_json(record: object) -> None:
     hand_out(json.dumps(record, indent=2, allow_nan=False) + "\n")
 
 
-def count(text: str) -> int:
-    """A whole number from 1 on, of an argument."""
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: a whole number from 1 on is wanted")
-    return int(text)
-
-
 def spelled(*words: str) -> str:
     """A command of this program, as the user would type it."""
     script = Path(sys.argv[0]).name == "crackgrow"
@@ -64,3 +64,23 @@ def spelled(*words: str) -> str:
 def complain(text: str) -> None:
     with contextlib.suppress(OSError, ValueError):  # nobody listens: the exit code still tells
         print(text, file=sys.stderr, flush=True)
+
+
+def load_case_file(path: Path, overrides: Sequence[str]) -> Case:
+    """The case of a file with some settings; raises CaseError, also with what may be meant where there is no file."""
+    if not os.path.isfile(path):  # noqa: PTH113  (Path's fails on a long name)
+        raise CaseError.at(path, _missing_message(path))
+    return crackgrow.load_case(path, overrides)
+
+
+def _missing_message(path: Path) -> str:
+    if os.path.isdir(path):  # noqa: PTH112  (as above)
+        return "is a folder, not a case file"
+    names = sorted(file.name for file in path.parent.glob("*.yaml"))
+    near = [path.parent / name for name in difflib.get_close_matches(path.name, names, n=1)]
+    of_that_name = Path("cases") / f"{path.stem}.yaml"  # where `crackgrow new` writes
+    if path.parent == Path() and os.path.isfile(of_that_name):  # noqa: PTH113
+        near = [of_that_name]
+    if near:
+        return f"no such case file; did you mean {near[0]}?"
+    return f"no such case file; {path.parent} has {', '.join(names) or 'no case files'}"

@@ -5,10 +5,8 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass
-from itertools import pairwise
 from textwrap import TextWrapper
-from typing import Final
+from typing import Final, NamedTuple
 
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
 from crackgrow.results.declarations import RUN, Column, File, columns_of, declared
@@ -17,8 +15,7 @@ FOLDERS: Final = {"run": RUN} | {command: declared(files) for command, files in 
 """Files by the command that writes them."""
 
 
-@dataclass(frozen=True, slots=True)
-class Entry:
+class Entry(NamedTuple):
     """A key, a file or a column."""
 
     name: str
@@ -26,12 +23,13 @@ class Entry:
 
     def lines(self, width: int, most: int | None = None) -> list[str]:
         """The entry for a terminal of a width: its name, below it the facts, wrapped, in `most` lines each."""
-        indent = max(map(len, self.facts), default=0) + 4
+        facts = {label: words for label, words in self.facts.items() if words}
+        indent = max(map(len, facts), default=0) + 4
         filled = TextWrapper(max(width, indent + 20), break_long_words=False, break_on_hyphens=False, max_lines=most)
         filled.placeholder = " ..."
         filled.subsequent_indent = " " * indent
         found = [self.name]
-        for label, words in self.facts.items():
+        for label, words in facts.items():
             filled.initial_indent = f"  {label}".ljust(indent)
             found += filled.wrap(words)
         return found
@@ -39,25 +37,14 @@ class Entry:
 
 def key_entry(key: Key) -> Entry:
     """What is to be known of a key of a case."""
-    facts = {
-        "meaning": key.doc,
-        "type": key.kind + (f", with the keys of {key.like}" if key.like else ""),
-        "unit": key.units,
-        "default": key.default,
-        "allowed": key.allowed,
-    }
-    return Entry(key.name, {label: words for label, words in facts.items() if words})
+    kind = key.kind + (f", with the keys of {key.like}" if key.like else "")
+    facts = {"meaning": key.doc, "type": kind, "unit": key.units, "default": key.default, "allowed": key.allowed}
+    return Entry(key.name, facts)
 
 
-def column_entry(file: File, column: Column) -> Entry:
+def _column_entry(file: File, column: Column) -> Entry:
     """What is to be known of a column, a field of a frame, or a key of a JSON file."""
-    facts = {"meaning": column.doc, "unit": column.unit, "in": file.name}
-    return Entry(column.name, {label: words for label, words in facts.items() if words})
-
-
-def file_entry(file: File, command: str) -> Entry:
-    """What is to be known of a file."""
-    return Entry(file.name, {"meaning": file.doc, "written by": f"crackgrow {command}"})
+    return Entry(column.name, {"meaning": column.doc, "unit": column.unit, "in": file.name})
 
 
 def first_entries() -> list[Entry]:
@@ -75,17 +62,17 @@ def explain(name: str) -> list[Entry]:
     exact = [key for key in keys if _is(key.name, name)]
     if exact:
         return [key_entry(key) for key in keys if key in exact or _is_below(key.name, name)]
-    whole = [(command, file) for command, file in _files() if file.name == name]
-    if whole:
-        return [
-            entry
-            for command, file in whole
-            for entry in (file_entry(file, command), *(column_entry(file, column) for column in file.columns))
-        ]
+    found = []
+    for command, file in _files():
+        if file.name == name:
+            found.append(Entry(name, {"meaning": file.doc, "written by": f"crackgrow {command}"}))
+            found += [_column_entry(file, column) for column in file.columns]
+    if found:
+        return found
     tails = [key for key in keys if key.name.endswith(f".{name}")]
-    first = [key for key in tails if not any(_repeats(key, other) for other in tails)]
-    columns = [column_entry(file, column) for _, file in _files() for column in file.columns if column.name == name]
-    return [*(key_entry(key) for key in first), *columns] or list(_word_entries(name))
+    found = [key_entry(key) for key in tails if not any(_repeats(key, other) for other in tails)]
+    found += [_column_entry(file, column) for _, file in _files() for column in file.columns if column.name == name]
+    return found or list(_word_entries(name))
 
 
 def _word_entries(name: str) -> Iterator[Entry]:
@@ -93,9 +80,9 @@ def _word_entries(name: str) -> Iterator[Entry]:
     before, _, word = name.rpartition(".")
     for key in case_keys():
         told = re.search(rf"`{re.escape(word)}`(?:: (.*?))?(?=; `|, or |$)", key.allowed)
-        if told and not _below_a_like(key.name) and (not before or _is(key.name, before)):
+        if told and not below_a_like(key.name) and (not before or _is(key.name, before)):
             facts = {"meaning": told[1] or "", "key": f"{key.name}: {key.doc}", "default": key.default}
-            yield Entry(f"{key.name}: {word}", {label: words for label, words in facts.items() if words})
+            yield Entry(f"{key.name}: {word}", facts)
 
 
 def nearest(name: str) -> list[str]:
@@ -106,15 +93,8 @@ def nearest(name: str) -> list[str]:
     return difflib.get_close_matches(name, list(dict.fromkeys(names)), n=3)
 
 
-def sections() -> Iterator[tuple[str, list[Key]]]:
-    """The keys by the one that they begin with; those below a mapping that has been told before are left out."""
-    keys = [key for key in case_keys() if not _below_a_like(key.name)]
-    starts = [place for place, key in enumerate(keys) if "." not in key.name]
-    for begin, end in pairwise([*starts, len(keys)]):
-        yield keys[begin].name, keys[begin:end]
-
-
-def _below_a_like(name: str) -> bool:
+def below_a_like(name: str) -> bool:
+    """Whether a key lies below a mapping that has been told before."""
     return any(key.like and name.startswith(f"{key.name}.") for key in case_keys())
 
 

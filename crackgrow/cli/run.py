@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import os
 import shutil
@@ -16,8 +15,7 @@ from typing import TYPE_CHECKING
 
 import crackgrow
 from crackgrow.blas import warm_up
-from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, say, spelled
-from crackgrow.cli.parser import Commands, add_command, load_case_file, path, takes_case
+from crackgrow.cli.console import EXIT_DONE, EXIT_INTERRUPTED, EXIT_UNSOLVED, complain, load_case_file, say
 from crackgrow.errors import GeometryError, SolveError, is_out_of_memory, reason_of
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.log import Progress
@@ -29,63 +27,48 @@ if TYPE_CHECKING:
     from crackgrow.results.writer import RunWriter
     from crackgrow.run.result import RunEnd, StepResult
 
-HELP = """\
-Run a case: solve the contact of its cracks, let them grow step by step, and write the results as they come. What was
-solved is kept whatever ends the run, and --resume goes on with it.
-"""
-EXAMPLES = """\
-exit codes: 0 done; 2 the case is wrong; 3 not solved or written as asked; 130 interrupted.
 
-examples:
-  crackgrow run cases/compression30.yaml
-  crackgrow run cases/compression30.yaml --set cracks.flaw.contact.friction=0.3 --out outputs/rough
-  crackgrow run cases/random_flaws.yaml --resume
-"""
-
-
-def run(arguments: argparse.Namespace) -> int:
+def do_run(case: Path, overrides: list[str], out: Path | None, resume: bool, quiet: bool, again: str) -> int:
     """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
     from crackgrow.results.resume import find_resumption  # only now: they load numpy
     from crackgrow.results.writer import RunWriter, complete_run
 
-    case = load_case_file(arguments)
-    folder = arguments.out or Path("outputs") / case.name
-    if not arguments.resume:
-        _spare_case_file(arguments.case, folder)
-    writer = RunWriter(case, folder)
+    model = load_case_file(case, overrides)
+    folder = out or Path("outputs") / model.name
+    writer = RunWriter(model, folder)
     with writer.held(), _second_ends():
-        found = find_resumption(case, folder) if arguments.resume else None
+        found = find_resumption(model, folder) if resume else None
+        if found is None:
+            _spare_case_file(case, folder)
         if found is None or found.finished is None:
-            return _run(writer, found, arguments)
-        complete_run(case, folder)
-    if not arguments.quiet:
+            return _run(writer, found, quiet, again)
+        complete_run(model, folder)
+    if not quiet:
         say(f"{found.finished}\nnothing is left to do, results in {folder}")
     return EXIT_DONE
 
 
-def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namespace) -> int:
+def _run(writer: RunWriter, found: Resumption | None, quiet: bool, again: str) -> int:
     """Grow and write, from the beginning or from where an earlier run was broken off."""
     from crackgrow.compiled import before_compiling  # only now: it loads Numba
 
     case, folder = writer.case, writer.folder
-    if found is None:
-        _spare_case_file(arguments.case, folder)
     expected = _expected(case)
     steps = crackgrow.grow(case, None if found is None else found.checkpoint)  # starts with its first step
     for remark in (*(() if found is None else found.remarks), *filter(None, [expected and expected.warning])):
         complain(f"warning: {remark}")
     with _uninterrupted():
         writer.begin() if found is None else writer.resume(found)
-    progress = _progress(case, arguments, 0 if found is None else found.checkpoint.step, expected)
+    progress = _progress(case, quiet, 0 if found is None else found.checkpoint.step, expected)
     before_compiling(lambda: complain("compiling the kernels: once after installation, less than a minute"))
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
         _break_off(writer, error)  # a small file may still fit
-        raise OutputError(f"{error}; then go on with: {_resuming(arguments, folder)}") from error
+        raise OutputError(f"{error}; then go on with: {again}") from error
     except KeyboardInterrupt as error:
         _break_off(writer, error)
-        complain(f"crackgrow: interrupted; go on with: {_resuming(arguments, folder)}")
+        complain(f"crackgrow: interrupted; go on with: {again}")
         return EXIT_INTERRUPTED
     except Exception as error:
         if is_out_of_memory(error):
@@ -97,12 +80,12 @@ def _run(writer: RunWriter, found: Resumption | None, arguments: argparse.Namesp
         raise
     finally:
         progress.close()
-    if writer.error_line and not arguments.quiet:
+    if writer.error_line and not quiet:
         say(writer.error_line)
     if end.status == "failed":
         complain(f"crackgrow: {end.reason}")
         return EXIT_UNSOLVED
-    if not arguments.quiet:
+    if not quiet:
         say(f"{end.status}: {end.reason}\nresults in {folder}")
     return EXIT_DONE
 
@@ -133,13 +116,12 @@ def _expected(case: Case) -> Cost | None:
         raise
 
 
-def _progress(case: Case, arguments: argparse.Namespace, first: int, expected: Cost | None) -> Progress:
-    """What tells of a run that begins with step `first`."""
-    if arguments.quiet:
-        return Progress(case, lambda text, end: None, width=None, first=first)
-    live = sys.stdout is not None and sys.stdout.isatty()
+def _progress(case: Case, quiet: bool, first: int, expected: Cost | None) -> Progress:
+    """What tells of a run that begins with step `first`, on a live line where there is a terminal."""
+    live = not quiet and sys.stdout is not None and sys.stdout.isatty()
     width = shutil.get_terminal_size().columns - 1 if live else None
-    return Progress(case, say, width=width, first=first, expected=expected.words if expected else "")
+    tell = (lambda text, end: None) if quiet else say
+    return Progress(case, tell, width=width, first=first, expected=expected.words if expected else "")
 
 
 def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:
@@ -222,17 +204,3 @@ def _break_off(writer: RunWriter, error: BaseException, reason: str = "") -> Non
         second = writer.break_off(error, reason)
     if second:
         complain(f"crackgrow: {second}")
-
-
-def _resuming(arguments: argparse.Namespace, folder: Path) -> str:
-    """The command that goes on with a run."""
-    settings = [word for setting in arguments.overrides for word in ("--set", setting)]
-    quiet = ["--quiet"] if arguments.quiet else []
-    return spelled("run", str(arguments.case), "--out", str(folder), *settings, *quiet, "--resume")
-
-
-def add_run(commands: Commands) -> None:
-    command = takes_case(add_command(commands, run, "run", "run a case and write its results", (HELP, EXAMPLES)))
-    command.add_argument("--out", type=path, metavar="DIR", help="folder of the results (default outputs/<case>)")
-    command.add_argument("--resume", action="store_true", help="go on where an earlier run was broken off, if any was")
-    command.add_argument("--quiet", action="store_true", help="print nothing but errors")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
@@ -23,38 +23,26 @@ Part = Literal["given", "start", "end", "path"]  # "path": of a file that doesn'
 SLACK = 1e-9  # of a length: a point so close behind a vertex is at it
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Place:
+class Place(NamedTuple):
     """A point of a path."""
 
-    point: Floats  # (2,) m
+    x: float  # m
+    y: float  # m
     s: float  # m, arc length from the part's root (of a tip), from the start otherwise
     step: int | None  # whose advance made the segment; 0 in the given crack, None if not told
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Deviation:
-    """How far apart two lines are."""
-
-    hausdorff: float  # m, largest distance of a point of either from the other
-    frechet: float  # m, the same for points in the order of the paths: at least the Hausdorff distance
-    in_a: Place  # where the Hausdorff distance is
-    in_b: Place
-
-    @property
-    def largest(self) -> float:
-        """What is held against a tolerance, m."""
-        return max(self.hausdorff, self.frechet)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Common:
-    """The part over which two lines run side by side: without what goes on beyond the other's end."""
+    """How far apart two lines are, or parts of them that run side by side."""
 
     length_a: float  # m
     length_b: float  # m
-    ends: Floats  # (2, 2) m, on A: where the part begins and ends
-    deviation: Deviation
+    hausdorff: float  # m, largest distance of a point of either from the other
+    frechet: float  # m, the same in the order of the paths, which is at least as large: held against a tolerance
+    in_a: Place  # where the Hausdorff distance is
+    in_b: Place
+    ends: Floats  # (2, 2) m, where the line begins and ends in A
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,21 +55,21 @@ class Pair:
     length_b: float  # m
     whole: Deviation | None  # of the whole lengths; None where a file may hold a part of the path only
     end_distance: float | None  # m, between the tips; None like `whole`
-    common: Common | None  # None where nothing has grown in A or in B, and of given cracks
+    common: (
+        Deviation | None
+    )  # without what goes on beyond the other's end; None where A or B has not grown, or is given
 
     @property
     def deviation(self) -> Deviation:
         """What counts: of the whole lengths, or of the common part where no more is known."""
-        if self.whole is not None:
-            return self.whole
-        if self.common is None:
-            raise ValueError("a pair has a whole or a common part")
-        return self.common.deviation
+        counts = self.whole or self.common
+        assert counts is not None  # a pair has one of them
+        return counts
 
     @property
     def name(self) -> str:
         """The crack and its part, for messages."""
-        return f"{self.crack} {self.part}" if self.crack else self.part
+        return f"{self.crack} {self.part}".strip()
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -105,7 +93,7 @@ class Comparison:
         """Pairs further apart than the tolerance; none without one."""
         if self.tolerance is None:
             return ()
-        return tuple(pair for pair in self.pairs if pair.deviation.largest > self.tolerance)
+        return tuple(pair for pair in self.pairs if pair.deviation.frechet > self.tolerance)
 
     @property
     def agrees(self) -> bool:
@@ -132,12 +120,11 @@ class _Stretch:
     def place(self, s: float) -> Place:
         """The point at an arc length from where the stretch begins; its step made the younger end of its segment."""
         at = self.s_from + (s if self.s_to >= self.s_from else -s)
-        along = arc_lengths(self.line.points)
-        step = None
-        if self.line.steps is not None:
-            after = min(int(np.searchsorted(along, at - SLACK * along[-1])), len(along) - 1)
-            step = int(self.line.steps[max(after - 1, 0) : after + 1].max())
-        return Place(point_at(self.line.points, np.array([at]))[0], at, step)
+        along, steps = arc_lengths(self.line.points), self.line.steps
+        after = min(int(np.searchsorted(along, at - SLACK * along[-1])), len(along) - 1)
+        step = None if steps is None else int(steps[max(after - 1, 0) : after + 1].max())
+        x, y = point_at(self.line.points, np.array([at]))[0].tolist()
+        return Place(x, y, at, step)
 
 
 def compare_paths(
@@ -168,15 +155,12 @@ def compare_paths(
     if faults:
         raise CaseError(list(dict.fromkeys(faults)))
     set_a, set_b = sets
-    names_a, names_b = _chosen(set_a, set_b, crack)
-    shared = [name for name in names_a if name in names_b]
-    pairs: list[Pair] = []
-    for name in shared:
-        pairs.extend(_pairs(name, set_a.cracks[names_a[name]], set_b.cracks[names_b[name]], tip))
-    only_a = tuple(name for name in names_a if name not in names_b)
-    only_b = tuple(name for name in names_b if name not in names_a)
+    in_a, in_b = _chosen(set_a, set_b, crack)
+    shared = [name for name in in_a if name in in_b]
+    pairs = [pair for name in shared for pair in _pairs(name, in_a[name], in_b[name], tip)]
     if tip is not None and shared and not pairs:
         raise CaseError.at("--tip", f"the {tip} has not grown in {a} nor in {b}")
+    only_a, only_b = (tuple(name for name in own if name not in shared) for own in (in_a, in_b))
     return Comparison(set_a, set_b, tuple(pairs), only_a, only_b, limit)
 
 
@@ -191,23 +175,21 @@ def grown_pairs(a: Path, b: Path) -> list[Pair]:
 
 
 def _tolerance(given: str | float | None, faults: list[Fault]) -> float | None:
+    """A length in m, if one is given; what is wrong with it goes to the faults."""
     if given is None:
         return None
-    text = str(given)
     try:
-        value = parse_quantity(text, "length", Units())
+        value = parse_quantity(str(given), "length", Units())
+        wrong = "is negative; allowed is a length from 0 on" if value < 0 else ""
     except QuantityError as error:
-        faults.append(
-            Fault("--tolerance", None, "", f"{quoted(text)} {error}; allowed is a length: '0.15 mm', or in m")
-        )
-        return None
-    if value < 0:
-        faults.append(Fault("--tolerance", None, "", f"{quoted(text)} is negative; allowed is a length from 0 on"))
+        value, wrong = 0.0, f"{error}; allowed is a length: '0.15 mm', or in m"
+    if wrong:
+        faults.append(Fault("--tolerance", None, "", f"{quoted(str(given))} {wrong}"))
     return value
 
 
-def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, str], dict[str, str]]:
-    """The cracks to compare: name in the comparison to name in the file, of both; a nameless one takes the other's."""
+def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, PathLine], dict[str, PathLine]]:
+    """The cracks to compare, by name, of both; a nameless one takes the other's."""
     names = list(dict.fromkeys(name for paths in (a, b) for name in paths.cracks if name))
     if crack is not None and names and crack not in names:
         message = f"no crack {quoted(crack)}{did_you_mean(crack, names)}; there are {', '.join(names)}"
@@ -218,12 +200,9 @@ def _chosen(a: PathSet, b: PathSet, crack: str | None) -> tuple[dict[str, str], 
         message = f"has no column crack; choose the one to compare with by --crack: {', '.join(names)}"
         raise CaseError.at(source, message)
     nameless = wanted[0] if wanted else ""
-
-    def of(paths: PathSet) -> dict[str, str]:
-        own = {name or nameless: name for name in paths.cracks}
-        return own if crack is None else {name: key for name, key in own.items() if name == crack}
-
-    return of(a), of(b)
+    named = [{name or nameless: line for name, line in paths.cracks.items()} for paths in (a, b)]
+    in_a, in_b = ({name: line for name, line in own.items() if crack in (None, name)} for own in named)
+    return in_a, in_b
 
 
 def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
@@ -237,12 +216,8 @@ def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
         ends = max(_apart(given_a.points[end], given_b.points[end]) for end in (0, -1))
         pairs.append(Pair(name, "given", given_a.length, given_b.length, whole, ends, None))
     tips: tuple[Tip, ...] = ("start", "end") if tip is None else (tip,)
-    pairs.extend(
-        _grown(name, which, a.wing(which), b.wing(which))
-        for which in tips
-        if len(a.wing(which).points) > 1 or len(b.wing(which).points) > 1
-    )
-    return pairs
+    wings = [(which, a.wing(which), b.wing(which)) for which in tips]
+    return pairs + [_grown(name, *wing) for wing in wings if any(len(line.points) > 1 for line in wing[1:])]
 
 
 def _grown(name: str, tip: Tip, a: PathLine, b: PathLine) -> Pair:
@@ -251,9 +226,8 @@ def _grown(name: str, tip: Tip, a: PathLine, b: PathLine) -> Pair:
     if len(a.points) > 1 and len(b.points) > 1:
         s_a = overhang(a.points, b.points, at_both=False) or a.length
         s_b = overhang(b.points, a.points, at_both=False) or b.length
-        common = _common(_Stretch(a, 0.0, s_a), _Stretch(b, 0.0, s_b))
-    ends = _apart(a.points[-1], b.points[-1])
-    return Pair(name, tip, a.length, b.length, _deviation(_all(a), _all(b)), ends, common)
+        common = _deviation(_Stretch(a, 0.0, s_a), _Stretch(b, 0.0, s_b))
+    return Pair(name, tip, a.length, b.length, _deviation(_all(a), _all(b)), _apart(a.points[-1], b.points[-1]), common)
 
 
 def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
@@ -268,7 +242,7 @@ def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:
         on_b, on_a = _side_by_side(b, a)
     else:
         on_a, on_b = _side_by_side(a, b)
-    return Pair(name, tip or "path", a.length, b.length, None, None, _common(on_a, on_b))
+    return Pair(name, tip or "path", a.length, b.length, None, None, _deviation(on_a, on_b))
 
 
 def _side_by_side(path: PathLine, reference: PathLine) -> tuple[_Stretch, _Stretch]:
@@ -282,15 +256,12 @@ def _side_by_side(path: PathLine, reference: PathLine) -> tuple[_Stretch, _Stret
     return _Stretch(path, float(ends[0]), float(ends[1])), _Stretch(reference, low, high)
 
 
-def _common(a: _Stretch, b: _Stretch) -> Common:
-    return Common(a.length, b.length, a.points[[0, -1]], _deviation(a, b))
-
-
 def _deviation(a: _Stretch, b: _Stretch) -> Deviation:
-    from_a, from_b = farthest(a.points, b.points), farthest(b.points, a.points)
-    s_a, s_b = (from_a.s, from_a.near_s) if from_a.distance >= from_b.distance else (from_b.near_s, from_b.s)
-    hausdorff = max(from_a.distance, from_b.distance)
-    return Deviation(hausdorff, frechet(a.points, b.points), a.place(s_a), b.place(s_b))
+    (from_a, s_a, near_b), (from_b, s_b, near_a) = farthest(a.points, b.points), farthest(b.points, a.points)
+    in_a, in_b = (a.place(s_a), b.place(near_b)) if from_a >= from_b else (a.place(near_a), b.place(s_b))
+    hausdorff = max(from_a, from_b)
+    leash = max(hausdorff, frechet(a.points, b.points))
+    return Deviation(a.length, b.length, hausdorff, leash, in_a, in_b, a.points[[0, -1]])
 
 
 def _all(line: PathLine) -> _Stretch:

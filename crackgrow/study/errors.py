@@ -8,19 +8,23 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy.interpolate import PchipInterpolator
 
 from crackgrow.arrays import Floats
-from crackgrow.results.folder import RunFolder, TextTable
+from crackgrow.results.folder import RunFolder
 from crackgrow.study.compare import grown_pairs
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 ERRORS = (
     "K_error", "K_II_error", "pressure_error", "shear_error", "slip_error", "energy_error",
     "path_hausdorff", "path_frechet", "length_error",
 )  # fmt: skip
-"""Columns of the table, in the order of `errors_of`."""
+"""Columns of the table, in the order of `errors_of`; paths as far as both have grown."""
 
 NEGLIGIBLE = 1e-3  # of the largest K, slip or traction: a part of the reference below it has no relative error
 
@@ -30,47 +34,52 @@ SAME_PLACE = 1e-9  # of a surface's length: less than contact points are apart
 def errors_of(run: Path, reference: Path, *, grows: bool) -> dict[str, float]:
     """The errors of a result folder against another, by column; `grows`: whether the case has growth."""
     both = RunFolder(run), RunFolder(reference)
-    tips, contacts, steps = ([_judged(one, name, grows) for one in both] for name in ("tips", "contact", "steps"))
-    K_error, K_II_error = K_errors(*tips)
-    energies = [float(table.numbers("strain_energy")[0]) for table in steps]
-    energy = abs(energies[0] - energies[1]) / abs(energies[1]) if energies[1] else math.nan
-    values = K_error, K_II_error, *contact_errors(*contacts), energy, *_path_errors(run, reference)
+    tips, contacts, steps = (
+        [_judged(table, grows) for table in tables]
+        for tables in ([one.tips for one in both], [one.contact for one in both], [one.steps for one in both])
+    )
+    mine, true = (float(table["strain_energy"].iloc[0]) for table in steps)
+    energy = abs(mine - true) / abs(true) if true else math.nan
+    pairs = grown_pairs(run, reference)
+    common = [pair.common for pair in pairs if pair.common is not None]
+    hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
+    frechet = max((deviation.frechet for deviation in common), default=math.nan)
+    lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)
+    values = *K_errors(*tips), *contact_errors(*contacts), energy, hausdorff, frechet, lengths
     return dict(zip(ERRORS, values, strict=True))
 
 
-def K_errors(mine: TextTable, true: TextTable) -> tuple[float, float]:
+def _judged(table: pd.DataFrame, grows: bool) -> pd.DataFrame:
+    """The rows of a table at the step that is judged."""
+    return table[table["step"] == (0 if grows or table.empty else table["step"].iloc[-1])]
+
+
+def K_errors(mine: pd.DataFrame, true: pd.DataFrame) -> tuple[float, float]:
     """Relative errors of K and of K_II over all tips that both have."""
-    known = _K_by_tip(true)
-    K = np.array([(K, known[tip]) for tip, K in _K_by_tip(mine).items() if tip in known])
-    if not len(K):
+    both = mine.merge(true, on=["crack", "tip"], suffixes=("", "_true"))
+    if both.empty:
         return math.nan, math.nan
-    off, size = K[:, 0] - K[:, 1], np.hypot(*K[:, 1].T).max()
-    size_II = np.abs(K[:, 1, 1]).max()
+    known = both[["K_I_true", "K_II_true"]].to_numpy()
+    off, size = both[["K_I", "K_II"]].to_numpy() - known, np.hypot(*known.T).max()
+    size_II = np.abs(known[:, 1]).max()
     K_error = float(np.hypot(*off.T).max() / size) if size > 0 else math.nan
     return K_error, float(np.abs(off[:, 1]).max() / size_II) if size_II > NEGLIGIBLE * size else math.nan
 
 
-def _K_by_tip(tips: TextTable) -> dict[tuple[str, str], tuple[float, float]]:
-    """K_I and K_II of each tip."""
-    names = zip(tips.words("crack"), tips.words("tip"), strict=True)
-    return dict(zip(names, zip(tips.numbers("K_I").tolist(), tips.numbers("K_II").tolist(), strict=True), strict=True))
-
-
-def contact_errors(mine: TextTable, true: TextTable) -> tuple[float, float, float]:
+def contact_errors(mine: pd.DataFrame, true: pd.DataFrame) -> tuple[float, float, float]:
     """Relative L2 errors of pressure, shear and slip along all faces in contact that both have.
 
     The reference is interpolated at the run's own contact points, so that nothing is said of what lies between them.
     """
     off, size = np.zeros(3), np.zeros(3)
-    known = true.by("crack")
-    for surface, points in mine.by("crack").items():
-        if surface not in known:
-            continue
-        (s, values), (s_true, values_true) = _along(points), _along(known[surface])
-        expected = _interpolated(s, s_true, values_true)
-        weights = _lengths(s)
-        off += weights @ (values - expected) ** 2
-        size += weights @ expected**2
+    for surface, points in mine.groupby("crack", sort=False):
+        known = true[true["crack"] == surface]
+        if len(known):
+            (s, values), (s_true, values_true) = _along(points), _along(known)
+            expected = _interpolated(s, s_true, values_true)
+            weights = _lengths(s)
+            off += weights @ (values - expected) ** 2
+            size += weights @ expected**2
     tractions = size[0] + size[1]
     if tractions == 0.0:
         return math.nan, math.nan, math.nan
@@ -78,10 +87,9 @@ def contact_errors(mine: TextTable, true: TextTable) -> tuple[float, float, floa
     return float(pressure), float(shear), float(np.sqrt(off[2] / size[2])) if size[2] > 0.0 else math.nan
 
 
-def _along(points: TextTable) -> tuple[Floats, Floats]:
+def _along(points: pd.DataFrame) -> tuple[Floats, Floats]:
     """Arc lengths (n,) m of a surface's contact points, ascending, and pressure, shear, slip (n, 3) there."""
-    columns = ("s", "normal_traction", "tangential_traction", "slip")
-    table = np.column_stack([points.numbers(column) for column in columns])
+    table = points[["s", "normal_traction", "tangential_traction", "slip"]].to_numpy()
     table = table[np.argsort(table[:, 0], kind="stable")]
     return table[:, 0], table[:, 1:]
 
@@ -115,19 +123,3 @@ def _lengths(s: Floats) -> Floats:
         return np.ones(1)
     middle = (s[1:] + s[:-1]) / 2
     return np.diff(np.concatenate([[s[0]], middle, [s[-1]]]))
-
-
-def _path_errors(run: Path, reference: Path) -> tuple[float, float, float]:
-    """Hausdorff and Frechet distance (m) of what both have grown, and the largest difference of lengths."""
-    pairs = grown_pairs(run, reference)
-    common = [pair.common.deviation for pair in pairs if pair.common is not None]
-    hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
-    frechet = max((deviation.frechet for deviation in common), default=math.nan)
-    lengths = max((abs(pair.length_a - pair.length_b) for pair in pairs), default=math.nan)
-    return hausdorff, frechet, lengths
-
-
-def _judged(run: RunFolder, name: str, grows: bool) -> TextTable:
-    """The rows of a table at the step that is judged."""
-    table = run.table(name)
-    return table.of_steps([0 if grows or not len(table) else table.steps()[-1]])

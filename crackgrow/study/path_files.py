@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal, NoReturn
+from typing import Literal
 
 import numpy as np
 import yaml
@@ -72,10 +72,6 @@ class PathSet:
     settings: dict[str, str] | None  # of case.yaml by dotted key; None if there is none
 
 
-Refuse = Callable[[int, str, str], NoReturn]
-"""Raises CaseError with a line, key and message."""
-
-
 def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> PathSet:
     """The crack paths of a result folder or of a CSV file; `columns` names the columns of x and y of a CSV.
 
@@ -84,31 +80,21 @@ def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> Path
     path = Path(source)
     if not path.is_dir():
         if not path.is_file():
-            raise CaseError.at(path, _missing(path))
+            near = did_you_mean(path.name, [entry.name for entry in path.parent.glob("*")])
+            raise CaseError.at(path, f"no such folder or file{near}; compared are result folders and CSV files")
         return PathSet(str(source), _read_csv(path, columns), "", None)
     run = RunFolder(path)
     if not run.has("paths.csv"):
-        raise CaseError.at(path, _no_results(path))
+        inner = sorted(found.parent.name for found in path.glob("*/paths.csv"))
+        hint = f"; there are results in {', '.join(inner[:5])} inside it" if inner else ""
+        raise CaseError.at(path, f"is no result folder: it has no paths.csv{hint}")
     steps = run.found_summary.get("steps_done")
     status = f"{run.status}, {steps} steps" if run.status and steps is not None else ""
-    return PathSet(str(source), _read_csv(path / "paths.csv", None), status, _settings(run))
+    return PathSet(str(source), _read_csv(path / "paths.csv", None), status, _settings(run) if run.has(CASE) else None)
 
 
-def _missing(path: Path) -> str:
-    near = did_you_mean(path.name, [entry.name for entry in path.parent.glob("*")]) if path.parent.is_dir() else ""
-    return f"no such folder or file{near}; compared are result folders and CSV files"
-
-
-def _no_results(path: Path) -> str:
-    inner = sorted(found.parent.name for found in path.glob("*/paths.csv"))
-    hint = f"; there are results in {', '.join(inner[:5])} inside it" if inner else ""
-    return f"is no result folder: it has no paths.csv{hint}"
-
-
-def _settings(run: RunFolder) -> dict[str, str] | None:
+def _settings(run: RunFolder) -> dict[str, str]:
     path = run.folder / CASE
-    if not run.has(CASE):
-        return None
     try:
         return read_settings(run.case_text)
     except (FolderError, RecursionError) as error:
@@ -123,45 +109,52 @@ def _reason(error: BaseException) -> str:
     return getattr(error, "strerror", None) or "is not a text in UTF-8"
 
 
+class _WrongError(Exception):
+    """What is wrong in a CSV file: its line, key and a message."""
+
+
 def _read_csv(path: Path, columns: Sequence[str] | None) -> dict[str, PathLine]:
     """The cracks of a CSV file, in order of their first rows; raises CaseError with its first fault and that line."""
-
-    def refuse(line: int, key: str, message: str) -> NoReturn:
-        raise CaseError([Fault(str(path), line, key, message)])
-
     try:
-        rows = _rows(path.read_text(encoding="utf-8-sig"), refuse)
+        return _cracks(_rows(path.read_text(encoding="utf-8-sig")), columns)
+    except _WrongError as wrong:
+        raise CaseError([Fault(str(path), *wrong.args)]) from None
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError.at(path, f"cannot be read: {_reason(error)}") from error
+
+
+def _cracks(rows: list[tuple[int, list[str]]], columns: Sequence[str] | None) -> dict[str, PathLine]:
+    """The cracks of rows with their lines; raises _WrongError."""
     if not rows:
-        refuse(1, "", f"is empty; {FORMAT}")
+        raise _WrongError(1, "", f"is empty; {FORMAT}")
     (head, header), *body = rows
-    places = [_coordinate(head, header, axis, columns, refuse) for axis in (0, 1)]
+    places = [_coordinate(head, header, axis, columns) for axis in (0, 1)]
     if not body:
-        refuse(head, "", "has no cracks, only a header")
+        raise _WrongError(head, "", "has no cracks, only a header")
     cracks: dict[str, list[tuple[float, ...]]] = {}
     for line, cells in body:
         if len(cells) != len(header):
-            refuse(line, "", f"has {len(cells)} values, the header has {len(header)}")
+            raise _WrongError(line, "", f"has {len(cells)} values, the header has {len(header)}")
         named = dict(zip(header, cells, strict=True))
         crack = cracks.setdefault(named.get("crack", ""), [])
-        x, y = (_metres(line, header[index], cells[index], unit, refuse) for index, unit in places)
+        x, y = (_metres(line, header[index], cells[index], unit) for index, unit in places)
         step, vertex = named.get("step", "0"), named.get("vertex", str(len(crack)))
         if not re.fullmatch(r"[0-9]{1,9}", step):
-            refuse(line, "step", f"{quoted(step)} is no step; allowed are 0, of the given crack, and 1, 2, ...")
+            raise _WrongError(
+                line, "step", f"{quoted(step)} is no step; allowed are 0, of the given crack, and 1, 2, ..."
+            )
         try:
-            number, what = parse_number(vertex), ""
+            number = parse_number(vertex)
+            what = f"comes after {crack[-1][-1]:g}" if crack and number <= crack[-1][-1] else ""
         except QuantityError:
             number, what = math.nan, "is not a number"
-        if crack and number <= crack[-1][-1]:
-            what = f"comes after {crack[-1][-1]:g}"
         if what:
-            refuse(line, "vertex", f"{quoted(vertex)} {what}; allowed are numbers that rise along a crack")
+            raise _WrongError(line, "vertex", f"{quoted(vertex)} {what}; allowed are numbers that rise along a crack")
         crack.append((line, x, y, int(step), number))
-    return {name: _line(name, np.array(crack), "step" in header, refuse) for name, crack in cracks.items()}
+    return {name: _line(name, np.array(crack), "step" in header) for name, crack in cracks.items()}
 
 
-def _rows(text: str, refuse: Refuse) -> list[tuple[int, list[str]]]:
+def _rows(text: str) -> list[tuple[int, list[str]]]:
     """Rows with their lines; blank lines and comments are left out."""
     lines = text.splitlines()
     first = next((line for line in lines if line.strip() and not line.lstrip().startswith("#")), "")
@@ -169,18 +162,18 @@ def _rows(text: str, refuse: Refuse) -> list[tuple[int, list[str]]]:
     try:
         rows = [(reader.line_num, [cell.strip() for cell in cells]) for cells in reader]
     except csv.Error as error:
-        refuse(reader.line_num, "", f"is no CSV: {error}")
+        raise _WrongError(reader.line_num, "", f"is no CSV: {error}") from error
     return [(line, cells) for line, cells in rows if any(cells) and not cells[0].startswith("#")]
 
 
-def _coordinate(
-    line: int, header: list[str], axis: int, columns: Sequence[str] | None, refuse: Refuse
-) -> tuple[int, str]:
+def _coordinate(line: int, header: list[str], axis: int, columns: Sequence[str] | None) -> tuple[int, str]:
     """Number and length unit of the column of x (axis 0) or y (axis 1); a fault where there is none, or several."""
     if columns is not None:
         name = columns[axis]
         if header.count(name) != 1:
-            refuse(line, "", f"has no column {quoted(name)}{did_you_mean(name, header)}; it has {_listed(header)}")
+            raise _WrongError(
+                line, "", f"has no column {quoted(name)}{did_you_mean(name, header)}; it has {_listed(header)}"
+            )
         return header.index(name), next((word for word in _words(name) if word in UNITS["length"]), "m")
     letter = "xy"[axis]
     named = {index: words for index, name in enumerate(header) if (words := _words(name))[0] == letter}
@@ -188,24 +181,25 @@ def _coordinate(
     found = {index: words for index, words in known.items() if len(words) <= 2} or known  # of x and x_mm_other, x
     if len(found) > 1:
         names = ", ".join(clean(header[index]) for index in found)
-        refuse(line, "", f"has several columns for {letter}: {names}; choose with --columns X,Y")
+        raise _WrongError(line, "", f"has several columns for {letter}: {names}; choose with --columns X,Y")
     if named and not found:
         allowed = ", ".join([letter, *(f"{letter}_{unit}" for unit in UNITS["length"])])
-        refuse(line, clean(header[next(iter(named))]), f"has no known unit of length; allowed are {allowed}")
+        raise _WrongError(line, clean(header[next(iter(named))]), f"has no known unit of length; allowed are {allowed}")
     if not found:
-        refuse(line, "", f"has no column for {letter}, it has {_listed(header)}; {FORMAT}")
+        raise _WrongError(line, "", f"has no column for {letter}, it has {_listed(header)}; {FORMAT}")
     ((index, words),) = found.items()
     return index, words[1] if len(words) > 1 else "m"
 
 
-def _metres(line: int, key: str, text: str, unit: str, refuse: Refuse) -> float:
+def _metres(line: int, key: str, text: str, unit: str) -> float:
     try:
         return parse_quantity(text, "length", Units(length=unit))
     except QuantityError as error:
-        refuse(line, key, f"{quoted(text)} {error}; allowed is a length, in {unit} where it has no unit")
+        message = f"{quoted(text)} {error}; allowed is a length, in {unit} where it has no unit"
+        raise _WrongError(line, key, message) from None
 
 
-def _line(name: str, table: Floats, with_steps: bool, refuse: Refuse) -> PathLine:
+def _line(name: str, table: Floats, with_steps: bool) -> PathLine:
     """The crack of its rows (n, 5): line, x, y, step, vertex; points that repeat the one before are left out."""
     moves = np.concatenate([[True], np.any(np.diff(table[:, 1:3], axis=0) != 0, axis=1)])
     points, steps = table[moves, 1:3], table[moves, 3].astype(np.int64)
@@ -213,11 +207,13 @@ def _line(name: str, table: Floats, with_steps: bool, refuse: Refuse) -> PathLin
     line = PathLine(points, steps if with_steps else None)
     first_row, key, first = int(table[0, 0]), f"crack {clean(name)}" * bool(name), np.flatnonzero(line.first)
     if not 2 <= len(points) <= MOST_VERTICES:
-        refuse(first_row, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack")
+        raise _WrongError(
+            first_row, key, f"has {len(points)} different points; allowed are 2 to {MOST_VERTICES} a crack"
+        )
     # what starts in the run is a segment at once, where a tip adds one vertex
     if with_steps and ((len(first) < 2 and steps.min() > 0) or first[-1] - first[0] >= len(first)):
         told = "its vertices of step 0, the given crack, must be there and follow each other"
-        refuse(first_row, key, f"{told}; so must two or more of its first step, of one that a run started")
+        raise _WrongError(first_row, key, f"{told}; so must two or more of its first step, of one that a run started")
     return line
 
 

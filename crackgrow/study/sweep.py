@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -16,9 +16,8 @@ from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
-from crackgrow.study.runner import locked, run_study
+from crackgrow.study.runs import TAKEN, Row, locked, response_columns, run_study
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
-from crackgrow.study.table import TAKEN, Row, response_columns
 from crackgrow.study.workers import Workers
 
 Combination = tuple[str, ...]
@@ -32,25 +31,17 @@ _FROM_OVERRIDE: Final = "--set "
 
 
 def combinations(file: SweepFile) -> list[Combination]:
-    """What is run: of a grid, the first parameter varies slowest."""
-    if file.design == "latin_hypercube":
-        assert file.samples is not None  # the reader has seen to it
-        return _latin_hypercube(file, file.samples)
-    columns = [values.texts for values in file.parameters.values()]
-    return list(zip(*columns, strict=True)) if file.design == "zip" else list(itertools.product(*columns))
+    """What is run: of a grid, the first parameter varies slowest.
 
-
-def _latin_hypercube(file: SweepFile, samples: int) -> list[Combination]:
-    """As many runs as samples: of each parameter, every one of `samples` equal parts of its range is met once.
-
-    McKay, Beckman, Conover 1979: parts in random order, a random place in each.
+    Of a Latin hypercube of n samples every one of n equal parts of the range of each parameter is met once, in random
+    order and at a random place in it (McKay, Beckman, Conover 1979).
     """
-    rng = np.random.default_rng(file.seed)
-    columns = []
-    for values in file.parameters.values():
-        parts = (rng.permutation(samples) + rng.random(samples)) / samples
-        columns.append(values.at(parts))
-    return list(zip(*columns, strict=True))
+    parameters = file.parameters.values()
+    if file.samples is not None:
+        n, rng = file.samples, np.random.default_rng(file.seed)
+        return list(zip(*(values.at((rng.permutation(n) + rng.random(n)) / n) for values in parameters), strict=True))
+    columns = [values.texts for values in parameters]
+    return list(zip(*columns, strict=True)) if file.design == "zip" else list(itertools.product(*columns))
 
 
 def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
@@ -65,37 +56,60 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
     path = Path(path)
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     file = read_sweep_file(path)
-    keys, names = tuple(file.parameters), short_names(tuple(file.parameters))
-    given = [dict(zip(keys, values, strict=True)) for values in combinations(file)]
-    tried = [_case_file(file, settings).tried() for settings in given]
-    finer: dict[Combination, dict[str, str]] = {}
-    for settings, (case, _) in zip(given, tried, strict=True):
-        if file.reference and case is not None:
-            held = {**settings, **file.reference}
-            finer.setdefault(tuple(held.values()), held)
-    tried += [_case_file(file, settings).tried() for settings in finer.values()]
-    settings_of = [*given, *finer.values()]
-    titles = [_name(names, [settings[key] for key in keys]) for settings in settings_of]
-    titles[len(given) :] = [f"{REFERENCE} {title}" for title in titles[len(given) :]]
-    places = {held: len(given) + number for number, held in enumerate(finer)}
+    names = short_names(tuple(file.parameters))
+    settings = [dict(zip(file.parameters, values, strict=True)) for values in combinations(file)]
+    n_asked = len(settings)
+    tried = [_case_file(file, given).tried() for given in settings]
+    finer: dict[Combination, int] = {}  # numbers of the runs that others are held against
+    against: list[int | None] = []
+    for given, (case, _) in zip(list(settings), tried, strict=True):
+        held = {**given, **file.reference}
+        has_one = bool(file.reference) and case is not None
+        if has_one and tuple(held.values()) not in finer:
+            settings.append(held)
+        against.append(finer.setdefault(tuple(held.values()), len(settings) - 1) if has_one else None)
+    tried += [_case_file(file, given).tried() for given in settings[n_asked:]]
+    _refuse_all(file, [faults for _, faults in tried[:n_asked]])
+    _refuse_all(file, [faults for _, faults in tried[n_asked:]])
+    values = [tuple(given[key] for key in file.parameters) for given in settings]
+    titles = [_name(names, texts) for texts in values]
+    titles[n_asked:] = [f"{REFERENCE} {title}" for title in titles[n_asked:]]
     runs = []
-    for number, (settings, (case, faults), words) in enumerate(
-        zip(settings_of, tried, folder_names(titles), strict=True)
-    ):
+    for number, words in enumerate(folder_names(titles)):
+        case, faults = tried[number]
         refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
-        against = places.get(tuple({**settings, **file.reference}.values())) if number < len(given) else None
-        values = tuple(settings[key] for key in keys)
-        one = _case_file(file, settings)
-        runs.append(Run(number, titles[number], folder / words, values, one, case, refusal, against))
-    refused = [faults for _, faults in tried]
-    for group in (refused[: len(given)], refused[len(given) :]):
-        shared = [fault for fault in group[0] if all(fault in faults for faults in group)] if group else []
-        if group and (shared or all(group)):
-            every = shared or list(dict.fromkeys(fault for faults in group for fault in faults))[:MOST_FAULTS]
-            raise CaseError(_placed(file, every))
-    _check_responses(file, [run.case for run in runs if run.case is not None])
-    title = next(run.case.title for run in runs if run.case is not None)
-    return Study("sweep", path.stem, title, folder, names, tuple(runs), file.responses)
+        one, other = _case_file(file, settings[number]), against[number] if number < n_asked else None
+        runs.append(Run(number, titles[number], folder / words, values[number], one, case, refusal, other))
+    cases = [run.case for run in runs if run.case is not None]
+    _check_responses(file, cases)
+    return Study("sweep", path.stem, cases[0].title, folder, names, tuple(runs), file.responses)
+
+
+def _refuse_all(file: SweepFile, refused: list[tuple[Fault, ...]]) -> None:
+    """Raise CaseError with the faults that all of some runs share, or with some of all where no run is left."""
+    shared = [fault for fault in refused[0] if all(fault in faults for faults in refused)] if refused else []
+    if refused and all(refused):
+        shared = shared or list(dict.fromkeys(fault for faults in refused for fault in faults))[:MOST_FAULTS]
+    if not shared:
+        return
+    found = []
+    for fault in shared:  # those of values with the line of the sweep file that gives them
+        key = fault.source.removeprefix(_FROM_OVERRIDE)
+        given = (file.places.get((part, key)) for part in ("parameters", "reference", "set") if key != fault.source)
+        place = next(filter(None, given), None)
+        found.append(replace(fault, source=place.source, line=place.line) if place else fault)
+    raise CaseError(sorted(found, key=lambda fault: fault.line or 0))
+
+
+def _check_responses(file: SweepFile, cases: Sequence[Case]) -> None:
+    known, faults = response_columns(cases, bool(file.reference)), []
+    for index, name in enumerate(file.responses or ()):
+        if name not in known:
+            line, near = file.places["responses", index].line, did_you_mean(name, known)
+            message = f"{quoted(name)} is no column of the table{near}; there are {', '.join(known)}"
+            faults.append(Fault(str(file.path), line, f"responses.{index}", message))
+    if faults:
+        raise CaseError(faults)
 
 
 def sweep(
@@ -118,26 +132,24 @@ def sweep(
     Raises CaseError (a wrong `memory` or `scheduler`), LockedError where another study writes into the folder,
     ClusterError and OutputError; what has ended is in the table then. A run that fails is a row like any other.
     """
-    there = Workers.of(workers, scheduler, memory, timeout)
+    there = Workers(workers, scheduler, memory, timeout)
     with locked(study):
         table = yield from run_study(study, there, resume)
-        from crackgrow.study.sweep_picture import draw  # here: it loads matplotlib
+        from crackgrow.study.pictures import draw_sweep  # here: it loads matplotlib
 
-        draw(study.folder / "sweep.png", table)
+        draw_sweep(study.folder / "sweep.png", table)
 
 
 def short_names(keys: Sequence[str]) -> tuple[str, ...]:
     """The last parts of the keys, as many as tell them apart, and from the other columns of the table."""
-    return tuple(_shortest(key, [other for other in keys if other != key]) for key in keys)
 
+    def shortest(key: str) -> str:
+        parts, others = key.split("."), [f".{other}" for other in keys if other != key]
+        tails = (".".join(parts[-n:]) for n in range(1, len(parts)))
+        known = (t for t in tails if t not in TAKEN and not any(other.endswith(f".{t}") for other in others))
+        return next(known, key)
 
-def _shortest(key: str, others: Iterable[str]) -> str:
-    parts = key.split(".")
-    for n in range(1, len(parts)):
-        tail = ".".join(parts[-n:])
-        if tail not in TAKEN and not any(other == tail or other.endswith(f".{tail}") for other in others):
-            return tail
-    return key
+    return tuple(map(shortest, keys))
 
 
 def _case_file(file: SweepFile, settings: Mapping[str, str]) -> CaseFile:
@@ -145,39 +157,6 @@ def _case_file(file: SweepFile, settings: Mapping[str, str]) -> CaseFile:
 
 
 def _name(names: Sequence[str], values: Sequence[str]) -> str:
-    """What a run is called: "angle=30 friction=0.2"."""
-    return " ".join(f"{name}={_shown(value)}" for name, value in zip(names, values, strict=True))
-
-
-def _shown(value: str) -> str:
-    if is_number(value):
-        return f"{float(value):.6g}"
-    return value if _WORDS.search(value) else EMPTY
-
-
-def _check_responses(file: SweepFile, cases: Sequence[Case]) -> None:
-    known, faults = response_columns(cases, bool(file.reference)), []
-    for index, name in enumerate(file.responses or ()):
-        if name not in known:
-            line = file.places["responses", index].line
-            message = (
-                f"{quoted(name)} is no column of the table{did_you_mean(name, known)}; there are {', '.join(known)}"
-            )
-            faults.append(Fault(str(file.path), line, f"responses.{index}", message))
-    if faults:
-        raise CaseError(faults)
-
-
-def _placed(file: SweepFile, faults: Iterable[Fault]) -> list[Fault]:
-    """The faults of values with the line of the sweep file that gives them."""
-    found = []
-    for fault in faults:
-        key = fault.source.removeprefix(_FROM_OVERRIDE)
-        place = (
-            file.places.get(("parameters", key)) or file.places.get(("reference", key)) or file.places.get(("set", key))
-        )
-        if fault.source.startswith(_FROM_OVERRIDE) and place is not None:
-            found.append(replace(fault, source=place.source, line=place.line))
-        else:
-            found.append(fault)
-    return sorted(found, key=lambda fault: fault.line or 0)
+    """What a run is called: "angle=30 friction=0.2"; a value without any letter or digit, such as {}, is EMPTY."""
+    shown = (f"{float(v):.6g}" if is_number(v) else v if _WORDS.search(v) else EMPTY for v in values)
+    return " ".join(f"{name}={value}" for name, value in zip(names, shown, strict=True))

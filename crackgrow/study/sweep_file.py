@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -81,8 +82,9 @@ def read_sweep_file(path: Path) -> SweepFile:
         raise report.error()
     values: Any = mapping_of(SweepFile).read(root, (), Context(report, Units(), path.parent))
     base = path.parent / values["base"] if report.sound("base") else path
-    if report.sound("base"):
-        _check_base(base, report)
+    if report.sound("base") and not base.is_file():
+        names = sorted(file.name for file in base.parent.glob("*.yaml"))
+        report.fault(("base",), f"there is no case file {base}{did_you_mean(base.name, names)}")
     if report.sound("parameters") and report.sound("set"):
         for key in values["parameters"]:
             if key in values["set"]:
@@ -92,12 +94,6 @@ def read_sweep_file(path: Path) -> SweepFile:
     if report.faults:
         raise report.error()
     return made(SweepFile, values, path=path, base=base, places=report.places)
-
-
-def _check_base(base: Path, report: Report) -> None:
-    if not base.is_file():
-        names = sorted(file.name for file in base.parent.glob("*.yaml"))
-        report.fault(("base",), f"there is no case file {base}{did_you_mean(base.name, names)}")
 
 
 def _check_design(values: Any, report: Report) -> None:
@@ -114,15 +110,13 @@ def _check_design(values: Any, report: Report) -> None:
         _check_parameter(("parameters", key), value, design, report)
     if not report.sound("parameters"):
         return
-    counts = {key: value.count for key, value in parameters.items()}
+    counts = {key: len(v.texts) if isinstance(v, Listed) else v.n or 1 for key, v in parameters.items()}
     if design == "zip" and len(set(counts.values())) > 1:
         listed = ", ".join(f"{key}: {count}" for key, count in counts.items())
         report.fault(("parameters",), f"a zip takes as many values of each parameter; given are {listed}")
-    n_runs = 1
-    for count in counts.values():
-        n_runs *= count if design == "grid" else 1
-    if max(n_runs, *counts.values()) > MOST_RUNS:
-        report.fault(("parameters",), f"this makes {max(n_runs, *counts.values())} runs; at most {MOST_RUNS} are taken")
+    n_runs = math.prod(counts.values()) if design == "grid" else max(counts.values())
+    if n_runs > MOST_RUNS:
+        report.fault(("parameters",), f"this makes {n_runs} runs; at most {MOST_RUNS} are taken")
 
 
 def _check_parameter(path: KeyPath, value: Listed | Range, design: str, report: Report) -> None:

@@ -100,13 +100,10 @@ def _settings(file: CaseFile, names: Sequence[str]) -> dict[str, Case]:
     """The case with the settings asked for, by name."""
     if len(names) < LEAST or len(set(names)) < len(names):
         wanted = "wanted: three settings or more, the coarsest first, such as draft standard fine"
-        message = f"{', '.join(names)} given; {wanted}"
-        raise CaseError.at("--at", message)
+        raise CaseError.at("--at", f"{', '.join(names)} given; {wanted}")
     found = {}
     for name in names:
-        case, faults = file.tried(f"numerics.accuracy={name}")
-        if case is None:
-            raise CaseError([Fault("--at", None, "", f.message) if f.key == "numerics.accuracy" else f for f in faults])
+        case = _with(file, "numerics.accuracy", name, "--at")
         found[name] = file.load(*accuracy_overrides(case.numerics.accuracy))
     if any(a <= b for a, b in pairwise(case.numerics.target for case in found.values())):
         raise CaseError.at("--at", f"{', '.join(names)} given; wanted: the largest error first")
@@ -123,15 +120,21 @@ def _increments(file: CaseFile, base: Case, lengths: Sequence[str]) -> dict[str,
     found: dict[str, tuple[float, tuple[str, ...]]] = {}
     for text in () if tuple(lengths) == (NONE,) else lengths:
         length = f"{0.5 * growth.increment!r} m" if text == HALF else text
-        case, faults = file.tried(f"growth.increment={length}")
-        if case is None or case.growth is None:
-            raise CaseError([Fault("--increments", None, "", f.message) if f.key == "growth.increment" else f
-                             for f in faults])  # fmt: skip
-        if case.growth.increment > (1.0 - SAME_PART) * growth.increment:
+        other = _with(file, "growth.increment", length, "--increments").growth
+        assert other is not None  # since the case grows
+        if other.increment > (1.0 - SAME_PART) * growth.increment:
             raise CaseError.at("--increments", f"{text} given; wanted: shorter than the case's own one")
-        n_steps = math.ceil(growth.steps * growth.increment / case.growth.increment - 1e-9)
-        found[f"{text} increment"] = case.growth.increment, (f"growth.increment={length}", f"growth.steps={n_steps}")
+        n_steps = math.ceil(growth.steps * growth.increment / other.increment - 1e-9)
+        found[f"{text} increment"] = other.increment, (f"growth.increment={length}", f"growth.steps={n_steps}")
     return {name: found[name][1] for name in sorted(found, key=lambda name: -found[name][0])}
+
+
+def _with(file: CaseFile, key: str, value: str, option: str) -> Case:
+    """The case with another value of a key; raises CaseError, of what is wrong with the value at the option."""
+    case, faults = file.tried(f"{key}={value}")
+    if case is None:
+        raise CaseError([Fault(option, None, "", fault.message) if fault.key == key else fault for fault in faults])
+    return case
 
 
 def _tolerance(given: str | float) -> float:
@@ -142,6 +145,5 @@ def _tolerance(given: str | float) -> float:
     except ValueError:
         value = -1.0
     if not 0.0 < value < 1.0:
-        message = f"'{text}' given; wanted: a part of the largest K such as 0.01 or '1 %'"
-        raise CaseError.at("--tolerance", message)
+        raise CaseError.at("--tolerance", f"'{text}' given; wanted: a part of the largest K such as 0.01 or '1 %'")
     return value

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import dataclass
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,11 +27,6 @@ class Listed:
 
     texts: tuple[str, ...]  # as an override takes them
 
-    @property
-    def count(self) -> int:
-        """How many values there are."""
-        return len(self.texts)
-
     def at(self, parts: NDArray[np.float64]) -> tuple[str, ...]:
         """The values that take the places 0 <= part < 1 in the list."""
         return tuple(self.texts[int(part * len(self.texts))] for part in parts)
@@ -48,25 +43,15 @@ class Range:
     log: bool
 
     @property
-    def count(self) -> int:
-        """How many values there are; 1 where the design chooses."""
-        return self.n or 1
-
-    @property
     def texts(self) -> tuple[str, ...]:
-        """The values, as an override takes them."""
-        return self.at(np.linspace(0.0, 1.0, self.count))
+        """The values, as an override takes them; one where the design chooses."""
+        return self.at(np.linspace(0.0, 1.0, self.n or 1))
 
     def at(self, parts: NDArray[np.float64]) -> tuple[str, ...]:
         """The values at parts of the range: low at 0, high at 1."""
         ratio = self.high / self.low if self.log else 1.0
         values = self.low * ratio**parts if self.log else self.low + (self.high - self.low) * parts
         return tuple(f"{value:.{DIGITS}g} {self.unit}".strip() for value in values.tolist())
-
-
-class _Size(NamedTuple):
-    value: float
-    unit: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,12 +62,12 @@ class _NumberWithUnit:
         return "a number, bare or with a unit"
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return a _Size."""
+        """Return the number and its unit, empty for a bare one."""
         match = _NUMBER_AND_UNIT.fullmatch(node.text.strip()) if isinstance(node, Scalar) else None
         if not isinstance(node, Scalar) or match is None:
             return refuse(node, self.describe(), path, context)
         try:
-            return _Size(parse_number(match[1]), match[2] or "")
+            return parse_number(match[1]), match[2] or ""
         except QuantityError as error:
             context.report.fault(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
             return INVALID
@@ -122,16 +107,14 @@ class ParameterValues:
         return Listed(tuple(texts)) if context.report.sound(*path) else INVALID
 
     def _range(self, found: dict[str, Any], path: Path, context: Context) -> object:
-        low, high, log = found["from"], found["to"], found["scale"] == "log"
-        if low.unit != high.unit:
-            context.report.fault(path, f"from has the unit '{low.unit}', to has '{high.unit}'; give both the same")
-        elif low.value == high.value:
-            context.report.fault(path, f"from and to are both {low.value:g}; a range has two ends")
-        elif log and min(low.value, high.value) <= 0.0:
+        (low, unit), (high, other), log = found["from"], found["to"], found["scale"] == "log"
+        if unit != other:
+            context.report.fault(path, f"from has the unit '{unit}', to has '{other}'; give both the same")
+        elif low == high:
+            context.report.fault(path, f"from and to are both {low:g}; a range has two ends")
+        elif log and min(low, high) <= 0.0:
             context.report.fault(path, "scale: log needs `from` and `to` above 0")
-        else:
-            return Range(low.value, high.value, low.unit, found.get("n"), log)
-        return INVALID
+        return Range(low, high, unit, found.get("n"), log) if context.report.sound(*path) else INVALID
 
 
 @dataclass(frozen=True, slots=True)
@@ -143,7 +126,10 @@ class ValueText:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the text."""
-        return INVALID if _broken(node) else yaml_text(node)
+        try:
+            return yaml_text(node)
+        except ValueError:  # of what the reader has found broken
+            return INVALID
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,13 +157,13 @@ class KeyedValues:
 
 
 def yaml_text(node: Node) -> str:
-    """The node on one line of YAML; what was in quotes stays in quotes."""
+    """The node on one line of YAML; what was in quotes stays in quotes. Raises ValueError where it is broken."""
     if isinstance(node, Listing):
         return f"[{', '.join(_inner(item) for item in node.items)}]"
     if isinstance(node, Table):
         return f"{{{', '.join(f'{json.dumps(key)}: {_inner(entry.node)}' for key, entry in node.entries.items())}}}"
     if isinstance(node, Broken):
-        raise TypeError("a broken node has no text")
+        raise ValueError("a broken node has no text")
     return node.text if node.plain else json.dumps(node.text, ensure_ascii=False)
 
 
@@ -185,11 +171,3 @@ def _inner(node: Node) -> str:
     """As `yaml_text`, inside a list or a mapping."""
     text = yaml_text(node)
     return json.dumps(text, ensure_ascii=False) if isinstance(node, Scalar) and _PLAIN_ENDS.search(text) else text
-
-
-def _broken(node: Node) -> bool:
-    if isinstance(node, Listing):
-        return any(map(_broken, node.items))
-    if isinstance(node, Table):
-        return any(_broken(entry.node) for entry in node.entries.values())
-    return isinstance(node, Broken)

@@ -44,28 +44,27 @@ class ClusterError(CrackgrowError):
 
 @dataclass(frozen=True, slots=True)
 class Workers:
-    """How many runs go on at a time, where, and what each may take."""
+    """How many runs go on at a time, where, and what each may take.
 
-    number: int  # processes of this machine at most
-    scheduler: str | None  # address of a Dask scheduler, whose workers are used instead
-    memory: int | None  # bytes of a run; None does not bound them
-    timeout: float | None  # s, after which a run is given up
+    Making one raises CaseError where what is asked for can't be, ClusterError where Dask is missing.
+    """
 
-    @classmethod
-    def of(
-        cls, number: int | None, scheduler: str | None = None, memory: str | None = None, timeout: float | None = None
-    ) -> Workers:
-        """What is asked for; raises CaseError where that can't be, ClusterError where Dask is missing."""
-        if scheduler is not None and not _ADDRESS.fullmatch(scheduler):
-            raise CaseError.at("--scheduler", f"'{scheduler}' is no address of a scheduler; wanted: such as "
-                         "tcp://127.0.0.1:8786")  # fmt: skip
-        if memory is not None and scheduler is None and sys.platform != "linux":
+    number: int | None = None  # processes of this machine at most; None: one a core
+    scheduler: str | None = None  # address of a Dask scheduler, whose workers are used instead
+    memory: str | None = None  # of a run, such as "2GB"; None does not bound them
+    timeout: float | None = None  # s, after which a run is given up
+
+    def __post_init__(self) -> None:
+        if self.scheduler is not None and not _ADDRESS.fullmatch(self.scheduler):
+            wanted = "is no address of a scheduler; wanted: such as tcp://127.0.0.1:8786"
+            raise CaseError.at("--scheduler", f"'{self.scheduler}' {wanted}")
+        if self.memory is not None and self.scheduler is None and sys.platform != "linux":
             raise CaseError.at("--memory", "only Linux bounds the memory of a process; leave it out here")
-        if scheduler is not None and find_spec("distributed") is None:
+        if self.scheduler is not None and find_spec("distributed") is None:
             raise ClusterError("--scheduler needs Dask, not installed here: pip install 'crackgrow[sweep]'")
-        if timeout is not None and not 0.0 < timeout < math.inf:
-            raise CaseError.at("--timeout", f"{timeout:g} given; wanted: seconds, more than 0")
-        return cls(number or available_cores(), scheduler, None if memory is None else bytes_of(memory), timeout)
+        if self.timeout is not None and not 0.0 < self.timeout < math.inf:
+            raise CaseError.at("--timeout", f"{self.timeout:g} given; wanted: seconds, more than 0")
+        bytes_of(self.memory)
 
     @contextlib.contextmanager
     def there(self) -> Iterator[Callable[[tuple[str, ...]], Future[str]]]:
@@ -73,15 +72,17 @@ class Workers:
 
         What goes on here when the block is left is killed: it can be gone on with.
         """
+        limits = bytes_of(self.memory), self.timeout
         if self.scheduler is not None:
             with _client_of(self.scheduler) as client:
                 executor = client.get_executor(pure=False)
-                yield lambda words: executor.submit(run_process, words, self.memory, self.timeout)
+                yield lambda words: executor.submit(run_process, words, *limits)
             return
         left = threading.Event()
-        with ThreadPoolExecutor(self.number) as threads:
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        with ThreadPoolExecutor(self.number or cores) as threads:  # cores that this process may use
             try:
-                yield lambda words: threads.submit(run_process, words, self.memory, self.timeout, left)
+                yield lambda words: threads.submit(run_process, words, *limits, left)
             finally:
                 left.set()
                 threads.shutdown(cancel_futures=True)
@@ -162,22 +163,14 @@ def _reason(code: int, told: str) -> str:
     return " ".join(lines[own[-1] if own else 0 :]).removeprefix("crackgrow: ") or f"exit code {code}"
 
 
-def bytes_of(memory: str) -> int:
-    """Bytes of a text such as 2GB; raises CaseError, also where no run fits into it."""
-    wanted = "wanted: such as 2GB or 500MiB"
+def bytes_of(memory: str | None) -> int | None:
+    """Bytes of a text such as 2GB; raises CaseError, also where no run fits into them or no machine has them."""
+    if memory is None:
+        return None
     match = _MEMORY.fullmatch(memory.strip())
-    if match is None:
-        raise CaseError.at("--memory", f"'{memory}' is no size of a memory; {wanted}")
-    number, prefix, binary = match.groups()
+    number, prefix, binary = match.groups() if match else ("nan", "", "")
     size = float(number) * (1024 if binary else 1000) ** " kmgtp".index(prefix.lower() or " ")
-    if size > MOST_MEMORY:
-        raise CaseError.at("--memory", f"'{memory}' is more than a machine can have; {wanted}")
-    if size < LEAST_MEMORY:
-        least = f"a run takes {LEAST_MEMORY // 10**6} MB at least"
-        raise CaseError.at("--memory", f"'{memory}' is {size:.0f} bytes; {least}; {wanted}")
+    if not LEAST_MEMORY <= size <= MOST_MEMORY:
+        wanted = f"wanted: {LEAST_MEMORY // 10**6} MB or more, such as 2GB or 500MiB"
+        raise CaseError.at("--memory", f"'{memory}' is no size of a memory that a run can have; {wanted}")
     return int(size)
-
-
-def available_cores() -> int:
-    """Cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

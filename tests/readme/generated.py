@@ -10,16 +10,16 @@ from __future__ import annotations
 import argparse
 import re
 import sys
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Final
 
 from crackgrow.case.accuracy import TARGETS, cells_along
 from crackgrow.case.keys import Key, case_keys
 from crackgrow.case.units import UNITS
-from crackgrow.cli.command_line import command_line
-from crackgrow.cli.parser import GROUPS, commands_of, helps_of
-from crackgrow.cli.reference import FOLDERS, key_entry, sections
+from crackgrow.cli.command_line import groups
+from crackgrow.cli.reference import FOLDERS, below_a_like, key_entry
 from tests.readme.pictures import draw_all
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -70,9 +70,9 @@ CELL_RULES: Final = {
 
 def commands() -> str:
     """The commands that matter first with what they do, and the names of the others."""
-    helps = helps_of(commands_of(command_line()))
+    helps = {name: told["what"] for of_group in groups().values() for name, told in of_group.items()}
     rows = table(("command", "what it does"), [[f"`crackgrow {name}`", helps[name]] for name in FIRST])
-    others = [f"`{name}`" for names in GROUPS.values() for name in names if name not in FIRST]
+    others = [f"`{name}`" for name in helps if name not in FIRST]
     return f"{rows}\nAlso {', '.join(others)}.\n"
 
 
@@ -98,6 +98,14 @@ def keys() -> str:
         heading = " ".join(f"`{before if key.name == name else key.name}`" for key in found if "." not in key.name)
         parts.append(f"## {heading}\n\n{about}{table(('key', 'meaning', 'takes', 'default'), rows)}")
     return "\n".join(parts)
+
+
+def sections() -> Iterator[tuple[str, list[Key]]]:
+    """The keys by the one that they begin with; those below a mapping that has been told before are left out."""
+    keys = [key for key in case_keys() if not below_a_like(key.name)]
+    starts = [place for place, key in enumerate(keys) if "." not in key.name]
+    for begin, end in pairwise([*starts, len(keys)]):
+        yield keys[begin].name, keys[begin:end]
 
 
 def takes_of(key: Key) -> str:

@@ -14,8 +14,6 @@ from crackgrow.case import load_case
 from crackgrow.case.accuracy import CELLS
 from crackgrow.case.json_schema import case_schema
 from crackgrow.case.keys import case_keys
-from crackgrow.cli.command_line import command_line
-from crackgrow.cli.parser import GROUPS, commands_of
 from crackgrow.cli.reference import FOLDERS, key_entry
 from tests.readme.generated import CELL_RULES, PARTS, part_of
 from tests.readme.pictures import tutorial_settings
@@ -52,14 +50,12 @@ def test_every_key_of_the_format_has_its_line() -> None:
     assert [key.name for key in case_keys() if key_entry(key).facts["type"].startswith("<")] == []
 
 
-def test_every_file_column_command_and_number_of_cells_has_its_line() -> None:
+def test_every_file_column_and_number_of_cells_has_its_line() -> None:
     files = [file for files in FOLDERS.values() for file in files]
     assert [file.name for file in files if len(file.doc) < 10] == []
     assert [(file.name, column.name) for file in files for column in file.columns if len(column.doc) < 5] == []
     assert all(len(set(file.header)) == len(file.columns) for file in files)
     assert set(CELL_RULES) == set(CELLS)
-    listed = [name for names in GROUPS.values() for name in names]
-    assert sorted(listed) == sorted(commands_of(command_line()).choices)
 
 
 def test_every_readme_is_run_and_what_is_not_is_a_command_of_them() -> None:

@@ -22,7 +22,8 @@ from crackgrow.case.reader import Table, read_file
 from crackgrow.case.report import Report
 from crackgrow.case.scalars import Context
 from crackgrow.case.units import Units
-from crackgrow.cli.start import template_text, templates
+from crackgrow.cli.command_line import declared
+from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError
 from tests.unit.case.scenes import EVERYTHING, text_of
 from tests.yaml12 import read_yaml12
@@ -56,7 +57,7 @@ def good_cases() -> list[str]:
     """All that are shipped and whole, without a base, the templates, and one with everything in it."""
     shipped = [file.read_text(encoding="utf-8") for file in sorted(CASES.glob("*.yaml"))]
     whole = [text for text in shipped if "\nbase: " not in text]
-    return [*whole, *map(template_text, templates()), text_of(EVERYTHING)]
+    return [*whole, *map(template_text, declared()["words"]["templates"]), text_of(EVERYTHING)]
 
 
 @cache

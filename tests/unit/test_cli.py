@@ -178,7 +178,7 @@ def test_wrong_case_lists_its_faults_and_touches_nothing(
      "crackgrow: the system refuses: Too many open files: /dev/null\n"),
     (ZeroDivisionError("oops"), 1, "failed", "internal error: ZeroDivisionError: oops", "Traceback"),
     (KeyboardInterrupt(), 130, "interrupted", "by Ctrl-C, after step 1",
-     "crackgrow run block.yaml --out 'my results' --set plane=strain --resume\n"),
+     "crackgrow run block.yaml --set plane=strain --out 'my results' --resume\n"),
 ])  # fmt: skip
 def test_a_run_that_breaks_off_keeps_its_results_and_says_why(
     error: BaseException, code: int, status: str, reason: str, told: str,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 import json
 import os
 import pty
@@ -9,16 +10,16 @@ import resource
 import shlex
 import signal
 import subprocess
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 from jsonschema import Draft7Validator
 
 from crackgrow import cli, grow, load_case
-from crackgrow.cli.command_line import command_line
-from crackgrow.cli.parser import GROUPS
-from crackgrow.cli.start import SCHEMA_FILE, template_text, templates
-from crackgrow.cli.tools import SHELLS, completion_script
+from crackgrow.cli.command_line import command_line, commands_of, declared, groups
+from crackgrow.cli.start import SCHEMA_FILE, template_text
+from crackgrow.cli.tools import YAML_FILES, completion_script
 from tests.yaml12 import read_yaml12
 
 CASE = str(Path(__file__).parents[2] / "cases" / "compression30.yaml")
@@ -38,11 +39,6 @@ REFUSED = [
     ("run a.yaml --frobnicate", NOTHING_NEAR),
     ("run a.yaml more", NOTHING_NEAR),
     ("", NOTHING_NEAR),
-    # of earlier versions
-    ("converge", "'converge' is gone: `crackgrow trade` tells whether a setting is good enough"),
-    ("trade a.yaml --axis spacing=3,2", "--axis spacing=3,2; it is gone: `crackgrow sweep`"),
-    ("trade a.yaml --reference out", "`reference` of a sweep file"),
-    ("trade a.yaml --no-increments", "it is gone: --increments none"),
     # values of options
     ("run a.yaml --out ''", "an empty name; the current folder is '.'"),
     ("sweep sweep.yaml --out=", "an empty name; the current folder is '.'"),
@@ -87,14 +83,24 @@ def test_help_lists_commands_by_group_and_has_examples(capsys: pytest.CaptureFix
         cli.main(["--help"])
     assert ended.value.code == 0
     lines = capsys.readouterr().out.splitlines()
-    first = [lines.index(f"{group}:") for group in GROUPS]
+    first = [lines.index(f"{group}:") for group in groups()]
     assert first == sorted(first)
-    for place, names in zip(first, GROUPS.values(), strict=True):
+    for place, names in zip(first, groups().values(), strict=True):
         assert [line.split()[0] for line in lines[place + 1 : place + 1 + len(names)]] == list(names)
-    for name in ("run", "check", "compare", "sweep", "trade", "new", "schema", "completion"):
+    for name in (name for of_group in groups().values() for name in of_group):
         with pytest.raises(SystemExit):
             cli.main([name, "--help"])
         assert "examples:" in capsys.readouterr().out, name
+
+
+def test_every_command_is_a_function_of_the_arguments_that_are_declared() -> None:
+    parsers = commands_of(command_line()).choices
+    for group, of_group in groups().items():
+        for name in of_group:
+            given = {action.dest for action in parsers[name]._actions} - {"help"}
+            more = {"again"} if "resume" in given else set()
+            function = getattr(import_module(f"crackgrow.cli.{group}"), f"do_{name}")
+            inspect.signature(function).bind(**dict.fromkeys(given | more))
 
 
 def explained(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
@@ -171,13 +177,17 @@ def test_cases_are_listed_with_their_titles_and_templates_where_there_are_none(
     assert capsys.readouterr().err == "nowhere: is no folder\n"
 
 
-@pytest.mark.parametrize("template", sorted(templates()))
+TEMPLATES = declared()["words"]["templates"]
+
+
+@pytest.mark.parametrize("template", sorted(path.stem for path in (Path(cli.__file__).parent / "templates").iterdir()))
 def test_every_template_passes_check_and_solves_without_a_warning(
     template: str, folder: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert cli.main(["new", "mine", "--template", template]) == 0
     text = (folder / "mine.yaml").read_text(encoding="utf-8")
     assert text == template_text(template)
+    assert text.splitlines()[0] == f"# {TEMPLATES[template]}"
     assert sum("#" in line for line in text.splitlines()) > 0.6 * len([line for line in text.splitlines() if line])
     assert cli.main(["check", "mine.yaml"]) == 0
     assert "crackgrow check mine.yaml" in capsys.readouterr().out
@@ -244,7 +254,7 @@ def script(folder: Path) -> Path:
     (folder / "cases").mkdir()
     for name in ("one.yaml", "my rock.yml", "notes.txt"):
         (folder / "cases" / name).write_text("")
-    (folder / "script").write_text(completion_script(command_line(), "bash"))
+    (folder / "script").write_text(completion_script("bash"))
     return folder / "script"
 
 
@@ -280,8 +290,8 @@ def test_bash_escapes_spaces_in_names_as_they_are_typed(script: Path) -> None:
     assert b"<run><cases/my rock.yml> shown" in seen
 
 
-@pytest.mark.parametrize("shell", SHELLS)
+@pytest.mark.parametrize("shell", YAML_FILES)
 def test_every_command_and_option_is_in_the_script_of_a_shell(shell: str) -> None:
-    text = completion_script(command_line(), shell)
+    text = completion_script(shell)
     for word in ("run", "check", "compare", "new", "schema", "completion", "resume", "picture", "template", "version"):
         assert word in text

@@ -16,7 +16,7 @@ import pytest
 import pyvista
 
 from crackgrow import cli
-from crackgrow.cli.look import FORMATS as TOLD
+from crackgrow.cli.command_line import declared
 from crackgrow.results.export import FORMATS, _write, export, frame_mesh
 from crackgrow.results.export_paths import APPLICATION, UNITS
 from crackgrow.results.export_paths import FORMATS as PATHS
@@ -116,7 +116,7 @@ def test_a_surface_that_shares_all_its_points_is_not_lost(tmp_path: Path) -> Non
 
 
 def test_the_command_says_where_the_file_is(layers: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert tuple(TOLD) == FORMATS
+    assert tuple(declared()["words"]["formats"]) == FORMATS
     assert cli.main(["export", str(layers), "--to", "vtk"]) == 0
     assert capsys.readouterr().out == f"{layers / 'export' / 'step_0001.vtk'}\n"
     assert cli.main(["export", str(layers), "--to", "vtk", "--step", "0"]) == 0

@@ -13,7 +13,7 @@ import pyvista
 from PIL import Image
 
 from crackgrow import cli
-from crackgrow.cli.command_line import command_line
+from crackgrow.cli.command_line import parsed
 from crackgrow.errors import CaseError
 from crackgrow.results import field_picture, render, view
 from crackgrow.results.atomic import OutputError
@@ -216,7 +216,7 @@ def test_limits_that_a_field_cannot_have_are_refused(field: str, limits: tuple[s
 
 @pytest.mark.parametrize("limits", [("-1e1", "1e1"), ("-10MPa", "5MPa"), ("-.5", "-2e-3"), ("-20 MPa", "5 MPa")])
 def test_limits_below_zero_are_no_options(limits: tuple[str, str]) -> None:
-    assert command_line().parse_args(["render", "outputs/x", "--range", *limits]).range == list(limits)
+    assert parsed(["render", "outputs/x", "--range", *limits])[2]["limits"] == list(limits)
 
 
 @pytest.mark.parametrize(("limits", "wanted", "signed"), [

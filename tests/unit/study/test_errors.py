@@ -6,33 +6,21 @@ import math
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.results.folder import TextTable
-from crackgrow.study.distance import RESOLUTION, between, extent, farthest, frechet, nearest, overhang
+from crackgrow.study.distance import RESOLUTION, WALKED, between, extent, farthest, frechet, nearest, overhang
 from crackgrow.study.errors import K_errors, contact_errors, errors_of
-from crackgrow.study.extrapolation import LEAST_ORDER, limit_of, order_of
+from crackgrow.study.findings import LEAST_ORDER, limit_of, order_of
 
 SAMPLE = 0.05  # between the samples of the discrete Frechet distance, which is at most this much larger
 
 
 def line(*points: tuple[float, float]) -> Floats:
     return np.array(points, dtype=float)
-
-
-def discrete_frechet(p: Floats, q: Floats) -> float:
-    """Frechet distance of point sequences by its recursion (that of GEOS 3.14 gives values that are too large)."""
-    apart = np.hypot(*(p[:, None] - q[None]).transpose(2, 0, 1))
-    row = np.maximum.accumulate(apart[0])
-    for distances in apart[1:]:
-        above, row = row, np.empty_like(row)
-        row[0] = max(above[0], distances[0])
-        for j in range(1, len(row)):
-            row[j] = max(min(above[j], above[j - 1], row[j - 1]), distances[j])
-    return float(row[-1])
 
 
 def random_lines(seed: int) -> tuple[Floats, Floats]:
@@ -57,11 +45,11 @@ POINT, ABOVE = line((0, 0)), line((0, 1), (0, 4))
     (ABOVE, POINT, 4.0, 3.0),
 ])  # fmt: skip
 def test_the_farthest_point_of_one_line_from_another(a: Floats, b: Floats, distance: float, s: float | None) -> None:
-    found = farthest(a, b)
-    assert found.distance == pytest.approx(distance, abs=6 * RESOLUTION)
-    assert s is None or found.s == pytest.approx(s, abs=1e-5)
-    (again,), (near_s,) = nearest(np.column_stack([np.interp(found.s, arc_lengths(a), x) for x in a.T]), b)
-    assert (again, near_s) == (found.distance, found.near_s)
+    far, at, near_s = farthest(a, b)
+    assert far == pytest.approx(distance, abs=6 * RESOLUTION)
+    assert s is None or at == pytest.approx(s, abs=1e-5)
+    again = nearest(np.column_stack([np.interp(at, arc_lengths(a), x) for x in a.T]), b)
+    assert again == (far, near_s)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e5])
@@ -69,34 +57,34 @@ def test_sampling_of_the_same_line_changes_nothing(offset: float) -> None:
     a = line((0, 0), (1, 2), (4, 2)) + offset
     b = shapely.get_coordinates(shapely.segmentize(shapely.LineString(a), 0.17))
     size = 4 * RESOLUTION
-    assert max(farthest(a, b).distance, farthest(b, a).distance, frechet(a, b)) < size + 1e-15 * offset
-    assert (farthest(a, a).distance, frechet(a, a)) == (0.0, 0.0)
+    assert max(farthest(a, b)[0], farthest(b, a)[0], frechet(a, b)) < size + 1e-15 * offset
+    assert (farthest(a, a)[0], frechet(a, a)) == (0.0, 0.0)
 
 
 def test_frechet_sees_the_order() -> None:
     """A line that runs back on itself is near everywhere, but not in the order of a walk: half of the way back."""
     there = line((0, 0), (10, 0))
     back = line((0, 0), (7, 0), (3, 0), (10, 0))
-    assert max(farthest(there, back).distance, farthest(back, there).distance) == 0.0
-    assert frechet(there, back) == pytest.approx(2.0, abs=10 * RESOLUTION)
+    assert max(farthest(there, back)[0], farthest(back, there)[0]) == 0.0
+    assert frechet(there, back) == pytest.approx(2.0, abs=10 / WALKED)
     assert frechet(there, there[::-1]) == pytest.approx(10.0)
     assert frechet(POINT, ABOVE) == 4.0
 
 
-@pytest.mark.parametrize("seed", range(30))
+@pytest.mark.parametrize("seed", range(12))
 def test_distances_against_sampled_ones(seed: int) -> None:
     a, b = random_lines(seed)
     fine = RESOLUTION * extent(a, b) * 2
-    samples_a, samples_b = (
-        shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), SAMPLE)) for points in (a, b)
-    )
-    hausdorff = max(farthest(a, b).distance, farthest(b, a).distance)
+    lines = [shapely.segmentize(shapely.LineString(points), SAMPLE) for points in (a, b)]
+    samples_a, samples_b = map(shapely.get_coordinates, lines)
+    hausdorff = max(farthest(a, b)[0], farthest(b, a)[0])
     sampled = max(nearest(samples_a, b)[0].max(), nearest(samples_b, a)[0].max())
     assert sampled - fine <= hausdorff <= sampled + SAMPLE / 2
     leash = frechet(a, b)
-    assert leash - fine <= discrete_frechet(samples_a, samples_b) <= leash + SAMPLE
-    assert leash >= hausdorff
-    assert frechet(b, a) == pytest.approx(leash, abs=2 * fine)
+    step = max(arc_lengths(a)[-1], arc_lengths(b)[-1]) / WALKED
+    assert leash - step <= shapely.frechet_distance(*lines) <= leash + SAMPLE
+    assert leash >= hausdorff - fine
+    assert frechet(b, a) == pytest.approx(leash, rel=1e-12)
 
 
 def test_between_keeps_the_vertices_inside() -> None:
@@ -114,16 +102,15 @@ def test_overhang_begins_beside_the_tip() -> None:
     assert overhang(line((-3, 1), (-1, 1)), short, at_both=True) == 0.0
 
 
-def table(columns: str, *rows: tuple[str | float, ...]) -> TextTable:
-    names = columns.split()
-    return TextTable(Path("table.csv"), {name: [str(row[i]) for row in rows] for i, name in enumerate(names)})
+def table(columns: str, *rows: tuple[str | float, ...]) -> pd.DataFrame:
+    return pd.DataFrame([list(row) for row in rows], columns=pd.Index(columns.split()))
 
 
-def tips(*K: tuple[float, float]) -> TextTable:
+def tips(*K: tuple[float, float]) -> pd.DataFrame:
     return table("crack tip K_I K_II", *((f"c{i}", "end", *both) for i, both in enumerate(K)))
 
 
-def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> TextTable:
+def contact(s: np.ndarray, scale: float = 1.0, shift: float = 0.0) -> pd.DataFrame:
     """A pressure of 3, a shear of 4 and an elliptic slip, on a face of length 2; `shift` is added to the pressure."""
     slip = scale * np.sqrt(np.maximum(s * (2 - s), 0.0))
     rows = [("flaw", x, -3.0 + shift, 4.0, y) for x, y in zip(s.tolist(), slip.tolist(), strict=True)]
@@ -148,7 +135,7 @@ def test_contact_errors_do_not_depend_on_where_the_points_lie():
 def test_each_side_of_a_kink_is_held_against_its_own(rounding: float) -> None:
     """Two contact points lie at a kink, one for each side, and the pressure jumps there, from 3 to 5."""
 
-    def kinked(before: int, after: int, off: float = 0.0) -> TextTable:
+    def kinked(before: int, after: int, off: float = 0.0) -> pd.DataFrame:
         places = [np.linspace(1.0, 0.1, before)[::-1], np.linspace(1.0 + off, 1.9, after)]
         rows = [("flaw", x, -p, 0.0, p) for p, s in zip((3.0, 5.0), places, strict=True) for x in s.tolist()]
         return table("crack s normal_traction tangential_traction slip", *rows)

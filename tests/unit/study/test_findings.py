@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 
 from crackgrow.study.findings import Findings, findings
-from crackgrow.study.table import Table, Values
-from crackgrow.study.trade_picture import draw
+from crackgrow.study.pictures import draw_trade
+from crackgrow.study.runs import Table, Values
+from crackgrow.study.trade import COLUMNS, add_findings, convergence_csv, trade_record, trade_text
 from crackgrow.study.trade_plan import plan_trade
-from crackgrow.study.trade_text import COLUMNS, convergence_csv, trade_record, trade_text, trade_values
 
 CASES = Path(__file__).parents[3] / "cases"
 HALF = "half increment"
@@ -100,8 +100,8 @@ def test_K_tends_to_its_limit_and_every_setting_has_its_error(tmp_path: Path) ->
     ]  # fmt: skip
     last = found.quantities[-2]
     assert (last.step, last.name) == (2, "K_I")
-    assert last.order == pytest.approx(1.0, rel=1e-6)
-    assert last.limit == pytest.approx(3e6, rel=1e-6)
+    assert last.limit.order == pytest.approx(1.0, rel=1e-6)
+    assert last.limit.value == pytest.approx(3e6, rel=1e-6)
     size = 3e6 * 1.02  # the largest K of the step on the finest cells
     assert last.error("own") == pytest.approx(3e6 * 0.03 / size, rel=1e-6)
     assert found.error("draft") == pytest.approx(3e6 * 0.08 / size, rel=1e-6)
@@ -140,8 +140,7 @@ def test_what_moves_the_path_more_is_told(tmp_path: Path) -> None:
 def test_a_path_that_moves_by_more_than_twice_the_tolerance_is_not_good_enough(tmp_path: Path) -> None:
     """Of 2 mm that the end grows; K is within the tolerance in both."""
     found = study(tmp_path / "near", bends={"own": 1.8e-4, HALF: 1.8e-4})
-    assert found.path_of_cells is not None
-    assert found.path_of_cells.share == pytest.approx(0.09, rel=5e-3)
+    assert found.moves["finer cells"].share == pytest.approx(0.09, rel=5e-3)
     assert found.good_enough
     assert "good enough: " in told(found)
     assert "finer cells would move the path by 9 % of what has grown, within 10 %" in told(found)
@@ -156,7 +155,6 @@ def test_equal_cells_are_not_taken_for_convergence(tmp_path: Path) -> None:
     """K is the same since the cells are: what the run itself states counts, 70 kPa sqrt(m)."""
     same = dict.fromkeys(SIZES, 1e-3)
     found = study(tmp_path, sizes=same)
-    assert found.same_cells
     assert found.error("own") == pytest.approx(7e4 / converged(1e-3, 0), rel=1e-6)
     assert "the same cells" in told(found)
 
@@ -166,7 +164,7 @@ def test_load_factors_of_critical_loads_are_compared(tmp_path: Path) -> None:
     found = study(tmp_path, case="two_flaws_overlapping")
     loads = [quantity for quantity in found.quantities if quantity.name == "load_factor"]
     assert len(loads) == 3
-    assert loads[0].limit == pytest.approx(1.0)
+    assert loads[0].limit.value == pytest.approx(1.0)
     assert loads[0].error("own") == pytest.approx(1.5e-3)
 
 
@@ -185,12 +183,10 @@ def test_csv_and_json_have_every_row(tmp_path: Path) -> None:
 def test_the_picture_and_the_table_have_every_setting(tmp_path: Path) -> None:
     found = study(tmp_path, bends={"own": 1e-4, HALF: 2e-4})
     table = table_of(found)
-    values = trade_values(found)
-    assert values["draft"]["error"] == found.error("draft")
-    assert values[HALF]["path_apart"] == pytest.approx(1e-4, rel=5e-3)
-    for run in found.plan.study.runs:
-        table.found[run.number] |= values[run.name]
-    draw(tmp_path / "trade.png", found, table)
+    add_findings(table, found)
+    assert table.found[0]["error"] == found.error("draft")
+    assert table.found[4]["path_apart"] == pytest.approx(1e-4, rel=5e-3)
+    draw_trade(tmp_path / "trade.png", found, table)
     assert (tmp_path / "trade.png").read_bytes().startswith(b"\x89PNG")
     lines = told(found).splitlines()
     assert [line.split("  ")[0] for line in lines[1:6]] == [*THREE, "own", HALF]

@@ -200,22 +200,19 @@ def test_shipped_sweep_has_24_runs_that_are_cases():
     assert all(run.case.numerics.auto_rule is not None for run in plan.runs if run.case)
 
 
-def test_letters_are_those_that_every_file_system_takes():
-    assert folder_names(["angle=30 traction=[0, -1e8]/x", "a=2 mm"]) == ["angle=30_traction=_0_-1e8_x", "a=2_mm"]
+@pytest.mark.parametrize(("names", "folders"), [
+    (["angle=30 traction=[0, -1e8]/x", "a=2 mm"], ["angle=30_traction=_0_-1e8_x", "a=2_mm"]),
+    (["a=[1]", "a=(1)", "a={1}", "A=[1]"], ["a=_1", "a=_1_2", "a=_1_3", "A=_1_4"]),
+])  # fmt: skip
+def test_folders_have_letters_that_every_file_system_takes_and_names_of_their_own(
+    names: list[str], folders: list[str]
+) -> None:
+    assert folder_names(names) == folders
 
 
-def test_runs_that_look_the_same_have_folders_of_their_own():
-    assert folder_names(["a=[1]", "a=(1)", "a={1}", "A=[1]"]) == ["a=_1", "a=_1_2", "a=_1_3", "A=_1_4"]
-
-
-def test_long_names_that_differ_at_their_end_only_are_told_apart_wherever_they_stand():
-    one, other = f"{'a' * 200}=1", f"{'a' * 200}=2"
-    folders = folder_names([one, other])
-    assert len(set(folders)) == 2
-    assert all(len(folder) == LONGEST for folder in folders)
-    assert folder_names([other, one]) == folders[::-1]
-
-
-def test_letters_of_several_bytes_count_as_such() -> None:
-    (folder,) = folder_names(["\u0444" * 200])
-    assert LONGEST - 1 <= len(folder.encode()) <= LONGEST
+def test_long_names_are_cut_and_told_apart_by_their_ends_wherever_they_stand() -> None:
+    names = [f"{'a' * 200}=1", f"{'a' * 200}=2", "\u0444" * 200]  # the last letter has two bytes
+    folders = folder_names(names)
+    assert len(set(folders)) == 3
+    assert {len(folder.encode()) for folder in folders} <= {LONGEST - 1, LONGEST}
+    assert folder_names(names[::-1]) == folders[::-1]

@@ -22,8 +22,8 @@ from crackgrow.case import load_case
 from crackgrow.errors import CaseError
 from crackgrow.study import workers
 from crackgrow.study.plan import Study
+from crackgrow.study.runs import Row, Values
 from crackgrow.study.sweep import plan_sweep, sweep
-from crackgrow.study.table import Row, Values
 from crackgrow.study.workers import ClusterError
 from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, process_of
 

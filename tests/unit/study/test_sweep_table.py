@@ -8,10 +8,10 @@ import pytest
 
 import crackgrow
 from crackgrow.study.errors import ERRORS, errors_of
+from crackgrow.study.pictures import draw_sweep, responses_of, shown_as
 from crackgrow.study.plan import Run, Study
+from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep
-from crackgrow.study.sweep_picture import draw, responses_of, shown_as
-from crackgrow.study.table import Table, Values, found_in
 from tests.unit.study.test_sweep_runs import rows_of
 from tests.unit.study.test_workers import FLAW
 
@@ -86,7 +86,7 @@ def test_parameter_with_the_name_of_a_column_keeps_its_values(tmp_path: Path) ->
 
 
 def test_overview_takes_words_as_values_and_runs_that_are_missing(table: Table, tmp_path: Path) -> None:
-    draw(tmp_path / "sweep.png", table)
+    draw_sweep(tmp_path / "sweep.png", table)
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
     chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
     assert responses_of(table, [table.row(run) for run in table.study.runs]) == chosen
@@ -107,10 +107,10 @@ def test_overview_has_units(name: str, shown: tuple[float, str]) -> None:
 def test_overview_of_one_parameter_and_of_no_run_that_is_done(tmp_path: Path, more: str) -> None:
     plan = planned(tmp_path, "cracks.flaw.path.angle: [30]", more)
     table = Table(plan, {})
-    draw(tmp_path / "sweep.png", table)
+    draw_sweep(tmp_path / "sweep.png", table)
     assert not (tmp_path / "sweep.png").exists()
     table.ended(plan.runs[0], solve(plan.runs[0]))
-    draw(tmp_path / "sweep.png", table)
+    draw_sweep(tmp_path / "sweep.png", table)
     assert (tmp_path / "sweep.png").exists()
 
 

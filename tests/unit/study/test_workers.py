@@ -61,7 +61,7 @@ def test_memory_is_bounded(tmp_path: Path) -> None:
 
 
 def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
-    with Workers.of(1).there() as submit:
+    with Workers(1).there() as submit:
         future, waiting = submit(command(tmp_path, *LONG)), submit(("--version",))
         process = process_of(tmp_path)
     assert future.result() == "broken off"

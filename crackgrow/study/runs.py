@@ -1,22 +1,28 @@
-"""The table of a study: a row for each run, of what its folder tells, written whole or not at all."""
+"""The runs of a study: what is missing is run, and as soon as a run has ended the table has its row, on disk, too."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import contextlib
+from collections.abc import Generator, Iterable
+from concurrent.futures import CancelledError, Future, as_completed
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
 from crackgrow.case import dump_case
 from crackgrow.case.model import Case
-from crackgrow.case.units import is_number
-from crackgrow.results.atomic import write_text
+from crackgrow.errors import reason_of
+from crackgrow.results.atomic import OccupiedError, remove_files, write_text
 from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.folder import FINISHED, SUMMARY, FolderError, RunFolder
+from crackgrow.results.leftovers import earlier_files
+from crackgrow.results.lock import FolderLock, LockedError
+from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.tables import csv_text
 from crackgrow.results.units import counted
 from crackgrow.study.errors import ERRORS, errors_of
 from crackgrow.study.plan import Run, Study
+from crackgrow.study.workers import ClusterError, Workers
 
 FIRST: Final = ("run", "folder")
 ENDING: Final = ("status", "reason")
@@ -24,6 +30,7 @@ _NAMES: Final = declared(columns_of("study")["sweep"])[0].header
 OF_TIPS: Final = tuple(name.removeprefix("CRACK.TIP.") for name in _NAMES if name.startswith("CRACK."))
 COSTS: Final = tuple(name for name in _NAMES if name not in (*FIRST, *ENDING, *ERRORS, "PARAMETER") and "." not in name)
 TAKEN: Final = frozenset({*FIRST, *ENDING, *COSTS, *ERRORS})  # no parameter can be called so
+REFUSED: Final = "refused"
 WAITING: Final = "waiting"
 
 Values = dict[str, str | float | int | None]
@@ -146,7 +153,68 @@ class Table:
         found = self.found.get(run.number, {"status": WAITING})
         return {"run": run.number, "folder": run.folder.name, **given, **found}
 
-    def numeric(self, parameter: str) -> bool:
-        """Whether all values of a parameter are bare numbers."""
-        place = self.study.parameters.index(parameter)
-        return all(is_number(run.values[place]) for run in self.study.runs)
+
+def run_study(study: Study, workers: Workers, resume: bool) -> Generator[Row, None, Table]:
+    """Run what is planned, yield the row of each run as it ends, and return the table; the folder is to be locked.
+
+    resume: leave runs alone that are done, and go on with those that were broken off
+
+    Raises ClusterError and OutputError; what has ended is in the table then. A run that fails is a row like any other.
+    """
+    table, settled, missing = Table(study, {}), [], []
+    for run in study.runs:
+        found = found_in(run) if resume else {}
+        if run.case is None:
+            settled.append(table.ended(run, {"status": REFUSED, "reason": run.refusal}))
+        elif found.get("status") in FINISHED:
+            settled.append(table.ended(run, found, new=False))
+        else:
+            missing.append(run)
+    with workers.there() as submit:
+        for run in missing:  # only now: earlier results are kept where nothing can run
+            _remove_earlier(study, run, resume)
+        table.write()
+        yield from settled
+        running = {submit(run.command): run for run in missing}
+        for future in as_completed(running):
+            run = running.pop(future)
+            row = table.ended(run, _values(run, future))
+            table.write()
+            yield row
+    return table
+
+
+def locked(study: Study) -> contextlib.AbstractContextManager[None]:
+    """The folder of a study is written by it alone; raises LockedError."""
+    return FolderLock(study.folder, f"{study.command} {study.name}").held()
+
+
+def _values(run: Run, future: Future[str]) -> Values:
+    """What has become of a run; raises ClusterError where that was lost with all others."""
+    try:
+        reason = future.result()
+    except CancelledError as error:
+        told = "the Dask scheduler is gone; what has ended is in the table, go on with --resume"
+        raise ClusterError(f"{told}: {error}") from error
+    except Exception as error:  # of Dask: its worker died
+        reason = f"worker lost: {reason_of(error)}"
+    found = found_in(run)
+    if not reason and found.get("status") not in FINISHED:
+        reason = str(found.get("reason") or "it has left no results")
+    return {**found, "status": "failed", "reason": reason} if reason else found
+
+
+def _remove_earlier(study: Study, run: Run, resume: bool) -> None:
+    """Remove what an earlier study has left in the folder of a run that begins anew; raises OutputError."""
+    if run.case is None or not run.folder.is_dir():
+        return
+    with contextlib.suppress(ResumeError):  # of another case
+        if resume:
+            find_resumption(run.case, run.folder)
+            return
+    # Where it must not be changed, the run itself is refused, and the others are made.
+    with (
+        contextlib.suppress(OccupiedError, LockedError),
+        FolderLock(run.folder, f"{study.command} {study.name}").held(),
+    ):
+        remove_files(earlier_files(run.folder, run.case.name))
