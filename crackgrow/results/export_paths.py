@@ -12,7 +12,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import OutputError, write_atomically, write_text
-from crackgrow.results.folder import RunFolder, cracks_name
+from crackgrow.results.folder import RunFolder, series_file
 from crackgrow.results.units import or_null
 
 FORMATS: Final = ("geojson", "dxf")
@@ -87,7 +87,7 @@ def _jumps(run: RunFolder, step: int) -> dict[str, tuple[Floats, Floats, Floats]
 
     Else of contact points alone, which cracks without a contact law have none of.
     """
-    path = run.folder / cracks_name(step)
+    path = run.folder / series_file("cracks", step)
     if not path.is_file():
         contact = run.table("contact").of_steps([step]).by("crack")
         return {

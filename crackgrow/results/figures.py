@@ -14,18 +14,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case, Stages
+from crackgrow.case.model import Case
 from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawing import body_path, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, bar_beside, png_of
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.placing import in_rows, with_bar
+from crackgrow.results.report.charts import Chart, load_curves, stress_strain
 from crackgrow.results.style import own_style
-from crackgrow.results.summary import Curve, LoadPoint
-from crackgrow.results.units import LENGTHS, STRESSES, unit_of
+from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
 LONG_SIDE = 7.0  # inches
@@ -121,60 +122,38 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
 
 
 @own_style()
-def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
-    """Plot the load factor, step by step from step 0, against the displacement of the loads and what cracks make of it.
+def draw_curves(folder: Path, run: RunFolder) -> None:
+    """Plot the load curve and the stress-strain curve of a run, if it has them. Raises OutputError.
 
-    That is how much they have grown where they have, else the slip of the surface that slips most. Points are named by
-    their steps: every so many, or in a history of loads those where it turns. Raises OutputError.
+    Points are named by their steps: every so many, or in a history of loads those where it turns.
     """
-    factor, displacement, length = np.array([(p.factor, p.displacement, p.crack_length) for p in curve]).T
-    growth = length - length[0]
-    panels = [(displacement, "displacement of the loads")]
-    if growth.any():
-        panels.append((growth, "crack growth"))
-        named = list(range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS)))
-    else:
-        panels.extend(_most_slip(curve))
+    n_steps = len(run.solved)
+    some = list(range(0, n_steps, -(-n_steps // MOST_STEP_TICKS)))
+    if curves := load_curves(run):
+        factor = run.table("steps").numbers("load_factor")
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
-        named = [0, *turns.tolist(), len(curve) - 1]
-    what_loads = "stages that are over" if isinstance(case.loading, Stages) else "load factor"
-    figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI)
-    table = figure.subplots(1, len(panels), squeeze=False)
-    for axes, (values, label) in zip(table[0], panels, strict=True):
-        size, unit = unit_of(values.tolist(), LENGTHS)
-        axes.plot(values / size, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-        for (x, y), steps in _labels(values / size, factor, named):
-            axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
+        named = some if run.case.growth is not None else [0, *turns.tolist(), n_steps - 1]
+        _draw_charts(folder / "load_curve.png", f"{run.case.title} (points: steps)", curves, named)
+    if curve := stress_strain(run):
+        _draw_charts(folder / "stress_strain.png", f"{run.case.title}: {curve['title'].lower()}", [curve], some)
+
+
+def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequence[int]) -> None:
+    """Plot charts of one line each beside each other, some of their points with the number of their step."""
+    figure = Figure(figsize=(4.6 * len(charts), 4.0), dpi=DPI)
+    table = figure.subplots(1, len(charts), squeeze=False)
+    for axes, chart in zip(table[0], charts, strict=True):
+        (line,) = chart["series"]
+        x, y = (np.array(line[name], dtype=float) for name in "xy")
+        axes.plot(x, y, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
+        for place, steps in _labels(x, y, named):
+            axes.annotate(", ".join(steps), place, xytext=(4, -9), textcoords="offset points", fontsize=7)
         axes.margins(x=0.1)  # room for the words at the right end
         axes.locator_params(axis="x", nbins=5)
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
-        axes.set(xlabel=f"{label} [{unit}]", ylabel=what_loads)
+        axes.set(xlabel=chart["xlabel"], ylabel=chart["ylabel"])
         axes.grid(linewidth=0.3)
-    in_rows(figure, table, f"{case.title} (points: steps)")
-    _save(path, figure)
-
-
-@own_style()
-def draw_stress_strain(path: Path, case: Case, curve: Curve) -> None:
-    """Plot the specimen's mean stress over its mean strain, step by step. Raises OutputError."""
-    along, sense, stress, strain = curve
-    size, unit = unit_of(stress.tolist(), STRESSES)
-    figure = Figure(figsize=(5.2, 4.0), dpi=DPI)
-    axes = figure.add_subplot()
-    axes.plot(1e3 * strain, stress / size, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-    named = range(0, len(stress), -(-len(stress) // MOST_STEP_TICKS))
-    for (x, y), steps in _labels(1e3 * strain, stress / size, list(named)):
-        axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
-    peak = int(np.nanargmax(stress))
-    axes.axhline(stress[peak] / size, color="0.6", linewidth=0.6, linestyle="--")
-    axes.set(
-        xlabel=f"{sense} strain along {along} [1e-3]",
-        ylabel=f"{sense} stress along {along} [{unit}]",
-    )
-    axes.margins(0.1)
-    axes.grid(linewidth=0.3)
-    words = f"peak {stress[peak] / size:.4g} {unit} at step {peak}"
-    in_rows(figure, np.array([[axes]]), f"{case.title} ({words})")
+    in_rows(figure, table, title)
     _save(path, figure)
 
 
@@ -193,18 +172,6 @@ def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[floa
         else:
             labels.append((place, [str(step)]))
     return labels
-
-
-def _most_slip(curve: Sequence[LoadPoint]) -> list[tuple[Floats, str]]:
-    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
-
-    nan where the surface is gone with the rock beside it.
-    """
-    slips = {name: np.array([point.slip.get(name, np.nan) for point in curve]) for name in curve[0].slip}
-    largest = max(slips, key=lambda name: float(np.nanmax(np.abs(slips[name]))), default=None)
-    if largest is None or not np.nan_to_num(slips[largest]).any():
-        return []
-    return [(slips[largest], f"largest slip of {largest}")]
 
 
 def _step_colours(last: int) -> ScalarMappable:

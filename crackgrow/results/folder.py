@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import compress, pairwise
@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     import pyvista
 
 REPORT, SUMMARY, LOG, CASE, HISTORY = "report.html", "summary.json", "run.log", "case.yaml", "history.csv"
-FILES = tuple(file.name for file in RUN if "/" not in file.name and "NAME" not in file.name)
-FIGURES = tuple(file.name for file in RUN if file.name.startswith("figures/"))
-SERIES = {
-    "frames": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtu"),
-    "cracks": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtp"),
-}
+FILES: Final = tuple(file.name for file in RUN if "/" not in file.name and "NAME" not in file.name)
+FIGURES: Final = tuple(file.name for file in RUN if file.name.startswith("figures/"))
+SERIES: Final = {"frames": "vtu", "cracks": "vtp"}  # folders with a file for each step, and how their names end
+RENDER: Final = "render"  # folder with a folder of pictures for each field
+ANIMATIONS: Final = {"gif": "animation.gif", "mp4": "animation.mp4"}
 OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", HISTORY)
 """Tables that may have rows of a step that a run was killed in: they count where steps.csv has the step."""
 
@@ -51,19 +50,35 @@ class FolderError(CrackgrowError):
     exit_code = 3
 
 
-def frame_name(step: int) -> str:
-    """Path of a step's frame, relative to the run's folder."""
-    return f"frames/step_{step:04d}.vtu"
-
-
-def cracks_name(step: int) -> str:
-    """Path of a step's crack faces, relative to the run's folder."""
-    return f"cracks/step_{step:04d}.vtp"
-
-
 def series_names(case_name: str) -> tuple[str, str]:
     """Paths of the two time series, of the specimen and of its cracks."""
     return f"{case_name}.pvd", f"{case_name}_cracks.pvd"
+
+
+def series_file(kind: str, step: int) -> str:
+    """Path of a step's file of one of SERIES, relative to the run's folder."""
+    return f"{kind}/step_{step:04d}.{SERIES[kind]}"
+
+
+def series_files(folder: Path, first: int = 0) -> Iterator[Path]:
+    """Frames and crack faces in a run's folder, of the steps from `first` on, and half written ones of any step."""
+    for kind, ending in SERIES.items():
+        for path in sorted((folder / kind).glob("*")):
+            match = re.fullmatch(rf"(\.?)step_(\d{{4,}})(\.tmp)?\.{ending}", path.name)
+            if match and (match[1] or int(match[2]) >= first):
+                yield path
+
+
+def rendered_files(folder: Path) -> Iterator[Path]:
+    """Pictures, and animations, that were made of the run in a folder."""
+    for field in sorted((folder / RENDER).glob("*/")):
+        yield from pictures_in(field)
+
+
+def pictures_in(field: Path) -> Iterator[Path]:
+    """Pictures and animations in the folder of a field, step_NNNN.png and ANIMATIONS."""
+    yield from (path for path in sorted(field.glob("step_*.png")) if re.fullmatch(r"step_\d{4,}\.png", path.name))
+    yield from (path for name in ANIMATIONS.values() if (path := field / name).is_file())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,8 +122,14 @@ class TextTable:
 
     def by(self, *names: str) -> dict[tuple[str, ...], TextTable]:
         """The rows by what they have in some columns, in the order in which that comes."""
-        keys = list(zip(*map(self.words, names), strict=True))
-        return {key: self.where([other == key for other in keys]) for key in dict.fromkeys(keys)}
+        rows: dict[tuple[str, ...], list[int]] = {}
+        for number, key in enumerate(zip(*map(self.words, names), strict=True)):
+            rows.setdefault(key, []).append(number)
+        columns = self.columns.items()
+        return {
+            key: TextTable(self.path, {c: [words[k] for k in some] for c, words in columns})
+            for key, some in rows.items()
+        }
 
     def of_steps(self, steps: Collection[int]) -> TextTable:
         """The rows of these steps."""
@@ -221,9 +242,8 @@ class RunFolder(RunTables):
     @cached_property
     def frames(self) -> dict[int, Path]:
         """Files of the frames by step, in order."""
-        paths = sorted((self.folder / "frames").glob("step_*.vtu"))
-        matches = [(SERIES["frames"].fullmatch(path.name), path) for path in paths]
-        found = {int(match[1]): path for match, path in matches if match and ".tmp" not in path.name}
+        paths = (path for path in series_files(self.folder) if path.match("frames/step_*"))
+        found = {int(path.stem.removeprefix("step_")): path for path in paths}
         return dict(sorted(found.items()))  # by number: step_10000 comes before step_9999 by name
 
     def frames_of(self, steps: Sequence[int | range] | None = None) -> list[int]:

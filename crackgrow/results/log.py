@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.case.units import place_text
-from crackgrow.results.atomic import append_text, write_text
+from crackgrow.results.atomic import GrowingFile
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, cut, duration, unit_of
 
@@ -39,38 +39,33 @@ def is_log(path: Path) -> bool:
         return False
 
 
-class RunLog:
+class RunLog(GrowingFile):
     """Lines with the seconds since the log began; the file is complete after every line."""
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        super().__init__(path)
         self._began = time.perf_counter()
-        self._lines: list[str] = []
-
-    def begin(self, text: str) -> None:
-        """Write the first line, with date and time; raises OutputError."""
-        self.write(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
-
-    def go_on(self, text: str, seconds: float) -> None:
-        """Write a line below those of a run that was broken off `seconds` after it began; raises OutputError."""
-        if self.path.is_file():
-            lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
-            self._lines = [f"{line}\n" for line in lines]  # the last one may have been cut off
-            write_text(self.path, "".join(self._lines))
-        self._began -= seconds
-        self.begin(text)
-
-    def write(self, text: str) -> None:
-        """Append a line; raises OutputError."""
-        line = f"{self.seconds:10.2f} s  {text}\n"
-        self._lines.append(line)
-        if len(self._lines) == 1 or not append_text(self.path, line):
-            write_text(self.path, "".join(self._lines))
 
     @property
     def seconds(self) -> float:
         """Seconds since the log began."""
         return time.perf_counter() - self._began
+
+    def tell(self, text: str) -> None:
+        """Append a line; raises OutputError."""
+        self.lines.append(f"{self.seconds:10.2f} s  {text}")
+        self.write()
+
+    def begin(self, text: str) -> None:
+        """Write the first line, with date and time; raises OutputError."""
+        self.tell(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
+
+    def go_on(self, text: str, seconds: float) -> None:
+        """Write a line below those of a run that was broken off `seconds` after it began; raises OutputError."""
+        if self.path.is_file():  # written anew: its last line may have been cut off
+            self.lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
+        self._began -= seconds
+        self.begin(text)
 
 
 def step_label(step: int, n_steps: int | None) -> str:
@@ -109,33 +104,20 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
     K has at least the unit in which `K_scale` (Pa sqrt(m)) is read easily.
     """
     n_steps = case.growth.steps if case.growth else None
-    moved = [tip for tip in result.tips if tip.advanced]
-    known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
-
-    def size(tip: TipResult) -> float:
-        return 0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}")  # not round-off
-
-    largest = max(known, key=size, default=None)
-    shown = moved or ([largest] if largest else [])
-    arrested = bool(result.tips) and not moved and n_steps is not None and result.step < n_steps  # else none is to
-    return ", ".join(
-        [
-            step_label(result.step, n_steps),
-            load_words(case, result.load_factor),
-            *criticality_words(result),
-            *(["no tip advanced"] if arrested else []),
-            *([] if moved else start_words(result)),
-            *cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"),
-            *length_words(result),
-            *_time_words(result),
-        ]
-    )
-
-
-def largest_K(result: StepResult) -> float:
-    """The largest size of a K_I or K_II of a step, Pa sqrt(m); 0 where none is known."""
-    values = (abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II))
-    return max((value for value in values if math.isfinite(value)), default=0.0)
+    shown = [tip for tip in result.tips if tip.advanced]
+    words = [step_label(result.step, n_steps), load_words(case, result.load_factor), *criticality_words(result)]
+    if not shown:
+        if result.tips and n_steps is not None and result.step < n_steps:  # else none is to advance
+            words.append("no tip advanced")
+        words += start_words(result)
+        known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]  # sizes that differ by round-off tie
+        sizes = [0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}") for tip in known]
+        shown = [known[sizes.index(max(sizes))]] if known else []
+    words += [*cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"), *length_words(result)]
+    if math.isfinite(result.time):  # growth takes time
+        size, unit = unit_of([result.time or 1.0], TIMES)
+        words.append(f"at {result.time / size:.4g} {_ascii(unit)}")
+    return ", ".join(words)
 
 
 def _tip_words(tip: TipResult, K_scale: float) -> str:
@@ -147,7 +129,7 @@ def _tip_words(tip: TipResult, K_scale: float) -> str:
     largest = max((abs(K) / size for K in (tip.K_I, tip.K_II) if math.isfinite(K)), default=0.0)
     decimals = max(0, 2 - math.floor(math.log10(largest))) if largest >= 1.0 else 3
     values = (f"{round(K / size, decimals) + 0.0:.{decimals}f}" for K in (tip.K_I, tip.K_II))
-    return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {unit.replace('√m', ' sqrt(m)')}"
+    return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {_ascii(unit)}"
 
 
 def criticality_words(result: StepResult) -> list[str]:
@@ -160,7 +142,7 @@ def criticality_words(result: StepResult) -> list[str]:
     words = [f"criticality {most.criticality:.3g}"]
     if math.isfinite(most.K_growth):
         size, unit = unit_of([most.K_growth], INTENSITIES)
-        words.append(f"grows at K {most.K_growth / size:.3g} {unit.replace('√m', ' sqrt(m)')}")
+        words.append(f"grows at K {most.K_growth / size:.3g} {_ascii(unit)}")
     return words
 
 
@@ -178,15 +160,12 @@ def length_words(result: StepResult) -> list[str]:
     if not result.cracks:
         return []
     size, unit = unit_of([result.crack_length], LENGTHS)
-    return [f"cracks {result.crack_length / size:.4g} {unit.replace('µ', 'u')} long"]
+    return [f"cracks {result.crack_length / size:.4g} {_ascii(unit)} long"]
 
 
-def _time_words(result: StepResult) -> list[str]:
-    """When the cracks have come here; empty where growth takes no time."""
-    if not math.isfinite(result.time):
-        return []
-    size, unit = unit_of([result.time or 1.0], TIMES)
-    return [f"at {result.time / size:.4g} {unit.replace('µ', 'u')}"]
+def _ascii(unit: str) -> str:
+    """The name of a unit in letters that every terminal has."""
+    return unit.replace("√m", " sqrt(m)").replace("µ", "u")
 
 
 def event_line(event: Event) -> str:
@@ -221,7 +200,8 @@ class Progress:
         """Tell of a solved step."""
         self._times.append(time.perf_counter())
         self._warnings.add(result.step, result.step_warnings)
-        self._K_scale = max(self._K_scale, largest_K(result))
+        sizes = [abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II)]
+        self._K_scale = max(self._K_scale, *filter(math.isfinite, sizes), 0.0)
         if self._width is None:
             self._say(told_line(result, self._case, self._K_scale), "\n")
         load = load_words(self._case, result.load_factor)

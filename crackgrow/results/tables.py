@@ -10,7 +10,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.results import declarations
-from crackgrow.results.atomic import append_text, write_text
+from crackgrow.results.atomic import GrowingFile
 from crackgrow.results.declarations import PHASES, File
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
 
@@ -28,37 +28,30 @@ HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in declar
 """Columns of the tables by name."""
 
 
-class Table:
-    """Rows in memory and on disk: the file is complete after every `write`, which appends what is new."""
+class Table(GrowingFile):
+    """A table in a run's folder, its rows in memory and on disk: the file is complete after every `write`."""
 
-    def __init__(self, path: Path, columns: Sequence[str]) -> None:
-        self.path = path
-        self._lines = [",".join(columns)]
-        self._n_written = 0  # lines on disk as they are here
+    def __init__(self, folder: Path, name: str, columns: Sequence[str] = ()) -> None:
+        """`columns` are those of the name, unless they are given."""
+        super().__init__(folder / f"{name}.csv", ",".join(columns or HEADERS[name]))
 
     def extend(self, rows: Iterable[Sequence[Value]]) -> None:
         """Append rows, values in the order of the columns."""
-        self._lines.extend(",".join(format_value(value) for value in row) for row in rows)
+        self.lines.extend(",".join(format_value(value) for value in row) for row in rows)
 
     def replace_last(self, row: Sequence[Value]) -> None:
         """Replace the last row."""
-        self._lines[-1] = ",".join(format_value(value) for value in row)
-        self._n_written = 0
+        self.lines.pop()
+        self.extend([row])
+        self.n_written = 0
 
     def __len__(self) -> int:
-        return len(self._lines) - 1
-
-    def write(self) -> None:
-        """Bring the file up to date; raises OutputError."""
-        new = "".join(f"{line}\n" for line in self._lines[self._n_written :])
-        if not (self._n_written and append_text(self.path, new)):
-            write_text(self.path, "\n".join(self._lines) + "\n")
-        self._n_written = len(self._lines)
+        return len(self.lines) - 1
 
     def drop_from(self, step: int) -> None:
         """Take over what the file has of the steps before one, and drop the rest; raises OutputError."""
-        self._lines = lines_before(self.path, step)
-        self._n_written = 0
+        self.lines = lines_before(self.path, step)
+        self.n_written = 0
         self.write()
 
 

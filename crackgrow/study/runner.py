@@ -9,8 +9,7 @@ from concurrent.futures import CancelledError, Future, as_completed
 from crackgrow.errors import reason_of
 from crackgrow.results.atomic import OccupiedError, remove_files
 from crackgrow.results.folder import FINISHED
-from crackgrow.results.leftovers import earlier_files
-from crackgrow.results.lock import FolderLock, LockedError
+from crackgrow.results.lock import FolderLock, LockedError, earlier_files
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.study.plan import Run, Study
 from crackgrow.study.table import Row, Table, Values, found_in

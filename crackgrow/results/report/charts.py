@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.results.folder import HISTORY, RunFolder, TextTable
-from crackgrow.results.summary import Curve, stress_strain
+from crackgrow.case.model import Stages
+from crackgrow.results.folder import HISTORY, RunFolder
 from crackgrow.results.tables import COMPONENTS
 from crackgrow.results.units import (
     ENERGIES,
@@ -39,6 +39,9 @@ HISTORIES = (
 
 ENERGY_COLUMNS = ("work", "strain_energy", "dissipation", "released_energy")
 NO_UNIT = ((1.0, ""),)
+STRAINS = ((1e-3, "1e-3"),)
+DISPLACEMENT = "displacement of the loads"
+STEADY = 1e-6  # of the largest stress: one that varies by less is the same in all steps, but for round-off
 
 
 def charts(run: RunFolder) -> list[Chart]:
@@ -47,43 +50,82 @@ def charts(run: RunFolder) -> list[Chart]:
     A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each
     of its points.
     """
-    history = list(_history_charts(run))
+    found = list(_history_charts(run))
     if len(run.solved) < 2:
-        return history
+        return found
     by_step = partial(_chart, xlabel="step", x=run.solved, steps=run.solved)
     table = run.table("steps")
-    factor, length = table.numbers("load_factor"), table.numbers("crack_length")
-    displacement = table.numbers("load_displacement")
-    found = [*history, *_tip_charts(run)]
-    if len(set(factor.tolist())) > 1:
-        size, unit = unit_of(displacement, LENGTHS)
-        x, xlabel = rounded_all(displacement, size), f"displacement of the loads [{unit}]"
-        load = {"load factor": factor}
-        found.append(_chart("Load curve", "load factor", load, NO_UNIT, xlabel=xlabel, x=x, steps=run.solved))
-        found.append(by_step("Load factor", "load factor", load, NO_UNIT))
-    if curve := _stress_strain(table):
-        along, sense, stress, strain = curve
-        x, xlabel = rounded_all(strain, 1e-3), f"{sense} strain along {along} [1e-3]"
-        what = f"{sense} stress along {along}"
-        found.append(_chart("Stress and strain", what, {what: stress}, STRESSES, xlabel=xlabel, x=x, steps=run.solved))
-    for title, values in (("Crack length", length), ("Displacement of the loads", displacement)):
+    length = table.numbers("crack_length")
+    found += _tip_charts(run)
+    for load_curve in load_curves(run)[:1]:
+        label = load_curve["ylabel"]
+        found += [load_curve, by_step(label.capitalize(), label, {label: table.numbers("load_factor")}, NO_UNIT)]
+    if curve := stress_strain(run):
+        found.append(curve)
+    for title, values in (("Crack length", length), (DISPLACEMENT.capitalize(), table.numbers("load_displacement"))):
         found.append(by_step(title, title.lower(), {title.lower(): values}, LENGTHS))
     energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
     found.append(by_step("Energies", "energy per thickness", energies, ENERGIES))
     if run.case.growth is not None and run.case.growth.subcritical is not None:
-        time = table.numbers("time")
-        size, unit = unit_of(time, TIMES)
-        x, xlabel, grown = rounded_all(time, size), f"time [{unit}]", {"crack length": length}
-        found.append(_chart("Growth in time", "crack length", grown, LENGTHS, xlabel=xlabel, x=x, steps=run.solved))
+        time, grown = {"time": table.numbers("time")}, {"crack length": length}
+        found.append(_over("Growth in time", "crack length", grown, LENGTHS, time, TIMES, run.solved))
     return found
 
 
-def _stress_strain(table: TextTable) -> Curve | None:
-    """The stress-strain curve of the steps; None where there is none, as of a run by a version before."""
+def load_curves(run: RunFolder) -> list[Chart]:
+    """The load factor over the displacement of the loads, and over what cracks make of it; none where it is constant.
+
+    That is how much they grow where they do, else the slip of the surface that slips most.
+    """
+    table = run.table("steps")
+    factor, length = table.numbers("load_factor"), table.numbers("crack_length")
+    if len(set(factor.tolist())) < 2:
+        return []
+    grown = {"crack growth": length - length[0]} if length[-1] > length[0] else _most_slip(run)
+    label = "stages that are over" if isinstance(run.case.loading, Stages) else "load factor"
+    return [
+        _over("Load curve", label, {label: factor}, NO_UNIT, {name: way}, LENGTHS, run.solved)
+        for name, way in ({DISPLACEMENT: table.numbers("load_displacement")} | grown).items()
+    ]
+
+
+def _most_slip(run: RunFolder) -> dict[str, Floats]:
+    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
+
+    nan where the surface is gone with the rock beside it.
+    """
+    slips: dict[str, Floats] = {}
+    for (name, step), points in run.table("contact").by("crack", "step").items():
+        slip = points.numbers("slip")
+        slips.setdefault(name, np.full(len(run.solved), np.nan))[run.solved.index(int(step))] = slip[
+            np.argmax(np.abs(slip))
+        ]
+    largest = max(slips, key=lambda name: float(np.nanmax(np.abs(slips[name]))), default="")
+    return {f"largest slip of {largest}": slips[largest]} if largest and np.nan_to_num(slips[largest]).any() else {}
+
+
+def stress_strain(run: RunFolder) -> Chart | None:
+    """Mean stress over mean strain, along the axis with the larger stress, positive in the sense of the largest one.
+
+    None where that stress hardly varies, or is not there, as of a run by a version before.
+    """
+    table = run.table("steps")
     if "mean_stress_xx" not in table.columns:
         return None
-    means = [[table.numbers(f"mean_{what}_{xx}") for xx in COMPONENTS] for what in ("stress", "strain")]
-    return stress_strain(*(np.array(mean).T.tolist() for mean in means))
+    stress, strain = (np.array([table.numbers(f"mean_{of}_{xx}") for xx in COMPONENTS]) for of in ("stress", "strain"))
+    sizes = np.nan_to_num(np.abs(stress)).max(axis=1, initial=0.0)
+    axis = int(np.argmax(sizes[:2]))
+    known = stress[axis][np.isfinite(stress[axis])]
+    if not len(known) or not np.ptp(known) > STEADY * sizes.max():
+        return None
+    sense = "compressive" if known[np.argmax(np.abs(known))] < 0.0 else "tensile"
+    sign = -1.0 if sense == "compressive" else 1.0
+    along = f"{sense} stress along {'xy'[axis]}"
+    size, unit = unit_of(stress[axis].tolist(), STRESSES)
+    peak = int(np.nanargmax(sign * stress[axis]))
+    title = f"Stress and strain, peak {sign * stress[axis][peak] / size:.4g} {unit} at step {run.solved[peak]}"
+    over = {along.replace("stress", "strain"): sign * strain[axis]}
+    return _over(title, along, {along: sign * stress[axis]}, STRESSES, over, STRAINS, run.solved)
 
 
 def drawn_tips(run: RunFolder) -> list[tuple[str, ...]]:
@@ -136,6 +178,22 @@ def _history_charts(run: RunFolder) -> Iterator[Chart]:
         if drawn:
             dashes = ("",) * len(COLOURS)
             yield _chart(f"{title}{rest}", "", drawn, units, xlabel="step", x=x, steps=steps.tolist(), dashes=dashes)
+
+
+def _over(
+    title: str,
+    what: str,
+    columns: Mapping[str, Floats],
+    units: Sequence[Unit],
+    over: Mapping[str, Floats],
+    units_over: Sequence[Unit],
+    steps: Sequence[int],
+) -> Chart:
+    """As `_chart`, over one column (n,) by name in one of some units."""
+    ((name, values),) = over.items()
+    size, unit = unit_of(values, units_over)
+    x = rounded_all(values, size)
+    return _chart(title, what, columns, units, xlabel=f"{name} [{unit}]", x=x, steps=steps)
 
 
 def _chart(

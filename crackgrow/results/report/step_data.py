@@ -12,9 +12,8 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.results.folder import FolderError, RunFolder, TextTable
+from crackgrow.results.folder import FolderError, RunFolder, TextTable, rendered_files
 from crackgrow.results.log import load_words
-from crackgrow.results.rendered import rendered
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
 
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
@@ -25,6 +24,7 @@ CONTACT_COLUMNS = (
     (("opening", "slip"), LENGTHS),
 )  # those in one tuple are drawn together
 
+FIRST_FIELD = "sigma_1"  # of which the page has pictures rather than of others
 MOST_PICTURES = 40  # of a rendered series
 MOST_PIXELS = 720  # of the longer side of those
 MOST_PIXELS_OF_FIGURES = 1400
@@ -115,8 +115,12 @@ def pictures(run: RunFolder) -> list[dict[str, Any]]:
 
     Raises FolderError for one that is damaged.
     """
-    series = rendered(run.folder)
-    for field in series:
+    series: dict[str, dict[int, Path]] = {}
+    for path in rendered_files(run.folder):
+        if path.suffix == ".png":
+            series.setdefault(path.parent.name, {})[int(path.stem.removeprefix("step_"))] = path
+    if series:
+        field = min(series, key=lambda name: (name != FIRST_FIELD, name))
         return _thinned(field, series[field], run)
     found = []
     for name, step in (("sigma_1_first", run.solved[:1]), ("sigma_1_last", run.solved[-1:])):

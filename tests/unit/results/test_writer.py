@@ -17,8 +17,7 @@ import pyvista
 from crackgrow.errors import SolveError
 from crackgrow.results import writer as writer_module
 from crackgrow.results.atomic import OccupiedError, OutputError
-from crackgrow.results.leftovers import OWN_KEYS
-from crackgrow.results.lock import LOCK
+from crackgrow.results.lock import LOCK, OWN_KEYS
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import RunEnd, StepResult
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_paths, make_result
