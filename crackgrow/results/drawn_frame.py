@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.results.folder import FolderError, RunFolder
-from crackgrow.results.units import LENGTHS, STRESSES, Unit, unit_of
 from crackgrow.run.result import Frame
 
 if TYPE_CHECKING:
@@ -38,14 +37,13 @@ def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnFrame:
-    """The specimen's mesh with one field on it. Cells: triangles first, then quads."""
+    """The specimen's mesh with one field on it."""
 
     step: int
     points: Floats  # (n, 2) m
-    triangles: Ints  # (t, 3)
-    quads: Ints  # (q, 4)
+    cells: Ints  # (c, 4) corners; a triangle has its last one twice
     displacement: Floats  # (n, 2) m
-    values: Floats  # (n,) by point, or (t + q,) by cell; SI units
+    values: Floats  # (n,) by point, or (c,) by cell; SI units
     by_point: bool
 
 
@@ -59,37 +57,22 @@ def drawn_frame(run: RunFolder, step: int, field: str, mesh: pyvista.Unstructure
         has = f"it has {', '.join(fields)}, by output.fields of its case"
         raise FolderError(f"{run.frames[step]} has no field {field!r}; {has}")
     by_point, values = fields[field]
-    return DrawnFrame(
-        step=step,
-        points=np.asarray(grid.points[:, :2], dtype=float),
-        triangles=_cells(grid, VTK_TRIANGLE, 3),
-        quads=_cells(grid, VTK_QUAD, 4),
-        displacement=np.asarray(grid.point_data["displacement"][:, :2], dtype=float),
-        values=values,
-        by_point=by_point,
-    )
+    by_kind: Any = grid.cells_dict
+    triangles, quads = (by_kind.get(kind, np.empty((0, n))) for kind, n in ((VTK_TRIANGLE, 3), (VTK_QUAD, 4)))
+    points, displacement = (np.asarray(of[:, :2], dtype=float) for of in (grid.points, grid.point_data["displacement"]))
+    return DrawnFrame(step, points, corners_of(triangles, quads), displacement, values, by_point)
 
 
 def frame_with_sigma_1(frame: Frame, step: int) -> DrawnFrame:
     """The frame of a run that goes on, with the major principal stress in the plane."""
     sigma_1, _ = principal_stresses(frame.point_stress)
-    return DrawnFrame(step, frame.points, frame.triangles, frame.quads, frame.displacement, sigma_1, by_point=True)
+    cells = corners_of(frame.triangles, frame.quads)
+    return DrawnFrame(step, frame.points, cells, frame.displacement, sigma_1, by_point=True)
 
 
-def field_kind(field: str) -> Literal["length", "stress"] | None:
-    """What a field is measured in; None for pure numbers."""
-    return "length" if field == "displacement" else "stress" if field.startswith(("sigma_", "stress_")) else None
-
-
-def field_unit(field: str, values: Floats) -> Unit:
-    """The unit in which values of a field are read easily; without a name for pure numbers."""
-    units = {"length": LENGTHS, "stress": STRESSES, None: ((1.0, ""),)}
-    return unit_of(values.tolist(), units[field_kind(field)])
-
-
-def _cells(grid: pyvista.UnstructuredGrid, kind: int, n_corners: int) -> Ints:
-    """Corners (n, n_corners) of the cells of a kind."""
-    return np.asarray(dict(grid.cells_dict).get(np.uint8(kind), []), dtype=np.int64).reshape(-1, n_corners)
+def corners_of(triangles: NDArray[Any], quads: NDArray[Any]) -> Ints:
+    """Corners (c, 4) of triangles (t, 3) and quads (q, 4)."""
+    return np.concatenate([triangles[:, [0, 1, 2, 2]], quads]).astype(np.int64)
 
 
 def _fields(grid: pyvista.UnstructuredGrid) -> dict[str, tuple[bool, Floats]]:
@@ -117,7 +100,7 @@ def displayed_magnification(frame: DrawnFrame) -> float:
     size = np.ptp(frame.points, axis=0).max()
     if not largest > 0:
         return 1.0
-    strain = max(_usual_strain(frame, sides) for sides in (np.concatenate(_all_sides(frame)), boundary_edges(frame)))
+    strain = max(_usual_strain(frame, sides) for sides in (all_sides(frame), boundary_edges(frame)))
     together = _magnification_together(frame, TOGETHER * size)
     visible = min(DISPLACED_SHARE * size / largest, LARGEST_STRAIN / max(strain, 1e-300), together)
     return max(float(f"{visible:.1e}"), 1.0)
@@ -138,7 +121,7 @@ def _magnification_together(frame: DrawnFrame, apart: float) -> float:
     return float(np.min((real + np.sqrt(real**2 + 4.0 * false * apart)) / (2.0 * false), initial=np.inf))
 
 
-def _usual_strain(frame: DrawnFrame, sides: NDArray[np.int64]) -> float:
+def _usual_strain(frame: DrawnFrame, sides: Ints) -> float:
     """Size of the strain along sides of cells, given by their ends (n, 2), that little of their length exceeds."""
     x, u = (values[sides[:, 1]] - values[sides[:, 0]] for values in (frame.points, frame.displacement))
     squares = (x * x).sum(axis=1)
@@ -147,15 +130,21 @@ def _usual_strain(frame: DrawnFrame, sides: NDArray[np.int64]) -> float:
     return float(percentiles(strains, np.sqrt(squares[kept]), STRAIN_PERCENTILE)) if len(strains) else 0.0
 
 
-def boundary_edges(frame: DrawnFrame) -> NDArray[np.int64]:
+def all_sides(frame: DrawnFrame) -> Ints:
+    """Ends (n, 2) of the sides of all cells, a side of two cells twice, with the cell on its left."""
+    sides = np.stack([frame.cells, np.roll(frame.cells, -1, axis=1)], axis=2).reshape(-1, 2)
+    return np.asarray(sides[sides[:, 0] != sides[:, 1]])
+
+
+def boundary_edges(frame: DrawnFrame) -> Ints:
     """Edges (n, 2) that one cell alone has, with rock on their left: the outline and both faces of the cracks."""
-    sides = np.concatenate(_all_sides(frame))
+    sides = all_sides(frame)
     keys = sides.min(axis=1) * len(frame.points) + sides.max(axis=1)
     _, first, counts = np.unique(keys, return_index=True, return_counts=True)
     return np.asarray(sides[first[counts == 1]])
 
 
-def face_pairs(frame: DrawnFrame) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def face_pairs(frame: DrawnFrame) -> tuple[Ints, Ints]:
     """Edges (n, 2) of faces that have others at the same place: those of rock above, and of rock below, end by end."""
     edges = boundary_edges(frame)
     x, y = np.diff(frame.points[edges], axis=1)[:, 0].T
@@ -171,7 +160,7 @@ def above(frame: DrawnFrame) -> NDArray[np.bool_]:
 
     Cells there are drawn last: where a picture has two faces in each other, one side covers the other.
     """
-    n, sides = len(frame.points), np.concatenate(_all_sides(frame))
+    n, sides = len(frame.points), all_sides(frame)
     lengths = np.linalg.norm(np.diff(frame.points[sides], axis=1)[:, 0], axis=1)
     ways = csr_array((np.maximum(lengths, 1e-300), sides.T), shape=(n, n))
     upper, lower = map(np.unique, face_pairs(frame))
@@ -182,15 +171,6 @@ def above(frame: DrawnFrame) -> NDArray[np.bool_]:
     return np.asarray(to_upper < to_lower)
 
 
-def _all_sides(frame: DrawnFrame) -> list[NDArray[np.int64]]:
-    """Ends (n, 2) of the sides of triangles and of quads, a side of two cells twice."""
-    return [np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in cell_groups(frame)]
-
-
-def cell_groups(frame: DrawnFrame) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    return frame.triangles.reshape(-1, 3), frame.quads.reshape(-1, 4)
-
-
 def off_mean(frame: DrawnFrame) -> Floats:
     """Displacement (n, 2) m less its mean over the specimen."""
     return np.asarray(frame.displacement - np.average(frame.displacement, axis=0, weights=areas(frame, by_point=True)))
@@ -198,16 +178,15 @@ def off_mean(frame: DrawnFrame) -> Floats:
 
 def areas(frame: DrawnFrame, *, by_point: bool) -> Floats:
     """Area m^2 of each cell (c,), or that each point (n,) stands for: equal parts of those of its cells."""
-    groups = cell_groups(frame)
-    of_cells = [areas_of(frame.points, cells) for cells in groups]
+    of_cells = areas_of(frame.points, frame.cells)
     if not by_point:
-        return np.concatenate(of_cells)
-    corners = np.concatenate([cells.ravel() for cells in groups])
-    parts = [np.repeat(some / cells.shape[1], cells.shape[1]) for some, cells in zip(of_cells, groups, strict=True)]
-    return np.asarray(np.bincount(corners, np.concatenate(parts), len(frame.points)), dtype=float)
+        return of_cells
+    own = frame.cells != np.roll(frame.cells, -1, axis=1)  # corners of triangles once
+    parts = np.broadcast_to((of_cells / own.sum(axis=1))[:, None], own.shape)
+    return np.asarray(np.bincount(frame.cells[own], parts[own], len(frame.points)), dtype=float)
 
 
-def areas_of(points: Floats, cells: NDArray[np.int64]) -> Floats:
+def areas_of(points: Floats, cells: Ints) -> Floats:
     """Areas (c,) of cells with corners (c, k) among points (n, 2)."""
     x, y = points[cells].transpose(2, 0, 1)
     return np.asarray(0.5 * np.abs(np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1)))

@@ -8,13 +8,13 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection, PolyCollection, TriMesh
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
@@ -31,16 +31,13 @@ from crackgrow.results.drawn_frame import (
     areas,
     areas_of,
     boundary_edges,
-    cell_groups,
     displayed_magnification,
-    field_kind,
-    field_unit,
     off_mean,
     percentiles,
 )
 from crackgrow.results.placing import with_bar
 from crackgrow.results.style import own_style
-from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of
+from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width or height, by the specimen's longer side
@@ -50,6 +47,12 @@ MARGIN = 0.03  # round the specimen, by its longer side
 NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
          "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
 WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
+KINDS: Final[Mapping[str, Literal["length", "stress"]]] = {
+    "displacement": "length",
+    "sigma": "stress",
+    "stress": "stress",
+}
+UNITS: Final = {"length": LENGTHS, "stress": STRESSES, None: ((1.0, ""),)}  # of fields by what their names begin with
 COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a singular tip doesn't wash out the rest
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 DRAWING = 32 * 2**20  # bytes that have to be free for a picture
@@ -108,15 +111,7 @@ class FieldPictures:
         figure = Figure(figsize=(width, height), dpi=self.dpi)
         axes = figure.add_subplot(facecolor=BEHIND)
         points = self._moved(frame) / self.length[0]
-        values = frame.values / self.unit[0]
-        if frame.by_point:
-            shade(axes, frame, points, values, self.norm, self.colormap)
-        else:
-            upper = np.concatenate([above(frame)[cells].any(axis=1) for cells in cell_groups(frame)])
-            polygons, order = [*points[frame.triangles], *points[frame.quads]], np.argsort(upper, kind="stable")
-            cells = PolyCollection([polygons[cell] for cell in order], array=values[order], antialiaseds=False)
-            cells.set(cmap=self.colormap, norm=self.norm)
-            axes.add_collection(cells)
+        shade(axes, frame, points, frame.values / self.unit[0], self.norm, self.colormap)
         edges = points[boundary_edges(frame)]
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
         axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
@@ -155,25 +150,31 @@ def bar_beside(extent: Floats) -> bool:
     return bool(extent[0] <= WIDE * extent[1])
 
 
-def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
-    """Fill a frame's cells, its points drawn at `points` (n, 2), with the colours between those of its points (n,)."""
-    triangles, quads = cell_groups(frame)
-    middle = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)
-    fans = np.stack([quads, np.roll(quads, -1, axis=1), middle], axis=2).reshape(-1, 3)
-    corners = np.concatenate([triangles, fans])
-    last = np.append(above(frame), np.zeros(len(quads), dtype=bool))[corners].any(axis=1)
-    points, values = (np.concatenate([field, field[quads].mean(axis=1)]) for field in (points, values))
+def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: Normalize, colormap: str) -> None:
+    """Fill a frame's cells, its points drawn at `points` (n, 2), with their colours or those between their points."""
+    n, cells = len(points), frame.cells
+    middle = np.broadcast_to(n + np.arange(len(cells))[:, None], cells.shape)
+    corners = np.stack([cells, np.roll(cells, -1, axis=1), middle], axis=2).reshape(-1, 3)
+    of_cell = np.repeat(np.arange(len(cells)), 4)
+    there = corners[:, 0] != corners[:, 1]  # of triangles, whose last corner comes twice, three of four parts
+    points = np.concatenate([points, points[cells].mean(axis=1)])
+    last = np.append(above(frame), np.zeros(len(cells), dtype=bool))[corners].any(axis=1)
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
     longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
     thin = 2.0 * areas_of(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
     order = np.lexsort([~thin, last])
+    order = order[there[order]]
     mesh = Triangulation(points[:, 0], points[:, 1], corners[order])
-    return axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
+    if frame.by_point:
+        values = np.concatenate([values, values[cells].mean(axis=1)])
+        axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
+    else:
+        axes.tripcolor(mesh, facecolors=values[of_cell[order]], cmap=colormap, norm=norm)
 
 
 def limits_of(field: str, texts: tuple[str, str], unit: Unit) -> tuple[float, float]:
     """Limits of the colours in the unit of the colour bar, of texts such as "-20 MPa" or "-20"; raises CaseError."""
-    kind = field_kind(field)
+    kind = KINDS.get(field.partition("_")[0])
     found = []
     for text in texts:
         try:
@@ -195,7 +196,8 @@ def colours_of(field: str, values: Floats, weights: Floats) -> tuple[Unit, Norma
     """
     low, high = (float(limit) for limit in percentiles(values, weights, COLOUR_PERCENTILES))
     largest = max(abs(low), abs(high))
-    unit, both = field_unit(field, np.array([low, high])), min(-low, high) > ONE_SIGN_SHARE * largest
+    kind, both = KINDS.get(field.partition("_")[0]), min(-low, high) > ONE_SIGN_SHARE * largest
+    unit = unit_of([low, high], UNITS[kind])
     if both:
         low, high = -largest, largest
     elif high - low <= 1e-9 * largest:  # one value: any width shows it

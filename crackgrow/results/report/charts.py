@@ -1,9 +1,12 @@
-"""The plots against the steps and the load curve, as data that `chart.js` draws."""
+"""The plots against the steps and the curves over each other, as data that `chart.js` draws, and figures of the run.
+
+A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each of its
+points.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -45,30 +48,24 @@ STEADY = 1e-6  # of the largest stress: one that varies by less is the same in a
 
 
 def charts(run: RunFolder) -> list[Chart]:
-    """The plots that tell something: none against the steps where there is but one.
-
-    A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each
-    of its points.
-    """
+    """The plots that tell something: none against the steps where there is but one."""
     found = list(_history_charts(run))
     if len(run.solved) < 2:
         return found
-    by_step = partial(_chart, xlabel="step", x=run.solved, steps=run.solved)
-    table = run.table("steps")
-    length = table.numbers("crack_length")
+    table, steps = run.table("steps"), run.solved
+    length, way = {"crack length": table.numbers("crack_length")}, {DISPLACEMENT: table.numbers("load_displacement")}
     found += _tip_charts(run)
-    for load_curve in load_curves(run)[:1]:
-        label = load_curve["ylabel"]
-        found += [load_curve, by_step(label.capitalize(), label, {label: table.numbers("load_factor")}, NO_UNIT)]
-    if curve := stress_strain(run):
-        found.append(curve)
-    for title, values in (("Crack length", length), (DISPLACEMENT.capitalize(), table.numbers("load_displacement"))):
-        found.append(by_step(title, title.lower(), {title.lower(): values}, LENGTHS))
+    for curve in load_curves(run)[:1]:
+        label = curve["ylabel"]
+        found += [curve, _chart(label.capitalize(), label, {label: table.numbers("load_factor")}, NO_UNIT, steps)]
+    found += filter(None, [stress_strain(run)])
+    found += [_chart("Crack length", "crack length", length, LENGTHS, steps)]
+    found += [_chart(DISPLACEMENT.capitalize(), DISPLACEMENT, way, LENGTHS, steps)]
     energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
-    found.append(by_step("Energies", "energy per thickness", energies, ENERGIES))
+    found.append(_chart("Energies", "energy per thickness", energies, ENERGIES, steps))
     if run.case.growth is not None and run.case.growth.subcritical is not None:
-        time, grown = {"time": table.numbers("time")}, {"crack length": length}
-        found.append(_over("Growth in time", "crack length", grown, LENGTHS, time, TIMES, run.solved))
+        time = ("time", table.numbers("time"), TIMES)
+        found.append(_chart("Growth in time", "crack length", length, LENGTHS, steps, over=time))
     return found
 
 
@@ -81,11 +78,12 @@ def load_curves(run: RunFolder) -> list[Chart]:
     factor, length = table.numbers("load_factor"), table.numbers("crack_length")
     if len(set(factor.tolist())) < 2:
         return []
-    grown = {"crack growth": length - length[0]} if length[-1] > length[0] else _most_slip(run)
+    ways = {DISPLACEMENT: table.numbers("load_displacement")}
+    ways |= {"crack growth": length - length[0]} if length[-1] > length[0] else _most_slip(run)
     label = "stages that are over" if isinstance(run.case.loading, Stages) else "load factor"
     return [
-        _over("Load curve", label, {label: factor}, NO_UNIT, {name: way}, LENGTHS, run.solved)
-        for name, way in ({DISPLACEMENT: table.numbers("load_displacement")} | grown).items()
+        _chart("Load curve", label, {label: factor}, NO_UNIT, run.solved, over=(name, way, LENGTHS))
+        for name, way in ways.items()
     ]
 
 
@@ -107,11 +105,9 @@ def _most_slip(run: RunFolder) -> dict[str, Floats]:
 def stress_strain(run: RunFolder) -> Chart | None:
     """Mean stress over mean strain, along the axis with the larger stress, positive in the sense of the largest one.
 
-    None where that stress hardly varies, or is not there, as of a run by a version before.
+    None where that stress hardly varies.
     """
     table = run.table("steps")
-    if "mean_stress_xx" not in table.columns:
-        return None
     stress, strain = (np.array([table.numbers(f"mean_{of}_{xx}") for xx in COMPONENTS]) for of in ("stress", "strain"))
     sizes = np.nan_to_num(np.abs(stress)).max(axis=1, initial=0.0)
     axis = int(np.argmax(sizes[:2]))
@@ -124,21 +120,14 @@ def stress_strain(run: RunFolder) -> Chart | None:
     size, unit = unit_of(stress[axis].tolist(), STRESSES)
     peak = int(np.nanargmax(sign * stress[axis]))
     title = f"Stress and strain, peak {sign * stress[axis][peak] / size:.4g} {unit} at step {run.solved[peak]}"
-    over = {along.replace("stress", "strain"): sign * strain[axis]}
-    return _over(title, along, {along: sign * stress[axis]}, STRESSES, over, STRAINS, run.solved)
-
-
-def drawn_tips(run: RunFolder) -> list[tuple[str, ...]]:
-    """The tips that plots show, those that have grown most first: name of the crack, and which end."""
-    tips = run.table("tips").by("crack", "tip")
-    return sorted(tips, key=lambda tip: -tips[tip].words("advanced").count("true"))[:MOST_TIPS]
+    over = (along.replace("stress", "strain"), sign * strain[axis], STRAINS)
+    return _chart(title, along, {along: sign * stress[axis]}, STRESSES, run.solved, over=over)
 
 
 def _tip_charts(run: RunFolder) -> list[Chart]:
-    tips = drawn_tips(run)
-    if not tips:
-        return []
+    """What is at the tips, those that have grown most first."""
     tables = run.table("tips").by("crack", "tip")
+    tips = sorted(tables, key=lambda tip: -tables[tip].words("advanced").count("true"))[:MOST_TIPS]
     rest = f" ({len(tips)} of {len(tables)} tips)" if len(tables) > len(tips) else ""
     found = []
     for title, columns, units in (
@@ -155,7 +144,8 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
             steps = tables[tip].steps().tolist()
             for column, dash in zip(columns, ("", "5 3"), strict=False):
                 y = rounded_all(tables[tip].numbers(column), unit[0])
-                series.append(_series(f"{column} {' '.join(tip)}", COLOURS[number], dash, steps, y, steps))
+                line = {"name": f"{column} {' '.join(tip)}", "colour": COLOURS[number], "dash": dash}
+                series.append({**line, "x": steps, "y": y, "steps": steps})
         ylabel = f"{', '.join(columns)} [{unit[1]}]" if unit[1] else columns[0]
         found.append({"title": f"{title}{rest}", "xlabel": "step", "ylabel": ylabel, "series": series})
     return found
@@ -170,30 +160,14 @@ def _history_charts(run: RunFolder) -> Iterator[Chart]:
         return
     steps, increment = table.steps(), table.numbers("increment")
     n_in_step = np.array([(steps == step).sum() for step in steps.tolist()])
-    x = rounded_all(steps - 1.0 + (increment + 1.0) / n_in_step)
+    place = ("step", steps - 1.0 + (increment + 1.0) / n_in_step, NO_UNIT)
     for title, endings, units in HISTORIES:
         columns = [column for column in table.columns if column.rpartition(".")[2] in endings]
         drawn = {column: table.numbers(column) for column in columns[: len(COLOURS)]}
         rest = f" ({len(drawn)} of {len(columns)})" if len(columns) > len(drawn) else ""
         if drawn:
             dashes = ("",) * len(COLOURS)
-            yield _chart(f"{title}{rest}", "", drawn, units, xlabel="step", x=x, steps=steps.tolist(), dashes=dashes)
-
-
-def _over(
-    title: str,
-    what: str,
-    columns: Mapping[str, Floats],
-    units: Sequence[Unit],
-    over: Mapping[str, Floats],
-    units_over: Sequence[Unit],
-    steps: Sequence[int],
-) -> Chart:
-    """As `_chart`, over one column (n,) by name in one of some units."""
-    ((name, values),) = over.items()
-    size, unit = unit_of(values, units_over)
-    x = rounded_all(values, size)
-    return _chart(title, what, columns, units, xlabel=f"{name} [{unit}]", x=x, steps=steps)
+            yield _chart(f"{title}{rest}", "", drawn, units, steps.tolist(), over=place, dashes=dashes)
 
 
 def _chart(
@@ -201,21 +175,21 @@ def _chart(
     what: str,
     columns: Mapping[str, Floats],
     units: Sequence[Unit],
-    *,
-    xlabel: str,
-    x: Sequence[float | None],
     steps: Sequence[int],
+    *,
+    over: tuple[str, Floats, Sequence[Unit]] | None = None,
     dashes: Sequence[str] = ("", "5 3", "", ""),
 ) -> Chart:
-    """Columns (n,) by name over x (n,), in one unit."""
+    """Columns (n,) by name in one unit, over another column with its name and units, or else over the steps (n,)."""
+    x, xlabel = list[Any](steps), "step"
+    if over is not None:
+        name, values, choice = over
+        size, unit = unit_of(values, choice)
+        x, xlabel = rounded_all(values, size), f"{name} [{unit}]" if unit else name
     size, unit = unit_of(np.concatenate(list(columns.values())), units)
-    lines = zip(columns.items(), COLOURS, dashes, strict=False)
-    series = [_series(name, colour, dash, x, rounded_all(y, size), steps) for (name, y), colour, dash in lines]
+    series = [
+        {"name": name, "colour": colour, "dash": dash, "x": x, "y": rounded_all(y, size), "steps": list(steps)}
+        for (name, y), colour, dash in zip(columns.items(), COLOURS, dashes, strict=False)
+    ]
     ylabel = f"{what} [{unit}]".strip() if unit else what
     return {"title": title, "xlabel": xlabel, "ylabel": ylabel, "series": series}
-
-
-def _series(
-    name: str, colour: str, dash: str, x: Sequence[float | None], y: Sequence[float | None], steps: Sequence[int]
-) -> dict[str, Any]:
-    return {"name": name, "colour": colour, "dash": dash, "x": list(x), "y": list(y), "steps": list(steps)}

@@ -119,7 +119,7 @@ def test_the_picture_shows_cracks_and_what_acts_and_nothing_else(
 def test_actions_are_told_in_words() -> None:
     told = dict(describe_actions(shipped_case("compression30")))
     assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
-    assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 1e+08], held: false"
+    assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 100000000], held: false"
 
 
 def test_numbers_are_shown_in_the_unit_that_suits_them() -> None:
