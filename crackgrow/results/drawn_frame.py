@@ -57,21 +57,25 @@ def drawn_frame(run: RunFolder, step: int, field: str, mesh: pyvista.Unstructure
         has = f"it has {', '.join(fields)}, by output.fields of its case"
         raise FolderError(f"{run.frames[step]} has no field {field!r}; {has}")
     by_point, values = fields[field]
-    by_kind: Any = grid.cells_dict
-    triangles, quads = (by_kind.get(kind, np.empty((0, n))) for kind, n in ((VTK_TRIANGLE, 3), (VTK_QUAD, 4)))
     points, displacement = (np.asarray(of[:, :2], dtype=float) for of in (grid.points, grid.point_data["displacement"]))
-    return DrawnFrame(step, points, corners_of(triangles, quads), displacement, values, by_point)
+    return DrawnFrame(step, points, cells_of(grid), displacement, values, by_point)
 
 
 def frame_with_sigma_1(frame: Frame, step: int) -> DrawnFrame:
     """The frame of a run that goes on, with the major principal stress in the plane."""
     sigma_1, _ = principal_stresses(frame.point_stress)
-    cells = corners_of(frame.triangles, frame.quads)
+    cells = _cells(frame.triangles, frame.quads)
     return DrawnFrame(step, frame.points, cells, frame.displacement, sigma_1, by_point=True)
 
 
-def corners_of(triangles: NDArray[Any], quads: NDArray[Any]) -> Ints:
-    """Corners (c, 4) of triangles (t, 3) and quads (q, 4)."""
+def cells_of(grid: pyvista.UnstructuredGrid) -> Ints:
+    """Corners (c, 4) of the cells of a frame: triangles first, which have their last one twice, as it is written."""
+    by_kind: Any = grid.cells_dict
+    triangles, quads = (by_kind.get(kind, np.empty((0, n))) for kind, n in ((VTK_TRIANGLE, 3), (VTK_QUAD, 4)))
+    return _cells(triangles, quads)
+
+
+def _cells(triangles: NDArray[Any], quads: NDArray[Any]) -> Ints:
     return np.concatenate([triangles[:, [0, 1, 2, 2]], quads]).astype(np.int64)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import meshio
 import numpy as np
@@ -11,14 +11,14 @@ import pyvista
 
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import OutputError, write_atomically
-from crackgrow.results.drawn_frame import COMPONENTS
+from crackgrow.results.drawn_frame import COMPONENTS, cells_of
 from crackgrow.results.export_paths import FORMATS as PATHS
 from crackgrow.results.export_paths import export_paths
 from crackgrow.results.folder import FolderError, open_run
 from crackgrow.results.units import spans_text
 
 FORMATS: Final = ("msh", "inp", "vtk", "xdmf", *PATHS)
-KINDS: Final = {"triangle": pyvista.CellType.TRIANGLE, "quad": pyvista.CellType.QUAD}
+CORNERS: Final = {"triangle": 3, "quad": 4}
 ABAQUS: Final = {"triangle": "CPS3", "quad": "CPS4"}
 """Elements of the plane that meshio reads; what it would write by itself are rigid and axisymmetric ones."""
 
@@ -34,17 +34,19 @@ def export(folder: Path, to: str, step: int | None = None, out: Path | None = No
     if ending != to and ending in FORMATS:
         raise OutputError(f"{out}: the name ends in .{ending}, and the format that is asked for is {to}")
     run = open_run(folder)
-    if to in PATHS:
-        if not run.solved or (step is not None and step not in run.solved):
-            there = spans_text(range(number, number + 1) for number in run.solved) or "none"
-            raise FolderError(f"{folder} has no solved step{'' if step is None else f' {step}'}; it has {there}")
-        path = folder / "export" / f"step_{run.solved[-1] if step is None else step:04d}.{to}" if out is None else out
-        export_paths(run, to, step, path)
-        return path
-    number = run.frames_of(None if step is None else [step])[-1]
+    if to not in PATHS:
+        number = run.frames_of(None if step is None else [step])[-1]
+    elif run.solved and (step is None or step in run.solved):
+        number = run.solved[-1] if step is None else step
+    else:
+        there = spans_text(range(solved, solved + 1) for solved in run.solved) or "none"
+        raise FolderError(f"{folder} has no solved step{'' if step is None else f' {step}'}; it has {there}")
     path = folder / "export" / f"step_{number:04d}.{to}" if out is None else out
-    mesh = frame_mesh(run.mesh(number), [body.name for body in run.case.bodies])
-    write_atomically(path, lambda temporary: _write(temporary, mesh, to))
+    if to in PATHS:
+        export_paths(run, to, step, path)
+    else:
+        mesh = frame_mesh(run.mesh(number), [body.name for body in run.case.bodies])
+        write_atomically(path, lambda temporary: _write(temporary, mesh, to))
     return path
 
 
@@ -54,24 +56,18 @@ def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh
     Point and cell data are those of the frame, but for stress: each component is a field of its own, since formats
     order those of tensors in different ways. Groups are numbered from 1 in the order of the bodies.
     """
-    body, kinds = np.asarray(grid.cell_data["body"]), np.asarray(grid.celltypes)
+    body, cells = np.asarray(grid.cell_data["body"]), cells_of(grid)
+    n_corners = np.where(cells[:, 2] == cells[:, 3], 3, 4)
     blocks = [
-        (index, kind, numbers)
-        for index in range(len(bodies))
-        for kind, vtk in KINDS.items()
-        if len(numbers := np.flatnonzero((body == index) & (kinds == vtk)))
+        (f"{name}_{kind}", kind, numbers)
+        for index, name in enumerate(bodies)
+        for kind, n in CORNERS.items()
+        if len(numbers := np.flatnonzero((body == index) & (n_corners == n)))
     ]
-    corners = {kind: dict(grid.cells_dict).get(np.uint8(vtk)) for kind, vtk in KINDS.items()}
-    place = np.empty(len(body), dtype=np.int64)  # of a cell among those of its kind
-    for vtk in KINDS.values():
-        place[kinds == vtk] = np.arange((kinds == vtk).sum())
-    sets = {
-        f"{bodies[index]}_{kind}": [np.arange(len(other) * (other is numbers)) for *_, other in blocks]
-        for index, kind, numbers in blocks
-    }
+    sets = {name: [np.arange(len(other) * (other is numbers)) for *_, other in blocks] for name, _, numbers in blocks}
     return meshio.Mesh(
         np.asarray(grid.points, dtype=float),
-        [(kind, np.asarray(corners[kind], dtype=np.int64)[place[numbers]]) for _, kind, numbers in blocks],
+        [(kind, cells[numbers, : CORNERS[kind]]) for _, kind, numbers in blocks],
         _fields(grid.point_data),
         {name: [values[numbers] for *_, numbers in blocks] for name, values in _fields(grid.cell_data).items()},
         field_data={name: np.array([number, 2]) for number, name in enumerate(bodies, 1)},  # 2: surfaces
@@ -81,30 +77,24 @@ def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh
 
 def _fields(data: pyvista.DataSetAttributes) -> dict[str, Floats]:
     """Numbers (n,) or vectors (n, 3) by name, those of stress component by component."""
-    fields: dict[str, Floats] = {}
-    for name in data:
-        values = np.asarray(data[name], dtype=float)
-        if name == "stress":
-            fields |= zip(COMPONENTS, np.ascontiguousarray(values.T), strict=False)
-        else:
-            fields[name] = values
-    return fields
+    fields: dict[str, Any] = {name: np.asarray(data[name], dtype=float) for name in data}
+    stress = fields.pop("stress", np.empty((0, 0)))
+    return dict(zip(COMPONENTS, np.ascontiguousarray(stress.T), strict=False)) | fields
 
 
 def _write(path: Path, mesh: meshio.Mesh, to: str) -> None:
     """Write a mesh in one of FORMATS to a file of any name."""
+    plain = meshio.Mesh(mesh.points, mesh.cells, mesh.point_data, mesh.cell_data)  # of formats that have no sets
     if to == "msh":
         meshio.gmsh.write(path, _tagged(mesh), fmt_version="4.1")
     elif to == "inp":
         for block in mesh.cells:
             block.type = ABAQUS[block.type]
         meshio.abaqus.write(path, mesh, translate_cell_names=False)
-    else:
-        fields = meshio.Mesh(mesh.points, mesh.cells, mesh.point_data, mesh.cell_data)  # these formats have no sets
-        if to == "vtk":
-            meshio.vtk.write(path, fields)
-        else:  # the numbers in the file itself: one file, that is whole or missing
-            meshio.xdmf.write(path, fields, data_format="XML")
+    elif to == "vtk":
+        meshio.vtk.write(path, plain)
+    else:  # the numbers in the file itself: one file, that is whole or missing
+        meshio.xdmf.write(path, plain, data_format="XML")
 
 
 def _tagged(mesh: meshio.Mesh) -> meshio.Mesh:
@@ -113,19 +103,18 @@ def _tagged(mesh: meshio.Mesh) -> meshio.Mesh:
     A surface without a point would be missing in the file: where two blocks share all, the earlier one keeps one.
     Points come surface by surface, as they do in the file: meshio gives data of points back by their numbers.
     """
-    surfaces = [np.full(len(block.data), number) for number, block in enumerate(mesh.cells, 1)]
-    groups = [body.astype(np.int64) + 1 for body in mesh.cell_data["body"]]
     home = np.ones(len(mesh.points), dtype=np.int64)
-    for surface, block in zip(surfaces, mesh.cells, strict=True):
-        home[block.data] = surface[0]
-    for surface, block in zip(surfaces, mesh.cells, strict=True):
-        if not (home[block.data] == surface[0]).any():
-            home[block.data[0, 0]] = surface[0]
+    for surface, block in enumerate(mesh.cells, 1):
+        home[block.data] = surface
+    for surface, block in enumerate(mesh.cells, 1):
+        if not (home[block.data] == surface).any():
+            home[block.data[0, 0]] = surface
     order = np.argsort(home, kind="stable")
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
+    place = np.argsort(order)
     point_data = {name: values[order] for name, values in mesh.point_data.items()}
     point_data["gmsh:dim_tags"] = np.column_stack([np.full_like(home, 2), home[order]])
-    cells = [(block.type, place[block.data]) for block in mesh.cells]
+    surfaces = [np.full(len(block.data), surface) for surface, block in enumerate(mesh.cells, 1)]
+    groups = [body.astype(np.int64) + 1 for body in mesh.cell_data["body"]]
     cell_data = mesh.cell_data | {"gmsh:geometrical": surfaces, "gmsh:physical": groups}
+    cells = [(block.type, place[block.data]) for block in mesh.cells]
     return meshio.Mesh(mesh.points[order], cells, point_data, cell_data, mesh.field_data)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -21,23 +20,21 @@ APPLICATION: Final = "CRACKGROW"  # under which DXF has the attributes of an ent
 TEXT: Final = 1000  # code of a text among them
 
 
-@dataclass(frozen=True, slots=True)
-class Attributes:
-    """What is told of a line, or of a tip."""
+NOTHING: Final[dict[str, Any]] = dict.fromkeys(
+    ("crack", "kind", "tip", "step", "length", "slip", "opening", "K_I", "K_II")
+)
+"""What is told of a line or of a tip, None where there is no number.
 
-    crack: str
-    kind: str  # given | grown | tip
-    tip: str  # start | end; empty of the crack as it began
-    step: int  # whose advance made the line, 0 of a given crack; of a tip the step that is shown
-    length: float | None = None  # m
-    slip: float | None = None  # m, in the middle of the line, in the step that is shown
-    opening: float | None = None  # m, there
-    K_I: float | None = None  # Pa sqrt(m), of the tip as it grew by the line; of a tip in the step that is shown
-    K_II: float | None = None
+kind     given, grown or tip
+tip     start or end; empty of the crack as it began
+step     whose advance made the line, 0 of a given crack; of a tip the step that is shown
+length     m
+slip, opening     m, in the middle of the line, in the step that is shown
+K_I, K_II     Pa sqrt(m), of the tip as it grew by the line; of a tip in the step that is shown
+"""
 
-
-Feature = tuple[Attributes, Floats]
-"""Attributes, and the points (n, 2) m of a line; of a tip one."""
+Feature = tuple[dict[str, Any], Floats]
+"""What is told, and the points (n, 2) m of a line; of a tip one."""
 
 
 def export_paths(run: RunFolder, to: str, step: int | None, path: Path) -> None:
@@ -52,9 +49,10 @@ def export_paths(run: RunFolder, to: str, step: int | None, path: Path) -> None:
 def path_features(run: RunFolder, step: int | None = None) -> Iterator[Feature]:
     """The cracks as they began, what each step added to them, and their tips in the last solved step, or in `step`."""
     shown = run.solved[-1] if step is None else step
-    tips = run.table("tips")
-    ends = zip(tips.words("crack"), tips.words("tip"), tips.steps().tolist(), strict=True)
-    K = dict(zip(ends, zip(tips.numbers("K_I").tolist(), tips.numbers("K_II").tolist(), strict=True), strict=True))
+    K = {
+        (crack, tip, int(number)): {name: or_null(float(row.numbers(name)[0])) for name in ("K_I", "K_II")}
+        for (crack, tip, number), row in run.table("tips").by("crack", "tip", "step").items()
+    }
     jumps = _jumps(run, shown)
     for (crack,), rows in run.table("paths").by("crack").items():
         there = rows if step is None else rows.where((rows.steps() <= step).tolist())
@@ -68,18 +66,18 @@ def path_features(run: RunFolder, step: int | None = None) -> Iterator[Feature]:
         parts += [(k, k + 1, "end") for k in range(last, len(points) - 1)]
         for begin, end, tip in parts:
             number = int(max(made[begin], made[end])) if tip else int(made.min())
-            slip = opening = None
+            told = NOTHING | {"crack": crack, "kind": "grown" if number else "given", "tip": tip, "step": number}
+            told["length"] = float(along[end] - along[begin])
             if crack in jumps and number <= shown:
-                s, slips, openings = jumps[crack]
+                s, *fields = jumps[crack]
                 middle = 0.5 * (along[begin] + along[end]) - along[solved[0]]
-                slip, opening = float(np.interp(middle, s, slips)), float(np.interp(middle, s, openings))
-            kind, length = "grown" if number else "given", float(along[end] - along[begin])
-            K_I, K_II = K.get((crack, tip, number - 1), (None, None))
-            yield Attributes(crack, kind, tip, number, length, slip, opening, K_I, K_II), points[begin : end + 1]
+                for name, field in zip(("slip", "opening"), fields, strict=True):
+                    told[name] = or_null(float(np.interp(middle, s, field)))
+            yield told | K.get((crack, tip, number - 1), {}), points[begin : end + 1]
         for tip, vertex in (("start", solved[0]), ("end", solved[-1])):
             if (crack, tip, shown) in K:
-                K_I, K_II = K[crack, tip, shown]
-                yield Attributes(crack, "tip", tip, shown, K_I=K_I, K_II=K_II), points[vertex : vertex + 1]
+                told = NOTHING | {"crack": crack, "kind": "tip", "tip": tip, "step": shown}
+                yield told | K[crack, tip, shown], points[vertex : vertex + 1]
 
 
 def _jumps(run: RunFolder, step: int) -> dict[str, tuple[Floats, Floats, Floats]]:
@@ -103,16 +101,11 @@ def _jumps(run: RunFolder, step: int) -> dict[str, tuple[Floats, Floats, Floats]
     return {names.GetValue(number): tuple(f[ids] for f in fields) for number, ids in enumerate(of_cracks)}
 
 
-def _known(attributes: Attributes) -> dict[str, Any]:
-    """Attributes by name; None where there is no number."""
-    return {name: or_null(value) for name, value in asdict(attributes).items()}
-
-
 def _geojson(title: str, features: list[Feature]) -> str:
     found = [
         {
             "type": "Feature",
-            "properties": _known(attributes),
+            "properties": attributes,
             "geometry": {"type": "LineString", "coordinates": points.tolist()}
             if len(points) > 1
             else {"type": "Point", "coordinates": points[0].tolist()},
@@ -137,10 +130,8 @@ def _write_dxf(path: Path, features: list[Feature]) -> None:
         drawing.layers.add(kind, color=colour)
     space = drawing.modelspace()
     for attributes, points in features:
-        at = {"layer": attributes.kind}
+        at = {"layer": attributes["kind"]}
         entity = space.add_lwpolyline(points, dxfattribs=at) if len(points) > 1 else space.add_point(points[0], at)
-        known = {"units": UNITS, **_known(attributes)}
-        entity.set_xdata(
-            APPLICATION, [(TEXT, f"{name}: {value}") for name, value in known.items() if value is not None]
-        )
+        known = [(name, value) for name, value in ({"units": UNITS} | attributes).items() if value is not None]
+        entity.set_xdata(APPLICATION, [(TEXT, f"{name}: {value}") for name, value in known])
     write_atomically(path, drawing.saveas)

@@ -35,8 +35,7 @@ from crackgrow.results.drawn_frame import (
     off_mean,
     percentiles,
 )
-from crackgrow.results.placing import with_bar
-from crackgrow.results.style import own_style
+from crackgrow.results.style import own_style, with_bar
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given

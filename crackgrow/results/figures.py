@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -23,9 +24,8 @@ from crackgrow.results.field_picture import FieldPictures, bar_beside, png_of
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
-from crackgrow.results.placing import in_rows, with_bar
 from crackgrow.results.report.charts import Chart, load_curves, stress_strain
-from crackgrow.results.style import own_style
+from crackgrow.results.style import in_rows, own_style, with_bar
 from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
@@ -49,22 +49,21 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     for body in case.bodies:
         axes.add_patch(PathPatch(body_path(body, scale), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
-    colours = _step_colours(max(last, 1))
+    colours = ["black", *(step_colour(step, last) for step in range(1, last + 1))]  # of given cracks, of each step
     for crack in cracks:
         segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) * scale
         made = np.maximum(crack.steps[:-1], crack.steps[1:])  # a segment is as young as its younger vertex
-        given = LineCollection(list(segments[made == 0]), colors="black", linewidths=2.4, capstyle="round", zorder=3)
-        axes.add_collection(given)
-        axes.add_collection(
-            LineCollection(list(segments[made > 0]), colors=list(colours.to_rgba(made[made > 0])), linewidths=2.0)
-        )
-        grown = crack.steps > 0
-        x, y = (crack.points[grown] * scale).T
-        axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
+        for given, width in ((False, 2.0), (True, 2.4)):
+            mine = (made == 0) == given
+            looks: dict[str, Any] = {"colors": [colours[step] for step in made[mine]], "linewidths": width}
+            axes.add_collection(LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks))
+        x, y = (crack.points[crack.steps > 0] * scale).T
+        axes.scatter(x, y, s=7, color=[colours[step] for step in crack.steps if step > 0], zorder=4)
     if last > 0:
+        scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours[1:]))
         ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
         beside = bar_beside(high - low)
-        with_bar(figure, axes, colours, case.title, beside=beside, ticks=ticks, label=label).minorticks_off()
+        with_bar(figure, axes, scale_of_steps, case.title, beside=beside, ticks=ticks, label=label).minorticks_off()
     else:
         in_rows(figure, np.array([[axes]]), case.title)
     _save(path, figure)
@@ -172,12 +171,6 @@ def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[floa
         else:
             labels.append((place, [str(step)]))
     return labels
-
-
-def _step_colours(last: int) -> ScalarMappable:
-    """One colour for each of the steps 1..last; none so pale that it is lost on the specimen."""
-    colours = [step_colour(step, last) for step in range(1, last + 1)]
-    return ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours))
 
 
 def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Patch, Polygon
@@ -16,7 +17,6 @@ from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
-from crackgrow.case.segments import nearest_places
 from crackgrow.results.places import component_text, length_unit, lines_of
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
@@ -83,7 +83,10 @@ def draw_support(sheet: Sheet, support: model.Support) -> None:
     stretches = _stretches(sheet.case, support.region, SIGN * size)
     for line, outward in stretches:
         if isinstance(support, model.EdgeSupport) and None in support.displacement:
-            _rollers(sheet, line, outward, 0.6 * SIGN * size)
+            wheel = 0.6 * SIGN * size  # between the edge and rigid ground
+            for place, _ in _spread([(line, outward)], 2.0 * wheel, most=None):
+                sheet.shape(Circle((place + 0.5 * wheel * outward).tolist(), 0.4 * wheel))
+            _ground(sheet, line + wheel * outward, outward, 0.8 * wheel)
         else:
             _ground(sheet, line + 0.004 * size * outward, outward, 0.7 * SIGN * size)
     line, outward = stretches[len(stretches) // 2]
@@ -92,7 +95,8 @@ def draw_support(sheet: Sheet, support: model.Support) -> None:
         sheet.label(line.mean(axis=0) + 0.075 * size * outward, words, LAW)
         return
     places = np.array([place for place, _ in _spread(stretches, APART * size)])
-    moved = np.column_stack([_values(component, places) for component in support.displacement])
+    free = np.zeros(len(places))
+    moved = np.column_stack([free if of is None else component_at(of, places) for of in support.displacement])
     longest = float(np.hypot(*moved.T).max())
     for tail, way in zip(places, moved / (longest or 1.0), strict=True):
         if np.hypot(*way) > SEEN:
@@ -141,32 +145,34 @@ def _traction(sheet: Sheet, load: model.EdgeTraction | model.EdgePressure, held:
     if hole is not None:
         size = min(size, HOLE * float(np.ptp(hole, axis=0).min()))
     stretches = _stretches(case, load.region, APART * size)
-    _, middle = stretches[len(stretches) // 2]
-    ends = np.concatenate([line for line, _ in stretches])
-    mean = np.array([_typical(along) for along in load.traction_at(ends, np.tile(middle, (len(ends), 1))).T])
+    line, outward = stretches[len(stretches) // 2]
+    ends = np.concatenate([part for part, _ in stretches])
+    along = load.traction_at(ends, np.tile(outward, (len(ends), 1)))
+    mean = np.where(along.mean(axis=0) != 0.0, along.mean(axis=0), along[np.abs(along).argmax(axis=0), [0, 1]])
     if not mean.any():
         return
-    shears = abs(float(_unit(mean) @ middle)) < SHEAR
+    shears = abs(float(_unit(mean) @ outward)) < SHEAR
     places = _spread(stretches, (SHEAR_APART if shears else APART) * size)
     points = [support for support in case.supports if isinstance(support, model.PointSupport)]
     taken = [support.point + 0.8 * SIGN * size * _outward_at(case, support) for support in points]
     free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in taken)]
     gap = size * (SHEAR_GAP if shears else GAP if free else 1.7 * SIGN)  # where signs leave no room: outside of them
-    line, outward = stretches[len(stretches) // 2]  # two loads on an edge are mostly one across and one along it
-    away = AWAY * ARROW * size + (0.0 if free else gap)
-    place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
-    pressed = isinstance(load, model.EdgePressure)
+    sheet.title = f"traction on {load.region.body}.{load.region.edge}"
     if isinstance(load, model.EdgePressure):
-        given, values = "p", component_text(load.pressure)
+        sheet.title, words = sheet.title.replace("traction", "pressure"), f"p = {component_text(load.pressure)}"
     else:
-        given = ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
-        values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
+        acts = [
+            (f"t{axis}", component_text(of)) for axis, of, value in zip("xy", load.traction, mean, strict=True) if value
+        ]
+        words = " = ".join(", ".join(part) for part in zip(*acts, strict=True))
+    _traction_arrows(sheet, load, free or places, gap, ARROW * size)
+    # two loads on an edge are mostly one across and one along it
+    place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0])
+    place = place + (AWAY * ARROW * size + (0.0 if free else gap)) * outward
     if hole is not None:
         place = np.array([np.mean(hole[:, 0]), hole[:, 1].min() - below])
-    sheet.title = f"{'pressure' if pressed else 'traction'} on {load.region.body}.{load.region.edge}"
-    _traction_arrows(sheet, load, free or places, gap, ARROW * size)
     upright = hole is None and abs(outward[0]) > SHEAR
-    sheet.label(place, f"{given} = {values}{held}", LOAD, rotation=90.0 if upright else 0.0)
+    sheet.label(place, f"{words}{held}", LOAD, rotation=90.0 if upright else 0.0)
 
 
 def _traction_arrows(
@@ -210,13 +216,6 @@ def _ground(sheet: Sheet, line: Floats, outward: Floats, size: float) -> None:
     sheet.strokes(np.stack([feet, feet + slant], axis=1), 0.6)
 
 
-def _rollers(sheet: Sheet, line: Floats, outward: Floats, size: float) -> None:
-    """An edge (2, 2) that slides along rigid ground: wheels between the two."""
-    for place, _ in _spread([(line, outward)], 2.0 * size, most=None):
-        sheet.shape(Circle((place + 0.5 * size * outward).tolist(), 0.4 * size))
-    _ground(sheet, line + size * outward, outward, 0.8 * size)
-
-
 def _given_words(sheet: Sheet, displacement: tuple[Component | None, Component | None], place: Floats) -> None:
     """Displacements other than zero, as numbers or formulas."""
     scale, unit = length_unit(sheet.case)
@@ -228,16 +227,6 @@ def _given_words(sheet: Sheet, displacement: tuple[Component | None, Component |
             words.append(f"u{axis} = {value.text[:40]} [m]")
     if words:
         sheet.label(place + np.array([0.0, 0.04 * sheet.size]), ", ".join(words), GIVEN)
-
-
-def _values(component: Component | None, places: Floats) -> Floats:
-    """A component (n,) of a displacement at places (n, 2); 0 where it is free."""
-    return np.zeros(len(places)) if component is None else component_at(component, places)
-
-
-def _typical(values: Floats) -> float:
-    """The mean; what it has no sign of is told by the largest value."""
-    return float(values.mean() if values.mean() != 0.0 else values[np.argmax(np.abs(values))])
 
 
 def _unit(vector: object) -> Floats:
@@ -262,17 +251,17 @@ def _spread(
 
 
 def _straight(points: Floats) -> list[tuple[Floats, Floats]]:
-    """The parts of a line (n, 2) with their right-hand normals."""
+    """The parts of a line (n, 2) with their right-hand normals: rock is on the left of an outline."""
     parts = np.stack([points[:-1], points[1:]], axis=1)
     return [(part, _unit((part[1] - part[0])[::-1] * [1.0, -1.0])) for part in parts]
 
 
 def _hole_of(case: Case, region: model.EdgeRegion) -> Floats | None:
     """The ring (n, 2) m of the hole that an edge bounds; none on an outline."""
-    outline, *holes = [ring.points for ring in _body(case, region.body).rings]
-    last = len(outline) + np.cumsum([len(hole) for hole in holes])
+    rings = _body(case, region.body).rings
+    last = np.cumsum([len(ring.points) for ring in rings])
     number = int(np.searchsorted(last, region.sides[0], side="right"))
-    return holes[number] if holes and region.sides[0] >= len(outline) else None
+    return rings[number].points if number else None
 
 
 def _stretches(case: Case, region: model.EdgeRegion, shortest: float) -> list[tuple[Floats, Floats]]:
@@ -280,17 +269,14 @@ def _stretches(case: Case, region: model.EdgeRegion, shortest: float) -> list[tu
 
     Sides of an arc or another smooth edge are taken together until they are no shorter than `shortest`.
     """
-    body = _body(case, region.body)
-    starts = np.concatenate([ring.points for ring in body.rings])
-    stops = np.concatenate([np.roll(ring.points, -1, axis=0) for ring in body.rings])
-    found, waiting = [], np.empty((0, 2))
-    for side, (first, last) in zip(region.sides, region.limits, strict=True):
-        a, b = starts[side], stops[side]
-        waiting = np.vstack([waiting[:1], [a + first * (b - a), a + last * (b - a)]])
+    sides, found, waiting = _sides(_body(case, region.body)), [], np.empty((0, 2))
+    for side, limits in zip(region.sides, region.limits, strict=True):
+        a, b = sides[side]
+        waiting = np.vstack([waiting[:1], [a + share * (b - a) for share in limits]])
         line = waiting[[0, -1]]
         length = float(np.hypot(*(line[1] - line[0])))
         if length >= shortest or (side == region.sides[-1] and length > 0.0):
-            found += [(part, outward) for part, outward in _straight(line)]  # rock is on the left of an outline
+            found += _straight(line)
             waiting = np.empty((0, 2))
     return found
 
@@ -309,16 +295,16 @@ def _outside(body: Body, point: Floats) -> Floats:
 
     At a corner the side that is nearest to horizontal counts: supports stand below or above rather than beside.
     """
-    best: list[tuple[float, float, Floats]] = []
-    extent = float(np.ptp(body.outline, axis=0).max())
-    for ring in body.rings:
-        sides = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
-        along = sides[:, 1] - sides[:, 0]
-        along /= np.hypot(*along.T)[:, None]
-        distance = np.hypot(*(nearest_places(point, sides) - point).T)
-        best.extend(zip(np.round(distance / extent, 6), np.round(np.abs(along[:, 1]), 6), along, strict=True))
-    _, _, side = min(best, key=lambda item: item[:2])
-    return np.array([side[1], -side[0]])
+    sides = _sides(body)
+    along = (sides[:, 1] - sides[:, 0]) / np.hypot(*(sides[:, 1] - sides[:, 0]).T)[:, None]
+    distance = shapely.distance(shapely.linestrings(sides), shapely.Point(point)) / np.ptp(body.outline, axis=0).max()
+    first = np.lexsort([np.round(np.abs(along[:, 1]), 6), np.round(distance, 6)])[0]
+    return np.array([along[first, 1], -along[first, 0]])
+
+
+def _sides(body: Body) -> Floats:
+    """Ends (n, 2, 2) m of the sides of all rings of a body, rock on their left."""
+    return np.concatenate([np.stack([r.points, np.roll(r.points, -1, axis=0)], axis=1) for r in body.rings])
 
 
 def _body(case: Case, name: str) -> Body:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import base64
 import io
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -14,16 +15,24 @@ import numpy as np
 
 from crackgrow.results.folder import FolderError, RunFolder, TextTable, rendered_files
 from crackgrow.results.log import load_words
-from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, unit_of
 
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
 MOST_TIP_ROWS = 8_000  # about 1 MB
-CONTACT_COLUMNS = (
-    (("s",), LENGTHS),
-    (("normal_traction", "tangential_traction"), STRESSES),
-    (("opening", "slip"), LENGTHS),
-)  # those in one tuple are drawn together
-
+OF_TIPS = (
+    "crack",
+    "tip",
+    "K_I",
+    "K_II",
+    "K_growth",
+    "sigma_1",
+    "sigma_3",
+    "criticality",
+    "criterion",
+    "kink_deg",
+    "advanced",
+)
+LABELS = {"K_growth": "grows at K", "kink_deg": "kink", "advanced": "advances"}  # of columns with other names
 FIRST_FIELD = "sigma_1"  # of which the page has pictures rather than of others
 MOST_PICTURES = 40  # of a rendered series
 MOST_PIXELS = 720  # of the longer side of those
@@ -35,63 +44,56 @@ MOST_BYTES = 1_500_000  # of all pictures of the page
 def tip_data(run: RunFolder) -> dict[str, Any]:
     """Rows of the table of tips by step, a row for each tip, under a header with units."""
     tips = run.table("tips")
-    K = unit_of(np.concatenate([tips.numbers("K_I"), tips.numbers("K_II")]), INTENSITIES)
-    stress = unit_of(np.concatenate([tips.numbers("sigma_1"), tips.numbers("sigma_3")]), STRESSES)
-    header = ["crack", "tip", f"K_I [{K[1]}]", f"K_II [{K[1]}]", f"grows at K [{K[1]}]"]
-    header += [f"sigma_1 [{stress[1]}]", f"sigma_3 [{stress[1]}]", "criticality", "criterion", "kink [°]", "advances"]
-    sizes = {"K_I": K[0], "K_II": K[0], "K_growth": K[0], "sigma_1": stress[0], "sigma_3": stress[0]}
-    sizes |= {"criticality": 1.0, "kink_deg": 1.0}
-    numbers = [rounded_all(tips.numbers(name), size) for name, size in sizes.items()]
-    *of_tip, kink = numbers
-    advances = tips.words("advanced")
-    columns = (tips.words("crack"), tips.words("tip"), *of_tip, tips.words("criterion"), kink, advances)
-    rows: dict[int, list[Any]] = {}
-    kept = _kept_steps(tips, MOST_TIP_ROWS)
-    for step, row in zip(tips.steps().tolist(), zip(*columns, strict=True), strict=True):
+    K, stress = _unit(tips, INTENSITIES, "K_I", "K_II"), _unit(tips, STRESSES, "sigma_1", "sigma_3")
+    units = {"K_I": K, "K_II": K, "K_growth": K, "sigma_1": stress, "sigma_3": stress}
+    header, of_tips = _with_units(tips, OF_TIPS, {**units, "criticality": (1.0, ""), "kink_deg": (1.0, "°")})
+    kept, rows = _kept_steps(tips, MOST_TIP_ROWS), dict[int, list[Any]]()
+    for step, row in zip(tips.steps().tolist(), of_tips, strict=True):
         if step in kept:
-            rows.setdefault(step, []).append(list(row))
+            rows.setdefault(step, []).append(row)
     return {"header": header, "steps": rows}
 
 
-def event_rows(events: TextTable) -> tuple[list[str], list[list[object]]]:
+def event_rows(events: TextTable) -> tuple[list[str], list[list[Any]]]:
     """Header and rows of the table of events, places in a unit in which they are read easily."""
-    places = {name: events.numbers(name) for name in ("x", "y")}
-    size, unit = unit_of(np.concatenate(list(places.values())), LENGTHS)
-    columns = [
-        [shown(float(value) / size) for value in places[name]] if name in places else events.words(name)
-        for name in events.columns
-    ]
-    header = [f"{name} [{unit}]" if name in places else name for name in events.columns]
+    return _with_units(events, tuple(events.columns), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
+
+
+def _unit(table: TextTable, units: Sequence[Unit], *names: str) -> Unit:
+    """The one of some units in which columns are read easily together."""
+    return unit_of(np.concatenate([table.numbers(name) for name in names]), units)
+
+
+def _with_units(table: TextTable, names: Sequence[str], units: Mapping[str, Unit]) -> tuple[list[str], list[list[Any]]]:
+    """Header and rows of some columns of a table, numbers in their units."""
+    told = [(LABELS.get(name, name), units.get(name, (1.0, ""))[1]) for name in names]
+    header = [f"{label} [{unit}]" if unit else label for label, unit in told]
+    columns = [rounded_all(table.numbers(n), units[n][0]) if n in units else table.words(n) for n in names]
     return header, [list(row) for row in zip(*columns, strict=True)]
 
 
 def contact_data(run: RunFolder) -> dict[str, Any]:
     """Contact points by surface and step.
 
-    units     by column, the name of its unit
+    units     by column, the name of its unit; tractions have one, and jumps
     surfaces     by name and step: the columns s, normal_traction, tangential_traction, opening, slip, state
     left_out     whether steps were left out to keep the page small
     """
     table = run.table("contact")
-    steps = table.steps()
     kept = _kept_steps(table, MOST_CONTACT_ROWS)
-    units: dict[str, Unit] = {}
-    for names, choice in CONTACT_COLUMNS:
-        unit = unit_of(np.concatenate([table.numbers(name) for name in names]), choice)
-        units |= dict.fromkeys(names, unit)
-    columns = {name: rounded_all(table.numbers(name), unit[0]) for name, unit in units.items()}
+    tractions, jumps = ("normal_traction", "tangential_traction"), ("opening", "slip")
+    units = {"s": _unit(table, LENGTHS, "s")}
+    units |= dict.fromkeys(tractions, _unit(table, STRESSES, *tractions))
+    units |= dict.fromkeys(jumps, _unit(table, LENGTHS, *jumps))
     surfaces: dict[str, dict[int, dict[str, list[Any]]]] = {}
-    for k, (step, name) in enumerate(zip(steps.tolist(), table.words("crack"), strict=True)):
-        if step not in kept:
-            continue
-        of_step = surfaces.setdefault(name, {}).setdefault(step, {})
-        for column, values in columns.items():
-            of_step.setdefault(column, []).append(values[k])
-        of_step.setdefault("state", []).append(table.words("state")[k])
+    for (name, step), points in table.by("crack", "step").items():
+        if int(step) in kept:
+            columns = {column: rounded_all(points.numbers(column), size) for column, (size, _) in units.items()}
+            surfaces.setdefault(name, {})[int(step)] = columns | {"state": list(points.words("state"))}
     return {
-        "units": {column: unit[1] for column, unit in units.items()},
+        "units": {column: unit for column, (_, unit) in units.items()},
         "surfaces": surfaces,
-        "left_out": len(kept) < len(set(steps.tolist())),
+        "left_out": len(kept) < len(np.unique(table.steps())),
     }
 
 
@@ -117,26 +119,19 @@ def pictures(run: RunFolder) -> list[dict[str, Any]]:
     """
     series: dict[str, dict[int, Path]] = {}
     for path in rendered_files(run.folder):
-        if path.suffix == ".png":
-            series.setdefault(path.parent.name, {})[int(path.stem.removeprefix("step_"))] = path
+        step = path.stem.removeprefix("step_")
+        if path.suffix == ".png" and int(step) in run.solved:
+            series.setdefault(path.parent.name, {})[int(step)] = path
     if series:
         field = min(series, key=lambda name: (name != FIRST_FIELD, name))
-        return _thinned(field, series[field], run)
-    found = []
-    for name, step in (("sigma_1_first", run.solved[:1]), ("sigma_1_last", run.solved[-1:])):
-        path = run.folder / "figures" / f"{name}.png"
-        if path.is_file() and step:
-            found.append(_picture(step[0], "major principal stress", path, MOST_PIXELS_OF_FIGURES))
-    return found
-
-
-def _thinned(field: str, files: dict[int, Path], run: RunFolder) -> list[dict[str, Any]]:
-    """Evenly spaced pictures of a series, the last one among them, made small."""
-    steps = sorted(step for step in files if step in run.solved)[::-1]
-    chosen = steps[:: -(-len(steps) // MOST_PICTURES)] if steps else []
-    found = [_picture(step, field, files[step], MOST_PIXELS) for step in chosen]
-    size = sum(len(picture["uri"]) for picture in found)
-    return found[:: -(-size // MOST_BYTES)][::-1] if found else []
+        steps = sorted(series[field], reverse=True)  # evenly spaced, the last one among them
+        chosen = [_picture(k, field, series[field][k], MOST_PIXELS) for k in steps[:: -(-len(steps) // MOST_PICTURES)]]
+        size = sum(len(picture["uri"]) for picture in chosen)
+        return chosen[:: -(-size // MOST_BYTES)][::-1]
+    figures = zip(("first", "last"), (run.solved[:1], run.solved[-1:]), strict=True)
+    paths = [(step, run.folder / "figures" / f"sigma_1_{which}.png") for which, steps in figures for step in steps]
+    words = "major principal stress"
+    return [_picture(step, words, path, MOST_PIXELS_OF_FIGURES) for step, path in paths if path.is_file()]
 
 
 def _picture(step: int, words: str, path: Path, most_pixels: int) -> dict[str, Any]:

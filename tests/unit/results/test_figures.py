@@ -18,7 +18,7 @@ from matplotlib.image import imread
 from crackgrow.case import Case
 from crackgrow.plan.sizes import squares_of
 from crackgrow.results import drawn_frame, field_picture, figures
-from crackgrow.results.drawing import draw_scene
+from crackgrow.results.drawing import draw_scene, step_colour
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.field_picture import Look
 from crackgrow.results.folder import RunFolder
@@ -82,7 +82,7 @@ def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
     assert np.ptp(pixels(tmp_path / "given.png"), axis=2).max() < 0.02  # black on grey: nothing has grown
     grown = pixels(tmp_path / "grown.png")
     specimen = grown[:, : int(0.82 * grown.shape[1])]  # without the colour bar
-    for colour in figures._step_colours(2).to_rgba(np.arange(1, 3))[:, :3]:
+    for colour in (mpl.colors.to_rgb(step_colour(step, 2)) for step in (1, 2)):
         assert (np.abs(specimen - colour).max(axis=2) < 0.02).sum() > 80  # more than the vertex alone
 
 
