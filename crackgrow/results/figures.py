@@ -70,8 +70,12 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
 
 
 def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
-    """Draw the major in-plane principal stress on the displaced, magnified specimen. Raises OutputError."""
-    assert result.frame is not None  # who draws has asked for it
+    """Draw the major in-plane principal stress on the displaced, magnified specimen, if there is one.
+
+    Raises OutputError.
+    """
+    if result.frame is None:
+        return
     frame = frame_with_sigma_1(result.frame, result.step)
     loads = {result.step: load_words(case, result.load_factor)}
     write_bytes(path, FieldPictures(case.title, "sigma_1", [frame], loads).png(frame))
@@ -79,7 +83,7 @@ def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
 
 @own_style()
 def draw_contact(path: Path, case: Case, result: StepResult) -> None:
-    """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law.
+    """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law, if any.
 
     Dots are the contact points: white open, blue stuck, red slipping; the lines are the same along the whole face.
     Raises OutputError.
@@ -87,6 +91,8 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     scale, unit = length_unit(case)
     contact = result.contact
     touching = [face for face in result.faces if face.crack in contact.crack]
+    if not touching:
+        return
     faces = touching[:MOST_CONTACT_ROWS]
     figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI)
     table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")

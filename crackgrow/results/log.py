@@ -73,22 +73,6 @@ def step_label(step: int, n_steps: int | None) -> str:
     return f"step {step}" if n_steps is None else f"step {step}/{n_steps}"
 
 
-def step_line(result: StepResult, n_steps: int | None) -> str:
-    """One line on a solved step: dofs, contact iterations, tips that advanced and by which branch, seconds."""
-    moved = [f"{tip.crack} {tip.tip} ({tip.criterion})" for tip in result.tips if tip.advanced]
-    return ", ".join(
-        [
-            step_label(result.step, n_steps),
-            f"{result.n_dofs} dofs",
-            counted(result.contact_iterations, "contact iteration"),
-            *criticality_words(result),
-            f"advanced: {', '.join(moved)}" if moved else "no tip advanced",
-            *([] if moved else start_words(result)),
-            f"{sum(result.seconds.values()):.2f} s",
-        ]
-    )
-
-
 def load_words(case: Case, factor: float) -> str:
     """What loads a step: its load factor, or the stage that ends with it."""
     from crackgrow.case.model import Stages  # only now: it loads numpy
@@ -98,8 +82,8 @@ def load_words(case: Case, factor: float) -> str:
     return f"load factor {factor:.4g}"
 
 
-def told_line(result: StepResult, case: Case, K_scale: float) -> str:
-    """One line on a solved step for who looks on: its load, the tips that advanced or else the largest K, length.
+def told_line(result: StepResult, case: Case, K_scale: float = 0.0) -> str:
+    """One line on a solved step: its load, how critical it is, the tips that advanced or else the largest K, length.
 
     K has at least the unit in which `K_scale` (Pa sqrt(m)) is read easily.
     """
@@ -109,15 +93,23 @@ def told_line(result: StepResult, case: Case, K_scale: float) -> str:
     if not shown:
         if result.tips and n_steps is not None and result.step < n_steps:  # else none is to advance
             words.append("no tip advanced")
-        words += start_words(result)
-        known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]  # sizes that differ by round-off tie
-        sizes = [0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}") for tip in known]
+        if result.start is not None:
+            at, start = place_text(result.start.point), result.start
+            words.append(f"most critical start at {at} ({start.criterion}), criticality {start.criticality:.3g}")
+        known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
+        sizes = [0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}") for tip in known]  # not round-off
         shown = [known[sizes.index(max(sizes))]] if known else []
     words += [*cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"), *length_words(result)]
     if math.isfinite(result.time):  # growth takes time
         size, unit = unit_of([result.time or 1.0], TIMES)
         words.append(f"at {result.time / size:.4g} {_ascii(unit)}")
     return ", ".join(words)
+
+
+def logged_line(result: StepResult, case: Case) -> str:
+    """The same with what the step took, for run.log."""
+    iterations = counted(result.contact_iterations, "contact iteration")
+    return f"{told_line(result, case)}, {result.n_dofs} dofs, {iterations}, {sum(result.seconds.values()):.2f} s"
 
 
 def _tip_words(tip: TipResult, K_scale: float) -> str:
@@ -144,15 +136,6 @@ def criticality_words(result: StepResult) -> list[str]:
         size, unit = unit_of([most.K_growth], INTENSITIES)
         words.append(f"grows at K {most.K_growth / size:.3g} {_ascii(unit)}")
     return words
-
-
-def start_words(result: StepResult) -> list[str]:
-    """How critical the most critical place is at which a crack may start; empty where there is none."""
-    if result.start is None:
-        return []
-    start = result.start
-    at = place_text(start.point)
-    return [f"most critical start at {at} ({start.criterion}), criticality {start.criticality:.3g}"]
 
 
 def length_words(result: StepResult) -> list[str]:

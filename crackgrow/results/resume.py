@@ -178,7 +178,12 @@ def find_resumption(case: Case, folder: Path) -> Resumption | None:
         if not differences and run.finished:
             return Resumption(checkpoint, results, f"{run.status}: {run.reason}", ())
         _check_same(case, folder, step, header["case"], differences)
-        return Resumption(checkpoint, results, None, (*remarks, *_version_remarks(header["program"])))
+        theirs, ours = header["program"], {"version": __version__, "commit": program_commit()}
+        if theirs != ours:
+            words = [f"{of['version']} ({of['commit']})" if of["commit"] else of["version"] for of in (theirs, ours)]
+            what = "not the same bits as an unbroken run's, perhaps"
+            remarks.append(f"begun by crackgrow {words[0]}, gone on with by {words[1]}: {what}")
+        return Resumption(checkpoint, results, None, tuple(remarks))
     if remarks:
         raise ResumeError(f"{folder} has nothing to go on from: {'; '.join(remarks)}; run without --resume")
     if RunFolder(folder).n_rows("steps"):
@@ -208,14 +213,13 @@ def _check_same(
     stored: its name and its settings
     differences: values then and now, by dotted key
     """
-    stages = _same_stages(case, step, stored)
-    changed = {
-        key: values
-        for key, values in differences.items()
-        if key not in FREE
-        and not (stages and key.startswith("loading.stages."))
-        and not (key == "loading.history" and _same_factors(values[0], case, step))
-    }
+    changed = {key: values for key, values in differences.items() if key not in FREE}
+    then, _ = changed.get("loading.history", (NOT_GIVEN, ""))
+    if case.growth is None and isinstance(case.loading, LoadHistory) and then != NOT_GIVEN:
+        if case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1]):  # nothing has changed so far
+            del changed["loading.history"]
+    elif case.growth is None and isinstance(case.loading, Stages) and _same_stages(case.loading, step, stored):
+        changed = {key: values for key, values in changed.items() if not key.startswith("loading.stages.")}
     if changed:
         lines = [f"  {key}: {then} then, {now} now" for key, (then, now) in changed.items()]
         what = f"the case is not that of the run in {folder}; undo this, run without --resume or into another folder:"
@@ -224,33 +228,13 @@ def _check_same(
         raise ResumeError(f"{folder} has {step} steps already, {case.last_step} are asked for; run without --resume")
 
 
-def _same_factors(then: str, case: Case, step: int) -> bool:
-    """Whether nothing has changed so far of a history that was `then`."""
-    if case.growth is not None or not isinstance(case.loading, LoadHistory) or then == NOT_GIVEN:
-        return False
-    return case.loading.factors[: step + 1] == tuple(json.loads(then)[: step + 1])
-
-
-def _same_stages(case: Case, step: int, stored: Mapping[str, str]) -> bool:
+def _same_stages(now: Stages, step: int, stored: Mapping[str, str]) -> bool:
     """Whether nothing has changed of the stages so far: a load that a later one names is one of them from the start."""
-    if case.growth is not None or not isinstance(case.loading, Stages):
-        return False
     try:
         then = read_case(stored["settings"], "the case of the run", stored["name"]).loading
     except CaseError:  # of another version
         return False
     if not isinstance(then, Stages):
         return False
-    so_far = [[astuple(stage) for stage in (of.before, *of.stages[: step + 1])] for of in (then, case.loading)]
-    return so_far[0] == so_far[1]
-
-
-def _version_remarks(program: Mapping[str, str | None]) -> list[str]:
-    """What to say where another version of the program goes on."""
-    ours, theirs = (__version__, program_commit()), (program["version"], program["commit"])
-    if ours == theirs:
-        return []
-    words = [f"{version}{f' ({commit})' if commit else ''}" for version, commit in (theirs, ours)]
-    return [
-        f"begun by crackgrow {words[0]}, gone on with by {words[1]}: not the same bits as an unbroken run's, perhaps"
-    ]
+    old, new = ([astuple(stage) for stage in (of.before, *of.stages[: step + 1])] for of in (then, now))
+    return old == new

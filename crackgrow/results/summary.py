@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import functools
-import json
 import math
 import subprocess
 import sys
@@ -198,11 +197,6 @@ def error_line(tally: Tally, end: RunEnd) -> str:
     parts = [f"{end.norm_error:.2g} % of the energy norm"] if math.isfinite(end.norm_error) else []
     parts += [text.format(known[name]) for name, text in words.items() if name in known]
     return f"estimated error: {', '.join(parts)}" if parts else ""
-
-
-def summary_text(summary: dict[str, object]) -> str:
-    """The summary as JSON text."""
-    return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
 def peak_memory_mb() -> float:

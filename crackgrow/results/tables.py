@@ -79,13 +79,8 @@ def format_value(value: Value) -> str:
 
 def csv_text(columns: Sequence[str], rows: Iterable[Iterable[Value | None]]) -> str:
     """A whole table, as studies write theirs: empty where there is no value, and for nan."""
-    lines = [columns, *([or_empty(value) for value in row] for row in rows)]
+    lines = [columns, *(["" if value is None or value != value else value for value in row] for row in rows)]
     return "".join(",".join(format_value(value) for value in line) + "\n" for line in lines)
-
-
-def or_empty(value: Value | None) -> Value:
-    """The value, or an empty text where there is none."""
-    return "" if value is None or value != value else value  # nan alone is not itself
 
 
 def _row(file: File, sources: Sequence[object], given: Mapping[str, Any]) -> Row:
@@ -100,11 +95,6 @@ def _place(point: Iterable[Any]) -> dict[str, Any]:
     return dict(zip("xy", point, strict=True))
 
 
-def tip_rows(result: StepResult) -> list[Row]:
-    """Rows of tips.csv: m, Pa, Pa sqrt(m), degrees; the point is the tip before its advance."""
-    return [_row(declarations.TIPS, (tip, result), _place(tip.point)) for tip in result.tips]
-
-
 def path_rows(cracks: Iterable[CrackPath]) -> list[Row]:
     """Rows of paths.csv: vertices from start to end, m, with the step whose advance made them."""
     return [
@@ -117,21 +107,13 @@ def path_rows(cracks: Iterable[CrackPath]) -> list[Row]:
 def contact_rows(result: StepResult) -> list[Row]:
     """Rows of contact.csv: m and Pa, state as a word."""
     contact = result.contact
-    given: dict[str, Any] = {
-        **_place(contact.points.T),
-        "step": [result.step] * len(contact.crack),
-        "state": [STATE_NAMES[state] for state in contact.state.tolist()],
-    }
-    columns = []
-    for column in declarations.CONTACT.columns:
-        values = given[column.name] if column.name in given else getattr(contact, column.name)
-        columns.append([column.kind(value) for value in values])
-    return list(zip(*columns, strict=True))
-
-
-def reaction_rows(result: StepResult) -> list[Row]:
-    """Rows of reactions.csv: N per metre of thickness, on the rock; of an interface on its first body."""
-    return [(int(result.step), item.where, *item.force, float(result.load_factor)) for item in result.reactions]
+    given = _place(contact.points.T) | {"step": [result.step] * len(contact.crack)}
+    given["state"] = [STATE_NAMES[state] for state in contact.state.tolist()]
+    columns = [
+        (column.kind, given.get(column.name, getattr(contact, column.name, ())))
+        for column in declarations.CONTACT.columns
+    ]
+    return list(zip(*([kind(value) for value in values] for kind, values in columns), strict=True))
 
 
 def history_columns(history: History) -> tuple[str, ...]:
@@ -171,12 +153,12 @@ def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
 
 
 GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
-    "tips": tip_rows,
+    "tips": lambda of: [_row(declarations.TIPS, (tip, of), _place(tip.point)) for tip in of.tips],
     "contact": contact_rows,
-    "reactions": reaction_rows,
+    "reactions": lambda of: [(int(of.step), one.where, *one.force, float(of.load_factor)) for one in of.reactions],
     "history": history_rows,
-    "steps": lambda result: [step_row(result)],
-    "events": lambda result: event_rows(result.events),
+    "steps": lambda of: [step_row(of)],
+    "events": lambda of: event_rows(of.events),
 }
 """What a step adds to the tables that grow with the steps."""
 
@@ -235,16 +217,18 @@ class RunTables:
 
 def frame_of_results(name: str, results: Sequence[StepResult], last: Sequence[Row] = ()) -> pd.DataFrame:
     """A table of some steps, with the rows `last` behind theirs."""
+    import pandas as pd  # here: who reads tables as text needs none of it
+
     columns = HEADERS[name]
     if name == "history":
         columns = next((history_columns(result.history) for result in results if result.history), ())
     rows = [row for result in results for row in GROWING[name](result)] if name in GROWING else []
-    return _frame(columns, [*rows, *last])
+    return pd.DataFrame([list(row) for row in (*rows, *last)], columns=pd.Index(columns))
 
 
 def frame_of(table: TextTable) -> pd.DataFrame:
     """A table of a run's folder, with the types that the same table has in memory."""
-    import pandas as pd  # here: who reads tables as text needs none of it
+    import pandas as pd  # as above
 
     files = [file for file in declarations.RUN if file.name == table.path.name]
     kinds = {column.name: column.kind for file in files for column in file.columns}
@@ -258,9 +242,3 @@ def frame_of(table: TextTable) -> pd.DataFrame:
         else:
             columns[name] = table.numbers(name).astype(np.int64 if kind is int else float)
     return pd.DataFrame(columns)
-
-
-def _frame(columns: Sequence[str], rows: Sequence[Row]) -> pd.DataFrame:
-    import pandas as pd  # as above
-
-    return pd.DataFrame([list(row) for row in rows], columns=pd.Index(columns))

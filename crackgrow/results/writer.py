@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import time
 from collections.abc import Iterator, Sequence
 from pathlib import Path
@@ -17,9 +18,9 @@ from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.folder import CASE, LOG, REPORT, SUMMARY, RunFolder, rendered_files, series_file, series_files
 from crackgrow.results.lock import FolderLock, earlier_files, half_written_files
-from crackgrow.results.log import RunLog, event_line, step_line
+from crackgrow.results.log import RunLog, event_line, logged_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
-from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize, summary_text
+from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
 RUNNING: Final = RunEnd("running", "the run goes on, or was broken off without a word", ())
@@ -109,7 +110,7 @@ class RunWriter:
             self._tables["history"] = tables.Table(self.folder, "history")
         for table in self._tables.values():
             table.drop_from(step)
-        self._list_series()
+        vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         remove_files([*rendered_files(self.folder), *series_files(self.folder, step)])
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
         for text in found.remarks:
@@ -126,7 +127,9 @@ class RunWriter:
 
     def add(self, result: StepResult) -> None:
         """Write what a solved step gives; its frames' writing time goes into seconds_output."""
-        self._write_checkpoint(result)
+        if result.checkpoint is not None:
+            n_rows = {name: len(table) for name, table in self._tables.items()}
+            self._checkpoints.write(result.checkpoint, {"tables": n_rows, "tally": self._tally.record(), **self._cost})
         first = not self._tally.steps
         self._last = result
         policy = self.case.output.frames
@@ -141,12 +144,14 @@ class RunWriter:
             self._extend(name, [tables.step_row(result, seconds)] if name == "steps" else rows(result))
         self._write_paths(result.cracks)
         self._log_events(result.events)
-        self._log.tell(step_line(result, self.case.growth.steps if self.case.growth else None))
+        self._log.tell(logged_line(result, self.case))
         for text in news:
             self._log.tell(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)
         if first and self.case.output.figures:
-            self._draw_sigma_1("first", result)
+            from crackgrow.results import figures  # here: loading matplotlib takes half a second
+
+            figures.draw_sigma_1(self.folder / "figures" / "sigma_1_first.png", self.case, result)
 
     def finish(self, end: RunEnd) -> None:
         """Write the final paths, what is left of frames, the figures, the summary, and last the report."""
@@ -155,21 +160,31 @@ class RunWriter:
                 self._write_paths(end.cracks)
                 self._extend("events", tables.event_rows(end.events))
                 self._log_events(end.events)
-                self._write_last_frame()
+                if (
+                    self.case.output.frames == "first_and_last"
+                    and self._last is not None
+                    and len(self._tally.steps) > 1
+                ):
+                    seconds = self._write_frames(self._last)  # only now is it known which step was the last
+                    self._tally.add_seconds("output", seconds)
+                    self._tables["steps"].replace_last(tables.step_row(self._last, seconds))
+                    self._tables["steps"].write()
                 if self.case.output.figures and self._last is not None:
-                    began = time.perf_counter()
                     self._draw(self._last, end.cracks)
-                    self._tally.add_seconds("output", time.perf_counter() - began)
             finally:  # a figure that fails doesn't take the summary with it
                 self._write_summary(end)
                 self.error_line = error_line(self._tally, end)
                 warnings = [f"warning: {text}" for text in self._tally.warnings]
                 for text in (*warnings, *filter(None, [self.error_line]), f"{end.status}: {end.reason}"):
                     self._log.tell(text)
-            if self.case.output.report:  # made from the files, so it comes last
-                from crackgrow.results.report import write_report  # as above
+            self._write_report()
 
-                write_report(self.folder, self.case)
+    def _write_report(self) -> None:
+        """Made from the files, so it comes last."""
+        if self.case.output.report:
+            from crackgrow.results.report import write_report  # as above
+
+            write_report(self.folder, self.case)
 
     def break_off(self, error: BaseException, reason: str = "") -> str:
         """End a run that broke off: what was solved is kept, the status is `failed`, or `interrupted` by Ctrl-C.
@@ -196,18 +211,13 @@ class RunWriter:
     def _write_summary(self, end: RunEnd) -> None:
         cost = self._cost
         summary = summarize(self.case, self._tally, end, cost["seconds"], cost["memory"], cost["cpu"])
-        write_text(self.folder / SUMMARY, summary_text(summary))
+        write_text(self.folder / SUMMARY, json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
     @property
     def _cost(self) -> dict[str, float]:
         """What the run has taken so far: wall and CPU time (s), memory (MB)."""
         memory = max(self._memory, peak_memory_mb())
         return {"seconds": self._log.seconds, "cpu": time.process_time() - self._cpu_began, "memory": memory}
-
-    def _write_checkpoint(self, result: StepResult) -> None:
-        if result.checkpoint is not None:
-            n_rows = {name: len(table) for name, table in self._tables.items()}
-            self._checkpoints.write(result.checkpoint, {"tables": n_rows, "tally": self._tally.record(), **self._cost})
 
     def _extend(self, name: str, rows: Sequence[tables.Row]) -> None:
         if rows:
@@ -223,14 +233,6 @@ class RunWriter:
         for event in events:
             self._log.tell(event_line(event))
 
-    def _write_last_frame(self) -> None:
-        """The second of first_and_last: only now is it known which step was the last."""
-        if self.case.output.frames == "first_and_last" and self._last is not None and len(self._tally.steps) > 1:
-            seconds = self._write_frames(self._last)
-            self._tally.add_seconds("output", seconds)
-            self._tables["steps"].replace_last(tables.step_row(self._last, seconds))
-            self._tables["steps"].write()
-
     def _write_frames(self, result: StepResult) -> float:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
         began = time.perf_counter()
@@ -241,30 +243,20 @@ class RunWriter:
         if result.faces:
             vtk_frames.write_cracks(self.folder / series_file("cracks", result.step), result.faces)
             self._tally.cracks.append(result.step)
-        self._list_series()
+        vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         return time.perf_counter() - began
-
-    def _list_series(self) -> None:
-        vtk_frames.write_series(self.folder, self.case.name, frames=self._tally.frames, cracks=self._tally.cracks)
 
     def _draw(self, last: StepResult, cracks: Sequence[CrackPath]) -> None:
         from crackgrow.results import figures  # here: loading matplotlib takes half a second
 
-        folder = self.folder / "figures"
+        began, folder, run = time.perf_counter(), self.folder / "figures", RunFolder(self.folder)
+        run.case = self.case
         figures.draw_paths(folder / "path.png", self.case, cracks)
         first = folder / "sigma_1_first.png"
         if len(self._tally.steps) == 1 and first.is_file():
             write_bytes(folder / "sigma_1_last.png", first.read_bytes())
         else:
-            self._draw_sigma_1("last", last)
-        if any(face.crack in last.contact.crack for face in last.faces):
-            figures.draw_contact(folder / "contact.png", self.case, last)
-        run = RunFolder(self.folder)
-        run.case = self.case
+            figures.draw_sigma_1(folder / "sigma_1_last.png", self.case, last)
+        figures.draw_contact(folder / "contact.png", self.case, last)
         figures.draw_curves(folder, run)
-
-    def _draw_sigma_1(self, which: str, result: StepResult) -> None:
-        from crackgrow.results import figures  # as above
-
-        if result.frame is not None:
-            figures.draw_sigma_1(self.folder / "figures" / f"sigma_1_{which}.png", self.case, result)
+        self._tally.add_seconds("output", time.perf_counter() - began)
