@@ -35,7 +35,7 @@ from crackgrow.results.drawn_frame import (
     off_mean,
     percentiles,
 )
-from crackgrow.results.style import own_style, with_bar
+from crackgrow.results.style import has_bar_beside, own_style, with_bar
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given
@@ -45,7 +45,6 @@ BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
 NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
          "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
-WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
 KINDS: Final[Mapping[str, Literal["length", "stress"]]] = {
     "displacement": "length",
     "sigma": "stress",
@@ -78,15 +77,10 @@ class FieldPictures:
     """
 
     def __init__(
-        self,
-        title: str,
-        field: str,
-        frames: Sequence[DrawnFrame],
-        loads: Mapping[int, str],
-        look: Look = USUAL,
+        self, title: str, field: str, frames: Sequence[DrawnFrame], loads: Mapping[int, str], look: Look = USUAL
     ) -> None:
         """Raises CaseError for limits that the field cannot have."""
-        self.title, self.field, self.loads = title, field, loads
+        self.title, self.field, self.loads, self.size = title, field, loads, look.size
         self.warp = min(displayed_magnification(frame) for frame in frames) if look.warp is None else look.warp
         values = np.concatenate([frame.values for frame in frames])
         weights = np.concatenate([areas(frame, by_point=frame.by_point) for frame in frames])
@@ -95,45 +89,47 @@ class FieldPictures:
             low, high = limits_of(field, look.limits, self.unit)
             self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
         moved = np.concatenate([self._moved(frame) for frame in frames])
-        low, high = moved.min(axis=0), moved.max(axis=0)
-        self.length = unit_of((high - low).tolist(), LENGTHS)
-        room = MARGIN * (high - low).max()
-        self.low, self.high = (low - room) / self.length[0], (high + room) / self.length[0]
-        fitting = _fitting(high - low)
-        self.size = look.size or fitting
-        self.dpi = LONG_SIDE / INCHES * min(self.size[0] / fitting[0], self.size[1] / fitting[1])
+        self.corners = moved.min(axis=0), moved.max(axis=0)
 
     @own_style()
     def png(self, frame: DrawnFrame) -> bytes:
         """The picture of a frame, as PNG."""
-        width, height = self.size[0] / self.dpi, self.size[1] / self.dpi
-        figure = Figure(figsize=(width, height), dpi=self.dpi)
-        axes = figure.add_subplot(facecolor=BEHIND)
-        points = self._moved(frame) / self.length[0]
+        figure, axes, length = on_specimen(*self.corners, self.size)
+        axes.set_facecolor(BEHIND)
+        points = self._moved(frame) / length
         shade(axes, frame, points, frame.values / self.unit[0], self.norm, self.colormap)
         edges = points[boundary_edges(frame)]
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
-        axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
-        axes.set(xlabel=f"x [{self.length[1]}]", ylabel=f"y [{self.length[1]}]")
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
         title = f"{self.title}\nstep {frame.step}{load}, displacement x {factor_text(self.warp)}"
-        colours, beside = ScalarMappable(self.norm, self.colormap), bar_beside(self.high - self.low)
-        with_bar(figure, axes, colours, title, beside=beside, extend="both", label=label)
+        with_bar(figure, axes, ScalarMappable(self.norm, self.colormap), title, extend="both", label=label)
         return png_of(figure)
 
     def _moved(self, frame: DrawnFrame) -> Floats:
-        """DrawnFrame points (n, 2) m, without the mean translation."""
+        """Points (n, 2) m of a frame, displaced without the mean translation."""
         return frame.points + self.warp * off_mean(frame)
 
 
-def _fitting(extent: Floats) -> tuple[int, int]:
-    """Width and height in pixels of a picture of a specimen of this extent (2,), with its colour bar; even numbers."""
-    room = [COLOUR_BAR, 0.16] if bar_beside(extent) else [0.12, COLOUR_BAR]
-    width, height = np.maximum(extent / extent.max(), LEAST_SHARE) + room
-    scale = LONG_SIDE / max(width, height)
-    return 2 * round(width * scale / 2), 2 * round(height * scale / 2)
+def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) -> tuple[Figure, Axes, float]:
+    """A figure of a specimen with these corners (2,) m, room for title and colour bar, axes and metres of their unit.
+
+    Without a size, in pixels, it fits the specimen; that is even, as films want it.
+    """
+    extent = high - low
+    length, unit = unit_of(extent.tolist(), LENGTHS)
+    room = [COLOUR_BAR, 0.16] if has_bar_beside(*extent) else [0.12, COLOUR_BAR]
+    shares = np.maximum(extent / extent.max(), LEAST_SHARE) + room
+    fitting = 2 * np.round(shares * LONG_SIDE / shares.max() / 2)
+    width, height = size or fitting
+    dpi = LONG_SIDE / INCHES * min(width / fitting[0], height / fitting[1])
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi)
+    axes = figure.add_subplot()
+    margin = MARGIN * extent.max()
+    (left, bottom), (right, top) = (low - margin) / length, (high + margin) / length
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+    return figure, axes, length
 
 
 def png_of(figure: Figure) -> bytes:
@@ -142,11 +138,6 @@ def png_of(figure: Figure) -> bytes:
     data = io.BytesIO()
     FigureCanvasAgg(figure).print_png(data, pil_kwargs={"compress_level": COMPRESSION})
     return data.getvalue()
-
-
-def bar_beside(extent: Floats) -> bool:
-    """Whether a colour bar has room beside something of this width and height (2,); else it has below."""
-    return bool(extent[0] <= WIDE * extent[1])
 
 
 def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: Normalize, colormap: str) -> None:

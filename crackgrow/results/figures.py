@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -20,7 +19,7 @@ from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawing import body_path, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
-from crackgrow.results.field_picture import FieldPictures, bar_beside, png_of
+from crackgrow.results.field_picture import FieldPictures, on_specimen, png_of
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
@@ -29,7 +28,6 @@ from crackgrow.results.style import in_rows, own_style, with_bar
 from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
-LONG_SIDE = 7.0  # inches
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
@@ -43,27 +41,24 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     Raises OutputError.
     """
     case = case_on_map(case)
-    scale, unit = length_unit(case)
-    low, high = extent(case)
-    figure, axes = _equal_axes(low * scale, high * scale, unit)
+    figure, axes, length = on_specimen(*extent(case))
     for body in case.bodies:
-        axes.add_patch(PathPatch(body_path(body, scale), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
+        axes.add_patch(PathPatch(body_path(body, 1.0 / length), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
     colours = ["black", *(step_colour(step, last) for step in range(1, last + 1))]  # of given cracks, of each step
     for crack in cracks:
-        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) * scale
+        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) / length
         made = np.maximum(crack.steps[:-1], crack.steps[1:])  # a segment is as young as its younger vertex
         for given, width in ((False, 2.0), (True, 2.4)):
             mine = (made == 0) == given
             looks: dict[str, Any] = {"colors": [colours[step] for step in made[mine]], "linewidths": width}
             axes.add_collection(LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks))
-        x, y = (crack.points[crack.steps > 0] * scale).T
+        x, y = (crack.points[crack.steps > 0] / length).T
         axes.scatter(x, y, s=7, color=[colours[step] for step in crack.steps if step > 0], zorder=4)
     if last > 0:
         scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours[1:]))
         ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
-        beside = bar_beside(high - low)
-        with_bar(figure, axes, scale_of_steps, case.title, beside=beside, ticks=ticks, label=label).minorticks_off()
+        with_bar(figure, axes, scale_of_steps, case.title, ticks=ticks, label=label).minorticks_off()
     else:
         in_rows(figure, np.array([[axes]]), case.title)
     _save(path, figure)
@@ -177,18 +172,6 @@ def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[floa
         else:
             labels.append((place, [str(step)]))
     return labels
-
-
-def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
-    """A figure in the specimen's proportions, with room for titles and a colour bar."""
-    width, height = LONG_SIDE * (high - low) / (high - low).max()
-    beside, below = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), (width + 1.0, max(height, 0.7) + 2.4)
-    figure = Figure(figsize=beside if bar_beside(high - low) else below, dpi=DPI)
-    axes = figure.add_subplot()
-    margin = 0.03 * (high - low).max()
-    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
-    axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]", aspect="equal")
-    return figure, axes
 
 
 def _save(path: Path, figure: Figure) -> None:

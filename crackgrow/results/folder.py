@@ -154,17 +154,23 @@ class RunFolder(RunTables):
     def found_summary(self) -> dict[str, Any]:
         """summary.json as far as it is there; empty where it can't be read as a mapping."""
         try:
-            return self._mapping()
-        except (FolderError, RecursionError):  # RecursionError: of lists in lists in lists
+            found = json.loads(self.text(SUMMARY))
+        except (FolderError, ValueError, RecursionError):  # RecursionError: of lists in lists in lists
             return {}
+        return found if isinstance(found, dict) else {}
 
     @cached_property
     def summary(self) -> dict[str, Any]:
         """summary.json: how the run ended, what it cost, how good it is at its worst."""
-        summary = self._mapping()
-        missing = [key for key in SUMMARY_KEYS if key not in summary]
-        if missing:
-            raise damaged(self.folder / SUMMARY, f"it has no {', '.join(missing)}")
+        path, text = self.folder / SUMMARY, self.text(SUMMARY)
+        try:
+            summary = json.loads(text)
+        except ValueError as error:
+            raise damaged(path, str(error)) from error
+        if not isinstance(summary, dict):
+            raise damaged(path, "it is no mapping")
+        if missing := [key for key in SUMMARY_KEYS if key not in summary]:
+            raise damaged(path, f"it has no {', '.join(missing)}")
         return summary
 
     @property
@@ -279,16 +285,6 @@ class RunFolder(RunTables):
 
     def _frame(self, name: str) -> pd.DataFrame:
         return frame_of(self.table(name))
-
-    def _mapping(self) -> dict[str, Any]:
-        text = self.text(SUMMARY)
-        try:
-            summary = json.loads(text)
-        except ValueError as error:
-            raise damaged(self.folder / SUMMARY, str(error)) from error
-        if not isinstance(summary, dict):
-            raise damaged(self.folder / SUMMARY, "it is no mapping")
-        return summary
 
 
 def open_run(path: str | Path) -> RunFolder:

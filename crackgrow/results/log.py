@@ -166,17 +166,13 @@ class Progress:
 
         `expected` says what the run is about to take.
         """
-        self._case = case
-        self._last_step = case.last_step
-        self._say, self._width = say, width
+        self._case, self._say, self._width = case, say, width
         self._times = [time.perf_counter()]  # at the end of every step
         self._warnings = Gathered()
         self._K_scale = 0.0  # Pa sqrt(m), largest K so far: lines of a run can be compared if K keeps its unit
-        say(f"{case.name}: {case.title}", "\n")
-        if expected:
-            say(expected, "\n")
-        if first:
-            say(f"goes on with step {first}", "\n")
+        for text in (f"{case.name}: {case.title}", expected, f"goes on with step {first}" if first else ""):
+            if text:
+                say(text, "\n")
         self._show_live(first - 1, "")
 
     def show(self, result: StepResult) -> None:
@@ -187,9 +183,8 @@ class Progress:
         self._K_scale = max(self._K_scale, *filter(math.isfinite, sizes), 0.0)
         if self._width is None:
             self._say(told_line(result, self._case, self._K_scale), "\n")
-        load = load_words(self._case, result.load_factor)
-        what = [load, *criticality_words(result)[:1], *length_words(result)]
-        self._show_live(result.step, f", {', '.join(what)}")
+        words = [load_words(self._case, result.load_factor), *criticality_words(result)[:1], *length_words(result)]
+        self._show_live(result.step, f", {', '.join(words)}")
         self.tell(result.events)
 
     def tell(self, events: Sequence[Event]) -> None:
@@ -208,20 +203,14 @@ class Progress:
             self._say(text, "\n")
 
     def _show_live(self, step: int, what: str) -> None:
-        """Replace the live line by one that says that a step, -1 for none, is done."""
+        """Replace the live line by one that says that a step, -1 for none, is done, and about how long others take."""
         if self._width is None:
             return
-        filled = round(BAR_WIDTH * max(step, 0) / self._last_step) if self._last_step else BAR_WIDTH * (step + 1)
-        label = step_label(max(step, 0), self._last_step)
-        passed = f"{self._times[-1] - self._times[0]:.1f} s"
+        last = self._case.last_step
+        filled = round(BAR_WIDTH * max(step, 0) / last) if last else BAR_WIDTH * (step + 1)
         bar = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] " if self._width >= ROOM_FOR_BAR else ""
-        text = f"{bar}{label}{self._left(step)}{what}, {passed}"
+        recent, left = self._times[-RECENT - 1 :], ""
+        if len(recent) > 1 and step < last:
+            left = f", {duration((last - step) * (recent[-1] - recent[0]) / (len(recent) - 1))} left"
+        text = f"{bar}{step_label(max(step, 0), last)}{left}{what}, {self._times[-1] - self._times[0]:.1f} s"
         self._say(f"\r{text[: self._width]}{CLEAR}", "")
-
-    def _left(self, step: int) -> str:
-        """About how long the steps after one take, if nothing ends the run before."""
-        recent = self._times[-RECENT - 1 :]
-        n_left = self._last_step - step
-        if len(recent) < 2 or n_left == 0:
-            return ""
-        return f", {duration(n_left * (recent[-1] - recent[0]) / (len(recent) - 1))} left"

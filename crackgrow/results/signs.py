@@ -17,7 +17,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
-from crackgrow.results.places import component_text, length_unit, lines_of
+from crackgrow.results.places import component_text, length_unit
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -127,7 +127,8 @@ def draw_load(sheet: Sheet, load: model.Load) -> None:
         sheet.label(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", LOAD)
     elif isinstance(load, model.FluidPressure):  # off both faces of a crack or an interface
         sheet.title = f"pressure in {load.surface}"
-        lines = lines_of(case, load.surface)
+        lines = [crack.points for crack in case.cracks if crack.surface == load.surface]
+        lines = lines or [line for pair in case.interfaces if pair.surface.is_of(load.surface) for line in pair.lines]
         for points in lines:
             chord = points[-1] - points[0] if np.any(points[-1] != points[0]) else points[1] - points[0]
             across = 0.4 * reach * np.array([-1.0, 1.0]) * _unit(chord[::-1])

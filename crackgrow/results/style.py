@@ -27,9 +27,11 @@ LINE: Final = 0.18  # from line to line
 GAP: Final = 0.12  # of a tick with the space round it
 BELOW: Final = 2 * (LINE + GAP)  # of the numbers of a lying axis and its label
 BAR: Final = 0.23  # width of a colour bar
+WIDE: Final = 2.0  # width over height from which a colour bar lies below, where its words have room
 SHARE: Final = 0.8  # of the axes' length that a colour bar takes
 
 PLAIN: Final[dict[Any, Any]] = {
+    "text.parse_math": False,  # texts between dollars, such as the title of a case, are no formulas
     "axes.formatter.useoffset": False,
     "axes.formatter.limits": (-5, 8),  # coordinates of maps in full
     "svg.fonttype": "none",  # texts are texts
@@ -48,16 +50,13 @@ def pass_over_settings() -> None:
 
 
 @contextlib.contextmanager
-def own_style(*, math: bool = False) -> Iterator[None]:
-    """Matplotlib's own settings until the end of the block, and then the user's again.
-
-    math: whether texts between dollars are formulas; those of a user, such as the title of a case, are none
-    """
+def own_style() -> Iterator[None]:
+    """Matplotlib's own settings until the end of the block, and then the user's again."""
     import matplotlib as mpl
 
     with _ALONE, mpl.rc_context():
         mpl.rcdefaults()
-        mpl.rcParams.update({"text.parse_math": math, **PLAIN})
+        mpl.rcParams.update(PLAIN)
         yield
 
 
@@ -66,16 +65,21 @@ def wrapped(text: str, figure: Figure) -> str:
     return textwrap.fill(text, max(20, int(figure.get_figwidth() / LETTER)))
 
 
-def with_bar(figure: Figure, axes: Axes, colours: ScalarMappable, title: str, *, beside: bool, **bar: Any) -> Colorbar:
+def has_bar_beside(width: float, height: float) -> bool:
+    """Whether a colour bar has room beside something of this size; else it has below."""
+    return width <= WIDE * height
+
+
+def with_bar(figure: Figure, axes: Axes, colours: ScalarMappable, title: str, **bar: Any) -> Colorbar:
     """Place the axes of a figure, of equal scales, as large as fits, and a colour bar with a label beside or below."""
-    scale = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    across, up = (high - low for low, high in (axes.get_xlim(), axes.get_ylim()))
+    beside, scale = has_bar_beside(across, up), figure.add_axes((0.0, 0.0, 1.0, 1.0))
     made = figure.colorbar(colours, cax=scale, orientation="vertical" if beside else "horizontal", **bar)
     left, bottom = _left_of(axes), BELOW if beside else 2 * BELOW + BAR + GAP
     right = 2 * GAP + (2 * GAP + BAR + _left_of(scale) if beside else 0.0)
     room = figure.get_size_inches() - (left + right, bottom + _titled(figure, title))
-    across, up = (high - low for low, high in (axes.get_xlim(), axes.get_ylim()))
-    scale_by = min(room[0] / across, room[1] / up)
-    width, height = across * scale_by, up * scale_by
+    factor = min(room[0] / across, room[1] / up)
+    width, height = across * factor, up * factor
     left, bottom = left + (room[0] - width) / 2, bottom + (room[1] - height) / 2
     _put(figure, axes, left, bottom, width, height)
     if beside:

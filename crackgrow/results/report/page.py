@@ -1,13 +1,18 @@
-"""The page: what its template, `page.html`, shows of a run, how good that is, and the file."""
+"""The page: what its template, `page.html`, shows of a run and of its steps, which move with the slider, and the file.
+
+Pictures are those of `crackgrow render`, or else the figures of the run.
+"""
 
 from __future__ import annotations
 
+import base64
+import io
 import json
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from jinja2 import Environment
@@ -16,24 +21,24 @@ from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_text
 from crackgrow.results.declarations import STEPS
 from crackgrow.results.drawing import scene_svg, step_colour
-from crackgrow.results.folder import REPORT, RunFolder, open_run
+from crackgrow.results.folder import REPORT, FolderError, RunFolder, TextTable, open_run, rendered_files
+from crackgrow.results.log import load_words
 from crackgrow.results.report.charts import charts
-from crackgrow.results.report.step_data import contact_data, event_rows, pictures, step_words, tip_data
-from crackgrow.results.units import counted, cut, shown
+from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, counted, cut, rounded_all, shown, unit_of
 from crackgrow.run.result import CHECK_LIMITS
 
-SHOWN_WARNINGS: Final = 200  # of more the first ones are shown
-NUMBER: Final = re.compile(r"-?\d+\.\d+(e[-+]?\d+)?")
-
-ESTIMATES: Final = {
-    "K_percent_expected": "K, error that is expected, over the largest K of its step [%]",
-    "K_percent_at_most": "K, error at most, over the largest K of its step [%]",
-    "K_spread_percent": "spread of K over discs of its integral, not its error [%]",
-    "kink_degrees_at_most": "directions of growth, at most [°]",
-    "load_factor_percent_at_most": "critical load factors, at most [%]",
-    "goal_percent_at_most": "numerics.goal, at most, over its largest value [%]",
-}
-"""Numbers of the summary in words."""
+SHOWN_WARNINGS = 200  # of more the first ones are shown
+MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
+MOST_TIP_ROWS = 8_000  # about 1 MB
+OF_TIPS = ("crack", "tip", "K_I", "K_II", "K_growth", "sigma_1", "sigma_3", "criticality", "criterion", "kink_deg",
+           "advanced")  # fmt: skip
+LABELS = {"K_growth": "grows at K", "kink_deg": "kink", "advanced": "advances"}  # of columns with other names
+FIRST_FIELD = "sigma_1"  # of which the page has pictures rather than of others
+MOST_PICTURES = 40  # of a rendered series
+MOST_PIXELS = 720  # of the longer side of those
+MOST_PIXELS_OF_FIGURES = 1400
+QUALITY = 80  # of JPEG
+MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
 def write_report(folder: Path, case: Case | None = None) -> Path:
@@ -69,7 +74,6 @@ def page(run: RunFolder) -> str:
         last_made=int(run.table("paths").steps().max(initial=0)),
         ramp=", ".join(step_colour(step, 9) for step in range(1, 10)),
         checks=check_rows(run),
-        estimates=estimate_rows(run.summary),
         warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
         events=event_rows(run.table("events")) if len(run.table("events")) else None,
         actions=describe_actions(run.case),
@@ -101,15 +105,6 @@ def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
     return rows
 
 
-def estimate_rows(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
-    """What the run estimates of its own error, the worst of all steps: any numbers that the summary has."""
-    found: dict[str, Any] = dict(summary.get("error_estimate") or {})
-    norm = found.pop("energy_norm_percent", None) or {}
-    values = {f"energy norm, {which} step [%]": value for which, value in norm.items()}
-    values |= {ESTIMATES.get(name, name): found[name] for name in found}
-    return [(name, shown(value)) for name, value in values.items() if isinstance(value, int | float)]
-
-
 def describe_actions(case: Case) -> list[tuple[str, str]]:
     """What holds and what loads the specimen, in words: name, and what the case says of it, in SI."""
     told, rows = case.to_dict(), []
@@ -118,5 +113,116 @@ def describe_actions(case: Case) -> list[tuple[str, str]]:
         assert isinstance(items, list)
         for number, item in enumerate(items):
             text = json.dumps(item, ensure_ascii=False)[1:-1].replace('"', "")
-            rows.append((f"{kind}.{number}", NUMBER.sub(lambda found: f"{float(found[0]):.12g}", text)))
+            rows.append(
+                (f"{kind}.{number}", re.sub(r"-?\d+\.\d+(e[-+]?\d+)?", lambda found: f"{float(found[0]):.12g}", text))
+            )
     return rows
+
+
+def tip_data(run: RunFolder) -> dict[str, Any]:
+    """Rows of the table of tips by step, a row for each tip, under a header with units."""
+    tips = run.table("tips")
+    K, stress = _unit(tips, INTENSITIES, "K_I", "K_II"), _unit(tips, STRESSES, "sigma_1", "sigma_3")
+    units = {"K_I": K, "K_II": K, "K_growth": K, "sigma_1": stress, "sigma_3": stress}
+    header, of_tips = _with_units(tips, OF_TIPS, {**units, "criticality": (1.0, ""), "kink_deg": (1.0, "°")})
+    kept, rows = _kept_steps(tips, MOST_TIP_ROWS), dict[int, list[Any]]()
+    for step, row in zip(tips.steps().tolist(), of_tips, strict=True):
+        if step in kept:
+            rows.setdefault(step, []).append(row)
+    return {"header": header, "steps": rows}
+
+
+def event_rows(events: TextTable) -> tuple[list[str], list[list[Any]]]:
+    """Header and rows of the table of events, places in a unit in which they are read easily."""
+    return _with_units(events, tuple(events.columns), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
+
+
+def _unit(table: TextTable, units: Sequence[Unit], *names: str) -> Unit:
+    """The one of some units in which columns are read easily together."""
+    return unit_of(np.concatenate([table.numbers(name) for name in names]), units)
+
+
+def _with_units(table: TextTable, names: Sequence[str], units: Mapping[str, Unit]) -> tuple[list[str], list[list[Any]]]:
+    """Header and rows of some columns of a table, numbers in their units."""
+    told = [(LABELS.get(name, name), units.get(name, (1.0, ""))[1]) for name in names]
+    header = [f"{label} [{unit}]" if unit else label for label, unit in told]
+    columns = [rounded_all(table.numbers(n), units[n][0]) if n in units else table.words(n) for n in names]
+    return header, [list(row) for row in zip(*columns, strict=True)]
+
+
+def contact_data(run: RunFolder) -> dict[str, Any]:
+    """Contact points by surface and step.
+
+    units     by column, the name of its unit; tractions have one, and jumps
+    surfaces     by name and step: the columns s, normal_traction, tangential_traction, opening, slip, state
+    left_out     whether steps were left out to keep the page small
+    """
+    table = run.table("contact")
+    kept = _kept_steps(table, MOST_CONTACT_ROWS)
+    tractions, jumps = ("normal_traction", "tangential_traction"), ("opening", "slip")
+    units = {"s": _unit(table, LENGTHS, "s")}
+    units |= dict.fromkeys(tractions, _unit(table, STRESSES, *tractions))
+    units |= dict.fromkeys(jumps, _unit(table, LENGTHS, *jumps))
+    surfaces: dict[str, dict[int, dict[str, list[Any]]]] = {}
+    for (name, step), points in table.by("crack", "step").items():
+        if int(step) in kept:
+            columns = {column: rounded_all(points.numbers(column), size) for column, (size, _) in units.items()}
+            surfaces.setdefault(name, {})[int(step)] = columns | {"state": list(points.words("state"))}
+    return {
+        "units": {column: unit for column, (_, unit) in units.items()},
+        "surfaces": surfaces,
+        "left_out": len(kept) < len(np.unique(table.steps())),
+    }
+
+
+def _kept_steps(table: TextTable, most: int) -> set[int]:
+    """Steps of a table that the page shows, so that it has about as many rows as `most`; the last one always."""
+    steps = np.unique(table.steps())[::-1]
+    return set(steps[:: max(1, -(-len(table) // most))].tolist())
+
+
+def step_words(run: RunFolder) -> dict[int, str]:
+    """What the slider says of each step."""
+    words = {}
+    steps = run.table("steps")
+    for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
+        words[step] = f"{load_words(run.case, float(factor))}, {n} unknowns"
+    return {place: words.get(place, "after the last advance, not solved") for place in run.places}
+
+
+def pictures(run: RunFolder) -> list[dict[str, Any]]:
+    """Step, caption and data of each picture, in the order of the steps; those of a series at most MOST_BYTES.
+
+    Raises FolderError for one that is damaged.
+    """
+    series: dict[str, dict[int, Path]] = {}
+    for path in rendered_files(run.folder):
+        step = path.stem.removeprefix("step_")
+        if path.suffix == ".png" and int(step) in run.solved:
+            series.setdefault(path.parent.name, {})[int(step)] = path
+    if series:
+        field = min(series, key=lambda name: (name != FIRST_FIELD, name))
+        steps = sorted(series[field], reverse=True)  # evenly spaced, the last one among them
+        chosen = [_picture(k, field, series[field][k], MOST_PIXELS) for k in steps[:: -(-len(steps) // MOST_PICTURES)]]
+        size = sum(len(picture["uri"]) for picture in chosen)
+        return chosen[:: -(-size // MOST_BYTES)][::-1]
+    figures = zip(("first", "last"), (run.solved[:1], run.solved[-1:]), strict=True)
+    paths = [(step, run.folder / "figures" / f"sigma_1_{which}.png") for which, steps in figures for step in steps]
+    words = "major principal stress"
+    return [_picture(step, words, path, MOST_PIXELS_OF_FIGURES) for step, path in paths if path.is_file()]
+
+
+def _picture(step: int, words: str, path: Path, most_pixels: int) -> dict[str, Any]:
+    """A picture as JPEG: of smooth colours PNG takes several times as much."""
+    from PIL import Image  # here: reports without pictures do not need it
+
+    try:
+        with Image.open(path) as image:
+            small = image.convert("RGB")
+    except OSError as error:
+        raise FolderError(f"{path} is damaged: {error}") from error
+    small.thumbnail((most_pixels, most_pixels))
+    data = io.BytesIO()
+    small.save(data, format="JPEG", quality=QUALITY, optimize=True)
+    uri = f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"
+    return {"step": step, "words": words, "uri": uri}

@@ -18,7 +18,8 @@ from PIL import Image
 from crackgrow.api import run_case
 from crackgrow.errors import SolveError
 from crackgrow.results.folder import FolderError, open_run
-from crackgrow.results.report import step_data, write_report
+from crackgrow.results.report import page as page_module
+from crackgrow.results.report import write_report
 from crackgrow.results.writer import RunWriter
 from tests.report_runs import HOSTILE, make_run, paint
 from tests.scenes import shipped_case
@@ -279,10 +280,10 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     shown = read(tmp_path).data["pictures"]
     assert [picture["step"] for picture in shown] == [0, 2, 3]
     assert all(picture["uri"].startswith("data:image/jpeg;base64,") for picture in shown)
-    monkeypatch.setattr(step_data, "MOST_PICTURES", 2)
+    monkeypatch.setattr(page_module, "MOST_PICTURES", 2)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [0, 3]
-    monkeypatch.setattr(step_data, "MOST_BYTES", 100)
+    monkeypatch.setattr(page_module, "MOST_BYTES", 100)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
 
