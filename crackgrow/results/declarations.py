@@ -63,7 +63,4 @@ def columns_of(room: str) -> dict[str, Any]:
 RUN: Final = declared(columns_of("results"))
 """Files of a run."""
 
-_FILES: Final = {file.name: file for file in RUN}
-SUMMARY, STEPS, TIPS, CONTACT = (_FILES[name] for name in ("summary.json", "steps.csv", "tips.csv", "contact.csv"))
-HISTORY, EVENTS, REACTIONS = (_FILES[name] for name in ("history.csv", "events.csv", "reactions.csv"))
-FRAMES, CRACKS = (_FILES[name] for name in ("frames/step_NNNN.vtu", "cracks/step_NNNN.vtp"))
+FILES: Final = {file.name: file for file in RUN}

@@ -30,7 +30,7 @@ from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import component_text, extent, length_unit
-from crackgrow.results.signs import LAW, LOAD, Sheet, draw_load, draw_support
+from crackgrow.results.signs import LAW, LOAD, Sheet
 from crackgrow.results.style import own_style, wrapped
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
@@ -150,9 +150,9 @@ def _begun(case: Case, side: float, title: str = "") -> tuple[Figure, Sheet]:
         line = interface.lines[0]
         sheet.label(line[0] + 0.8 * (line[-1] - line[0]), words, LAW)
     for support in case.supports:
-        draw_support(sheet, support)
+        sheet.draw_support(support)
     for load in case.loads:
-        draw_load(sheet, load)
+        sheet.draw_load(load)
     axes.text(0.02, 0.01, "\n".join(notes), fontsize=7.5, color=LOAD, va="bottom", zorder=8, transform=axes.transAxes)
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     _dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")

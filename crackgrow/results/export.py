@@ -14,7 +14,7 @@ import pyvista
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import OutputError, write_atomically, write_text
 from crackgrow.results.drawn_frame import COMPONENTS, cells_of
-from crackgrow.results.folder import FolderError, RunFolder, open_run, series_file
+from crackgrow.results.folder import FACES, FolderError, RunFolder, of_step, open_run
 from crackgrow.results.units import or_null, spans_text
 
 FORMATS: Final = ("msh", "inp", "vtk", "xdmf", "geojson", "dxf")
@@ -195,7 +195,7 @@ def _jumps(run: RunFolder, step: int) -> dict[str, tuple[Floats, Floats, Floats]
 
     Else of contact points alone, which cracks without a contact law have none of.
     """
-    path = run.folder / series_file("cracks", step)
+    path = run.folder / of_step(FACES, step)
     if not path.is_file():
         contact = run.table("contact").of_steps([step]).by("crack")
         return {

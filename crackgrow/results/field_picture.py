@@ -23,18 +23,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
 from crackgrow.errors import CaseError
-from crackgrow.results.drawn_frame import (
-    INCHES,
-    LINE,
-    DrawnFrame,
-    above,
-    areas,
-    areas_of,
-    boundary_edges,
-    displayed_magnification,
-    off_mean,
-    percentiles,
-)
+from crackgrow.results.drawn_frame import INCHES, LINE, DrawnFrame, areas_of, percentiles
 from crackgrow.results.style import has_bar_beside, own_style, with_bar
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
@@ -81,9 +70,9 @@ class FieldPictures:
     ) -> None:
         """Raises CaseError for limits that the field cannot have."""
         self.title, self.field, self.loads, self.size = title, field, loads, look.size
-        self.warp = min(displayed_magnification(frame) for frame in frames) if look.warp is None else look.warp
+        self.warp = min(frame.magnification() for frame in frames) if look.warp is None else look.warp
         values = np.concatenate([frame.values for frame in frames])
-        weights = np.concatenate([areas(frame, by_point=frame.by_point) for frame in frames])
+        weights = np.concatenate([frame.areas(by_point=frame.by_point) for frame in frames])
         self.unit, self.norm, self.colormap = colours_of(field, values, weights)
         if look.limits is not None:
             low, high = limits_of(field, look.limits, self.unit)
@@ -98,7 +87,7 @@ class FieldPictures:
         axes.set_facecolor(BEHIND)
         points = self._moved(frame) / length
         shade(axes, frame, points, frame.values / self.unit[0], self.norm, self.colormap)
-        edges = points[boundary_edges(frame)]
+        edges = points[frame.boundary_edges()]
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
@@ -109,7 +98,7 @@ class FieldPictures:
 
     def _moved(self, frame: DrawnFrame) -> Floats:
         """Points (n, 2) m of a frame, displaced without the mean translation."""
-        return frame.points + self.warp * off_mean(frame)
+        return frame.points + self.warp * frame.off_mean()
 
 
 def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) -> tuple[Figure, Axes, float]:
@@ -148,7 +137,7 @@ def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: N
     of_cell = np.repeat(np.arange(len(cells)), 4)
     there = corners[:, 0] != corners[:, 1]  # of triangles, whose last corner comes twice, three of four parts
     points = np.concatenate([points, points[cells].mean(axis=1)])
-    last = np.append(above(frame), np.zeros(len(cells), dtype=bool))[corners].any(axis=1)
+    last = np.append(frame.above(), np.zeros(len(cells), dtype=bool))[corners].any(axis=1)
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
     longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
     thin = 2.0 * areas_of(points, corners) < THIN * longest * np.ptp(points, axis=0).max()

@@ -95,24 +95,25 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     for row, face in zip(table, faces, strict=True):
         mine = owner == face.crack
         largest = max(np.abs(contact.normal_traction[mine]).max(), np.abs(contact.tangential_traction[mine]).max())
-        pascals, stress_unit = unit_of([largest], STRESSES)
-        stress = 1.0 / pascals
-        for axes, values, along, label in (
-            (row[0], contact.slip, face.slip * scale, f"slip [{unit}]"),
-            (row[1], contact.normal_traction, face.normal_traction * stress, f"normal traction [{stress_unit}]"),
-            (row[2], contact.tangential_traction, face.tangential_traction * stress, f"shear traction [{stress_unit}]"),
+        pascals, pressure = unit_of([largest], STRESSES)
+        for axes, name, size, label in (
+            (row[0], "slip", 1.0 / scale, f"slip [{unit}]"),
+            (row[1], "normal_traction", pascals, f"normal traction [{pressure}]"),
+            (row[2], "tangential_traction", pascals, f"shear traction [{pressure}]"),
         ):
-            factor = scale if values is contact.slip else stress
             axes.axhline(0.0, color="0.7", linewidth=0.6)  # always in the picture: round-off is not blown up to fill it
-            axes.plot(face.s * scale, along, color="0.4", linewidth=1.0)
+            axes.plot(face.s * scale, getattr(face, name) / size, color="0.4", linewidth=1.0)
             for state, fill in ((OPEN, "white"), (STICK, "tab:blue"), (SLIP, "tab:red")):
                 here = mine & (contact.state == state)
-                if not here.any():
-                    continue
-                axes.plot(
-                    contact.s[here] * scale, values[here] * factor, "o", markersize=3.5, markerfacecolor=fill,
-                    markeredgecolor="0.2", markeredgewidth=0.5, label=STATE_NAMES[state],
-                )  # fmt: skip
+                if here.any():
+                    dots = {
+                        "markersize": 3.5,
+                        "markerfacecolor": fill,
+                        "markeredgecolor": "0.2",
+                        "markeredgewidth": 0.5,
+                    }
+                    s, values = contact.s[here] * scale, getattr(contact, name)[here] / size
+                    axes.plot(s, values, "o", label=STATE_NAMES[state], **dots)
             axes.set(xlabel=f"s along {face.crack} [{unit}]", ylabel=label)
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
@@ -159,19 +160,13 @@ def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequenc
 
 def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[float, float], list[str]]]:
     """Where to name some steps of a curve x, y (n,), and by which words: steps at about the same place share one."""
-    width, height = (float(np.ptp(values[np.isfinite(values)])) or 1.0 for values in (x, y))
-    labels: list[tuple[tuple[float, float], list[str]]] = []
+    width, height = (SAME_PLACE * float(np.ptp(values[np.isfinite(values)])) or 1.0 for values in (x, y))
+    labels: dict[tuple[int, int], tuple[tuple[float, float], list[str]]] = {}
     for step in dict.fromkeys(named):
-        place = (float(x[step]), float(y[step]))
-        if not np.isfinite(place).all():
-            continue
-        for (a, b), words in labels:
-            if abs(a - place[0]) < SAME_PLACE * width and abs(b - place[1]) < SAME_PLACE * height:
-                words.append(str(step))
-                break
-        else:
-            labels.append((place, [str(step)]))
-    return labels
+        if np.isfinite(x[step]) and np.isfinite(y[step]):
+            cell = (round(x[step] / width), round(y[step] / height))
+            labels.setdefault(cell, ((float(x[step]), float(y[step])), []))[1].append(str(step))
+    return list(labels.values())
 
 
 def _save(path: Path, figure: Figure) -> None:

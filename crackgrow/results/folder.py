@@ -29,11 +29,11 @@ if TYPE_CHECKING:
     import pyvista
 
 REPORT, SUMMARY, LOG, CASE, HISTORY = "report.html", "summary.json", "run.log", "case.yaml", "history.csv"
-FILES: Final = tuple(file.name for file in RUN if "/" not in file.name and "NAME" not in file.name)
-FIGURES: Final = tuple(file.name for file in RUN if file.name.startswith("figures/"))
-SERIES: Final = {"frames": "vtu", "cracks": "vtp"}  # folders with a file for each step, and how their names end
-RENDER: Final = "render"  # folder with a folder of pictures for each field
-ANIMATIONS: Final = {"gif": "animation.gif", "mp4": "animation.mp4"}
+FRAME, FACES, CHECKPOINT = "frames/step_NNNN.vtu", "cracks/step_NNNN.vtp", "checkpoint/step_NNNN.npz"
+PICTURE = "render/FIELD/step_NNNN.png"
+OWN: Final = (*(file.name for file in RUN if not file.name.startswith("export/")), "render/FIELD/animation.mp4")
+"""Names of all that a run writes, and of what is drawn of it; what is exported is the user's."""
+
 OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", HISTORY)
 """Tables that may have rows of a step that a run was killed in: they count where steps.csv has the step."""
 
@@ -55,30 +55,31 @@ def series_names(case_name: str) -> tuple[str, str]:
     return f"{case_name}.pvd", f"{case_name}_cracks.pvd"
 
 
-def series_file(kind: str, step: int) -> str:
-    """Path of a step's file of one of SERIES, relative to the run's folder."""
-    return f"{kind}/step_{step:04d}.{SERIES[kind]}"
+def of_step(name: str, step: int) -> str:
+    """Path of a step's file, relative to the run's folder, by its declared name."""
+    return name.replace("NNNN", f"{step:04d}")
 
 
-def series_files(folder: Path, first: int = 0) -> Iterator[Path]:
-    """Frames and crack faces in a run's folder, of the steps from `first` on, and half written ones of any step."""
-    for kind, ending in SERIES.items():
-        for path in sorted((folder / kind).glob("*")):
-            match = re.fullmatch(rf"(\.?)step_(\d{{4,}})(\.tmp)?\.{ending}", path.name)
-            if match and (match[1] or int(match[2]) >= first):
-                yield path
+@dataclass(frozen=True, slots=True)
+class OwnFile:
+    """A file in a run's folder under a name that is the program's."""
+
+    path: Path
+    name: str  # as it is declared, such as "frames/step_NNNN.vtu"
+    step: int  # -1 where it is not of one
+    whole: bool  # else a killed run has left it half written
 
 
-def rendered_files(folder: Path) -> Iterator[Path]:
-    """Pictures, and animations, that were made of the run in a folder."""
-    for field in sorted((folder / RENDER).glob("*/")):
-        yield from pictures_in(field)
-
-
-def pictures_in(field: Path) -> Iterator[Path]:
-    """Pictures and animations in the folder of a field, step_NNNN.png and ANIMATIONS."""
-    yield from (path for path in sorted(field.glob("step_*.png")) if re.fullmatch(r"step_\d{4,}\.png", path.name))
-    yield from (path for name in ANIMATIONS.values() if (path := field / name).is_file())
+def own_files(folder: Path, case_name: str = "", names: Iterable[str] = OWN) -> Iterator[OwnFile]:
+    """The files in a folder, and in those within, that bear declared names."""
+    for name in names:
+        within, _, last = name.rpartition("/")
+        pattern = re.escape(last).replace("NNNN", r"(\d{4,})").replace("NAME", re.escape(case_name))
+        for path in sorted(folder.glob(f"{within}/*".replace("FIELD", "*").removeprefix("/"))):
+            half = re.fullmatch(r"\.(.+)\.tmp(\.\w+)", path.name)
+            match = re.fullmatch(pattern, f"{half[1]}{half[2]}" if half else path.name)
+            if match:
+                yield OwnFile(path, name, int(match[1]) if match.groups() else -1, whole=half is None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -248,8 +249,7 @@ class RunFolder(RunTables):
     @cached_property
     def frames(self) -> dict[int, Path]:
         """Files of the frames by step, in order."""
-        paths = (path for path in series_files(self.folder) if path.match("frames/step_*"))
-        found = {int(path.stem.removeprefix("step_")): path for path in paths}
+        found = {own.step: own.path for own in own_files(self.folder, names=[FRAME]) if own.whole}
         return dict(sorted(found.items()))  # by number: step_10000 comes before step_9999 by name
 
     def frames_of(self, steps: Sequence[int | range] | None = None) -> list[int]:

@@ -22,27 +22,14 @@ from filelock import FileLock, Timeout
 
 from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import OccupiedError, OutputError, refused, temporary_path
-from crackgrow.results.folder import (
-    FIGURES,
-    FILES,
-    LOG,
-    SUMMARY,
-    RunFolder,
-    rendered_files,
-    series_files,
-    series_names,
-)
+from crackgrow.results.folder import CHECKPOINT, LOG, SUMMARY, SUMMARY_KEYS, RunFolder, own_files, series_names
 from crackgrow.results.log import is_log
-from crackgrow.results.resume import checkpoint_files, is_checkpoint
+from crackgrow.results.resume import is_checkpoint
 
 LOCK: Final = ".crackgrow.lock"
 PATIENCE: Final = 0.2  # s: whoever holds the lock may be about to go
 NO_LOCKS: Final = (errno.ENOLCK, errno.ENOSYS, errno.EOPNOTSUPP, errno.EINVAL)  # of a file system
 NOT_WRITABLE: Final = (errno.EACCES, errno.EPERM, errno.EROFS)  # of a folder: nobody here can write into it
-
-OWN_KEYS: Final = ("case", "status", "stop_reason", "steps_done", "n_solves", "version", "git_commit", "wall_seconds",
-                   "peak_memory_mb", "worst_checks")  # fmt: skip
-"""Of a summary, all of them in that of every version."""
 
 
 class LockedError(CrackgrowError):
@@ -159,13 +146,10 @@ def earlier_files(folder: Path, case_name: str) -> list[Path]:
     """
     check_place(folder, case_name)
     summary = RunFolder(folder).found_summary
-    is_own = all(key in summary for key in OWN_KEYS)
-    cases = {case_name, str(summary["case"]) if is_own else case_name}
-    series = [name for case in cases for name in series_names(case) if Path(name).name == name]
-    named = [folder / name for name in (*FILES, *FIGURES, *series)]
-    files = [*checkpoint_files(folder), *(path for path in named if path.name != SUMMARY), *map(temporary_path, named)]
-    files += [*series_files(folder), *rendered_files(folder), folder / SUMMARY]
-    found = [path for path in files if path.is_symlink() or path.exists()]
+    is_own = all(key in summary for key in SUMMARY_KEYS)
+    cases = {case_name, Path(str(summary["case"])).name if is_own else case_name}
+    paths = {own.path for case in cases for own in own_files(folder, case)}
+    found = sorted(paths, key=lambda path: (path.parent.name != "checkpoint", path.name == SUMMARY, path))
     if found and not is_own and not _is_own_without_summary(folder):
         first = found[-1] if found[-1].name == SUMMARY else found[0]
         others = f" and {len(found) - 1} more" if len(found) > 1 else ""
@@ -176,14 +160,9 @@ def earlier_files(folder: Path, case_name: str) -> list[Path]:
     return found
 
 
-def half_written_files(folder: Path, case_name: str) -> Iterator[Path]:
-    """Temporary files that a killed run may have left, but for those of frames and checkpoints."""
-    yield from (temporary_path(folder / name) for name in (*FILES, *FIGURES, *series_names(case_name)))
-
-
 def _is_own_without_summary(folder: Path) -> bool:
     """Whether a checkpoint or the log is of the program, and no summary of something else is in the way."""
     path = folder / SUMMARY
     if path.is_symlink() or (path.exists() and (not path.is_file() or path.stat().st_size > 0)):
         return False
-    return is_log(folder / LOG) or any(map(is_checkpoint, checkpoint_files(folder)))
+    return is_log(folder / LOG) or any(is_checkpoint(own.path) for own in own_files(folder, names=[CHECKPOINT]))

@@ -16,7 +16,7 @@ from PIL import Image
 from crackgrow.results.atomic import OutputError, remove_files, write_atomically, write_bytes
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import USUAL, FieldPictures, Look
-from crackgrow.results.folder import RENDER, open_run, pictures_in
+from crackgrow.results.folder import open_run, own_files
 from crackgrow.results.log import load_words
 
 MILLISECONDS = 250  # that a picture is shown
@@ -45,8 +45,8 @@ def render(
     factors = run.table("steps").numbers("load_factor").tolist()
     loads = {step: load_words(run.case, factor) for step, factor in zip(run.solved, factors, strict=True)}
     pictures = FieldPictures(run.case.title, field, frames, loads, look)
-    target = (folder / RENDER if out is None else out) / field
-    remove_files(pictures_in(target))
+    target = (folder / "render" if out is None else out) / field
+    remove_files(own.path for own in own_files(target, names=["step_NNNN.png", "animation.gif", "animation.mp4"]))
     for frame in frames:
         path = target / f"step_{frame.step:04d}.png"
         write_bytes(path, pictures.png(frame))

@@ -18,7 +18,6 @@ array `header`), whose numbers may be NaN; reading it executes nothing. Every me
 from __future__ import annotations
 
 import json
-import re
 import time
 import zipfile
 from collections.abc import Mapping
@@ -36,7 +35,7 @@ from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, LoadHistory, Stages
 from crackgrow.errors import CaseError, CrackgrowError
 from crackgrow.results.atomic import OutputError, remove_files, write_atomically
-from crackgrow.results.folder import SERIES, RunFolder, series_file
+from crackgrow.results.folder import CHECKPOINT, FACES, FRAME, RunFolder, of_step, own_files
 from crackgrow.results.summary import program_commit
 from crackgrow.results.tables import lines_before
 from crackgrow.results.units import cut
@@ -44,8 +43,6 @@ from crackgrow.run.result import Checkpoint
 
 FORMAT: Final = 10
 FLUSHED_EVERY: Final = 1.0  # s: so often a checkpoint is flushed to the disk, which can take longer than a small step
-NAME: Final = re.compile(r"step_(\d{4,})\.npz")
-HALF_WRITTEN: Final = re.compile(r"\.step_\d{4,}\.tmp\.npz")
 
 FREE: Final = ("title", "source", "output.figures", "output.report", "growth.steps")
 MOST_DIFFERENCES: Final = 20  # that are told
@@ -101,28 +98,17 @@ class CheckpointWriter:
             with temporary.open("wb") as file:
                 np.savez(file, **arrays)
 
-        write_atomically(_path(self._folder, step), write, durable=flush)
+        write_atomically(self._folder / of_step(CHECKPOINT, step), write, durable=flush)
         if flush:
             self._flushed, self._when = step, now
         before = [older for older in steps_with_checkpoint(self._folder) if older < step][:1]
-        kept = {_path(self._folder, number) for number in (step, *before, self._flushed)}
-        remove_files(path for path in checkpoint_files(self._folder) if path not in kept)
-
-
-def _path(folder: Path, step: int) -> Path:
-    return folder / "checkpoint" / f"step_{step:04d}.npz"
+        kept = {self._folder / of_step(CHECKPOINT, number) for number in (step, *before, self._flushed)}
+        remove_files({own.path for own in own_files(self._folder, names=[CHECKPOINT])} - kept)
 
 
 def steps_with_checkpoint(folder: Path) -> list[int]:
     """The steps whose checkpoints are in the run's folder, the newest first."""
-    found = (NAME.fullmatch(path.name) for path in checkpoint_files(folder))
-    return sorted((int(match[1]) for match in found if match), reverse=True)
-
-
-def checkpoint_files(folder: Path) -> list[Path]:
-    """The files of checkpoints in the run's folder, half written ones too."""
-    files = sorted((folder / "checkpoint").glob("*.npz"))
-    return [path for path in files if NAME.fullmatch(path.name) or HALF_WRITTEN.fullmatch(path.name)]
+    return sorted((own.step for own in own_files(folder, names=[CHECKPOINT]) if own.whole), reverse=True)
 
 
 def is_checkpoint(path: Path) -> bool:
@@ -156,7 +142,7 @@ def find_resumption(case: Case, folder: Path) -> Resumption | None:
     """
     remarks = []
     for step in steps_with_checkpoint(folder):
-        path = _path(folder, step)
+        path = folder / of_step(CHECKPOINT, step)
         try:
             header, arrays = _read(path)
         except DamagedError as error:
@@ -201,7 +187,8 @@ def _missing(folder: Path, step: int, results: Mapping[str, Any]) -> list[str]:
         except (OSError, ValueError):
             fits = False
         missing += [] if fits else [table.name]
-    frames = [series_file(kind, number) for kind in SERIES for number in results["tally"][kind]]
+    series = ((FRAME, results["tally"]["frames"]), (FACES, results["tally"]["cracks"]))
+    frames = [of_step(name, number) for name, numbers in series for number in numbers]
     return missing + [name for name in frames if not (folder / name).is_file()]
 
 

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.results import declarations
 from crackgrow.results.atomic import GrowingFile
-from crackgrow.results.declarations import PHASES, File
+from crackgrow.results.declarations import FILES, PHASES, RUN, File
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
 
 if TYPE_CHECKING:
@@ -24,7 +23,7 @@ Row = tuple[Value, ...]
 
 COMPONENTS: Final = ("xx", "yy", "xy")
 
-HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in declarations.RUN if ".csv" in file.name}
+HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in RUN if ".csv" in file.name}
 """Columns of the tables by name."""
 
 
@@ -61,9 +60,9 @@ def lines_before(path: Path, step: int) -> list[str]:
     Raises ValueError where it is no table that this version goes on with, OSError where it can't be read.
     """
     header, *rows = path.read_text(encoding="utf-8").split("\n")[:-1]  # a last row without an end was cut off
-    if path.name != declarations.HISTORY.name and header.split(",") != list(HEADERS[path.stem]):
+    if path.name != "history.csv" and header.split(",") != list(HEADERS[path.stem]):
         raise ValueError(f"another header: {header}")
-    if path.name == declarations.EVENTS.name:
+    if path.name == "events.csv":
         step -= 1  # events come with the step after theirs, to which an advance has led
     return [header, *(row for row in rows if int(row.partition(",")[0]) < step)]
 
@@ -111,7 +110,7 @@ def contact_rows(result: StepResult) -> list[Row]:
     given["state"] = [STATE_NAMES[state] for state in contact.state.tolist()]
     columns = [
         (column.kind, given.get(column.name, getattr(contact, column.name, ())))
-        for column in declarations.CONTACT.columns
+        for column in FILES["contact.csv"].columns
     ]
     return list(zip(*([kind(value) for value in values] for kind, values in columns), strict=True))
 
@@ -132,7 +131,7 @@ def history_rows(result: StepResult) -> list[Row]:
 
 def event_rows(events: Iterable[Event]) -> list[Row]:
     """Rows of events.csv: the step whose advance made the event, the place in m."""
-    return [_row(declarations.EVENTS, (event,), _place(event.point)) for event in events]
+    return [_row(FILES["events.csv"], (event,), _place(event.point)) for event in events]
 
 
 def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
@@ -149,11 +148,11 @@ def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
     }
     means = {"mean_stress": result.mean_stress, "mean_strain": result.mean_strain}
     parts = {f"{name}_{xx}": part for name, of in means.items() for xx, part in zip(COMPONENTS, of, strict=True)}
-    return _row(declarations.STEPS, (result,), seconds | energies | parts)
+    return _row(FILES["steps.csv"], (result,), seconds | energies | parts)
 
 
 GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
-    "tips": lambda of: [_row(declarations.TIPS, (tip, of), _place(tip.point)) for tip in of.tips],
+    "tips": lambda of: [_row(FILES["tips.csv"], (tip, of), _place(tip.point)) for tip in of.tips],
     "contact": contact_rows,
     "reactions": lambda of: [(int(of.step), one.where, *one.force, float(of.load_factor)) for one in of.reactions],
     "history": history_rows,
@@ -163,46 +162,25 @@ GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
 """What a step adds to the tables that grow with the steps."""
 
 
+class TableOf:
+    """A table of a run as a DataFrame, under its name, with the meaning that `columns.yaml` gives it."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+        self.__doc__ = f"{name}.csv: {FILES[f'{name}.csv'].doc}"
+
+    def __get__(self, run: RunTables | None, owner: type) -> pd.DataFrame:
+        return self if run is None else run._frame(self._name)  # type: ignore[return-value]  # the class has itself
+
+
 class RunTables:
-    """The tables of a run, in its folder or in memory, with columns, units and values as in the CSV files."""
+    """The tables of a run, in its folder or in memory, with columns, units and values as in the CSV files.
 
-    @property
-    def steps(self) -> pd.DataFrame:
-        """steps.csv: a row for each step, with load factor, energies, checks, times.
+    In memory `seconds_output` of the steps is without the writing of frames.
+    """
 
-        In memory `seconds_output` is without the writing of frames.
-        """
-        return self._frame("steps")
-
-    @property
-    def tips(self) -> pd.DataFrame:
-        """tips.csv: a row for each step and tip, with place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
-        return self._frame("tips")
-
-    @property
-    def contact(self) -> pd.DataFrame:
-        """contact.csv: a row for each step and contact point, with tractions (Pa), opening and slip (m), state."""
-        return self._frame("contact")
-
-    @property
-    def reactions(self) -> pd.DataFrame:
-        """reactions.csv: a row for each step and support, foundation or interface, with its force (N/m)."""
-        return self._frame("reactions")
-
-    @property
-    def history(self) -> pd.DataFrame:
-        """history.csv: a row for each increment, with what `output.points` see; where the case names points."""
-        return self._frame("history")
-
-    @property
-    def events(self) -> pd.DataFrame:
-        """events.csv: tips that have met a crack, a hole, the outline or an interface."""
-        return self._frame("events")
-
-    @property
-    def paths(self) -> pd.DataFrame:
-        """paths.csv: the cracks at the end, a row for each vertex (m) with the step that made it."""
-        return self._frame("paths")
+    steps, tips, paths, contact = TableOf(), TableOf(), TableOf(), TableOf()
+    reactions, history, events = TableOf(), TableOf(), TableOf()
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
@@ -230,15 +208,12 @@ def frame_of(table: TextTable) -> pd.DataFrame:
     """A table of a run's folder, with the types that the same table has in memory."""
     import pandas as pd  # as above
 
-    files = [file for file in declarations.RUN if file.name == table.path.name]
-    kinds = {column.name: column.kind for file in files for column in file.columns}
-    columns: dict[str, object] = {}
-    for name, words in table.columns.items():
-        kind = kinds.get(name, float)
-        if kind is str:
-            columns[name] = words
-        elif kind is bool:
-            columns[name] = [word == "true" for word in words]
-        else:
-            columns[name] = table.numbers(name).astype(np.int64 if kind is int else float)
-    return pd.DataFrame(columns)
+    file = FILES.get(table.path.name)
+    kinds = {column.name: column.kind for column in file.columns} if file else {}
+    read: dict[type, Callable[[str], Any]] = {
+        str: table.words,
+        bool: lambda name: [word == "true" for word in table.words(name)],
+        int: lambda name: table.numbers(name).astype(np.int64),
+        float: table.numbers,
+    }
+    return pd.DataFrame({name: read[kinds.get(name, float)](name) for name in table.columns})

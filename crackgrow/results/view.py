@@ -10,7 +10,7 @@ from typing import Any
 import pyvista
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.drawn_frame import areas, displayed_magnification, drawn_frame
+from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import colours_of
 from crackgrow.results.folder import open_run
 from crackgrow.results.units import factor_text
@@ -48,8 +48,8 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
     run = open_run(folder)
     steps = run.frames_of()
     last = drawn_frame(run, steps[-1], field)
-    factor = displayed_magnification(last) if warp is None else warp
-    (size, name), norm, colour_map = colours_of(field, last.values, areas(last, by_point=last.by_point))
+    factor = last.magnification() if warp is None else warp
+    (size, name), norm, colour_map = colours_of(field, last.values, last.areas(by_point=last.by_point))
     label = f"{field} [{name}]" if name else field
     looks: dict[str, Any] = {"cmap": colour_map, "clim": (norm.vmin, norm.vmax)}
     looks |= {"show_scalar_bar": False, "lighting": False}

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.drawn_frame import VTK_QUAD, VTK_TRIANGLE, principal_stresses
-from crackgrow.results.folder import SERIES, series_file, series_names
+from crackgrow.results.folder import FACES, FRAME, of_step, series_names
 from crackgrow.run.result import CrackFaces, Frame
 
 if TYPE_CHECKING:
@@ -85,9 +85,9 @@ def write_series(folder: Path, case_name: str, frames: Sequence[int], cracks: Se
 
     Raises OutputError.
     """
-    for name, kind, steps in zip(series_names(case_name), SERIES, (frames, cracks), strict=True):
+    for name, kind, steps in zip(series_names(case_name), (FRAME, FACES), (frames, cracks), strict=True):
         if steps:
-            files = ((step, series_file(kind, step)) for step in steps)
+            files = ((step, of_step(kind, step)) for step in steps)
             lines = [f'    <DataSet timestep="{step}" part="0" file="{file}"/>\n' for step, file in files]
             head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
             write_text(folder / name, f"{head}  <Collection>\n{''.join(lines)}  </Collection>\n</VTKFile>\n")

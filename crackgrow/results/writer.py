@@ -16,8 +16,8 @@ from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
-from crackgrow.results.folder import CASE, LOG, REPORT, SUMMARY, RunFolder, rendered_files, series_file, series_files
-from crackgrow.results.lock import FolderLock, earlier_files, half_written_files
+from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, RunFolder, of_step, own_files
+from crackgrow.results.lock import FolderLock, earlier_files
 from crackgrow.results.log import RunLog, event_line, logged_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
@@ -29,7 +29,7 @@ SPARE: Final = 2**23  # bytes: what the last files of a run take, and more
 
 def complete_run(case: Case, folder: Path) -> None:
     """Make the report of a finished run that was killed before it had one; raises OutputError."""
-    remove_files(half_written_files(folder, case.name))
+    remove_files(own.path for own in own_files(folder, case.name) if not own.whole)
     if case.output.report and not (folder / REPORT).is_file():
         from crackgrow.results.report import write_report  # here: a run without it needs none of it
 
@@ -87,7 +87,7 @@ class RunWriter:
         remove_files(path for path in earlier if path.name != SUMMARY)
         write_text(self.folder / CASE, self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
-        self._warn_of_lock()
+        self._warn(self._lock.remark)
         for kind in changes_of(self.case):
             for text in kind:
                 self._log.tell(f"changed when it was read: {text}")
@@ -103,27 +103,25 @@ class RunWriter:
         self._tally.resumed.append(step)
         self._memory = results["memory"]
         self._cpu_began -= results["cpu"]
-        remove_files(half_written_files(self.folder, self.case.name))
-        remove_files([self.folder / REPORT])  # of a run that had ended
+        for own in own_files(self.folder, self.case.name):
+            stale = own.step >= step if own.name in (FRAME, FACES) else own.name.startswith((REPORT, "render/"))
+            if stale or not own.whole:
+                remove_files([own.path])
         write_text(self.folder / CASE, self._settings)
         if "history" in results["tables"]:
             self._tables["history"] = tables.Table(self.folder, "history")
         for table in self._tables.values():
             table.drop_from(step)
         vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
-        remove_files([*rendered_files(self.folder), *series_files(self.folder, step)])
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
-        for text in found.remarks:
-            self._tally.remarks.append(f"resumed with step {step}: {text}")
-            self._log.tell(f"warning: {text}")
-        self._warn_of_lock()
+        self._warn(*(f"resumed with step {step}: {text}" for text in found.remarks), self._lock.remark)
         self._write_summary(RUNNING)
 
-    def _warn_of_lock(self) -> None:
-        """Say where the folder could not be locked."""
-        if self._lock.remark:
-            self._tally.remarks.append(self._lock.remark)
-            self._log.tell(f"warning: {self._lock.remark}")
+    def _warn(self, *remarks: str) -> None:
+        """Tell how the run goes on, and where the folder could not be locked; empty remarks are none."""
+        for text in filter(None, remarks):
+            self._tally.remarks.append(text)
+            self._log.tell(f"warning: {text}")
 
     def add(self, result: StepResult) -> None:
         """Write what a solved step gives; its frames' writing time goes into seconds_output."""
@@ -237,11 +235,11 @@ class RunWriter:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
         began = time.perf_counter()
         if result.frame is not None:
-            path = self.folder / series_file("frames", result.step)
+            path = self.folder / of_step(FRAME, result.step)
             vtk_frames.write_frame(path, result.frame, self.case.output.fields)
             self._tally.frames.append(result.step)
         if result.faces:
-            vtk_frames.write_cracks(self.folder / series_file("cracks", result.step), result.faces)
+            vtk_frames.write_cracks(self.folder / of_step(FACES, result.step), result.faces)
             self._tally.cracks.append(result.step)
         vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         return time.perf_counter() - began

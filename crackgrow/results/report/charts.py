@@ -15,17 +15,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import Stages
 from crackgrow.results.folder import HISTORY, RunFolder
 from crackgrow.results.tables import COMPONENTS
-from crackgrow.results.units import (
-    ENERGIES,
-    FORCES,
-    INTENSITIES,
-    LENGTHS,
-    STRESSES,
-    TIMES,
-    Unit,
-    rounded_all,
-    unit_of,
-)
+from crackgrow.results.units import ENERGIES, FORCES, INTENSITIES, LENGTHS, STRESSES, TIMES, Unit, rounded_all, unit_of
 
 Chart = dict[str, Any]
 

@@ -19,9 +19,9 @@ from jinja2 import Environment
 
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_text
-from crackgrow.results.declarations import STEPS
+from crackgrow.results.declarations import FILES
 from crackgrow.results.drawing import scene_svg, step_colour
-from crackgrow.results.folder import REPORT, FolderError, RunFolder, TextTable, open_run, rendered_files
+from crackgrow.results.folder import PICTURE, REPORT, FolderError, RunFolder, TextTable, open_run, own_files
 from crackgrow.results.log import load_words
 from crackgrow.results.report.charts import charts
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, counted, cut, rounded_all, shown, unit_of
@@ -90,7 +90,7 @@ def _own_file(name: str) -> str:
 def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
     """What is checked in each step: its meaning, worst value, step of that, limit, and whether it is below."""
     rows = []
-    meanings = {column.name: column.doc for column in STEPS.columns}
+    meanings = {column.name: column.doc for column in FILES["steps.csv"].columns}
     for name, limit in CHECK_LIMITS.items() if run.solved else ():
         values, words = np.abs(run.table("steps").numbers(name)), meanings[name]
         if name == "penetration":
@@ -196,10 +196,9 @@ def pictures(run: RunFolder) -> list[dict[str, Any]]:
     Raises FolderError for one that is damaged.
     """
     series: dict[str, dict[int, Path]] = {}
-    for path in rendered_files(run.folder):
-        step = path.stem.removeprefix("step_")
-        if path.suffix == ".png" and int(step) in run.solved:
-            series.setdefault(path.parent.name, {})[int(step)] = path
+    for own in own_files(run.folder, names=[PICTURE]):
+        if own.whole and own.step in run.solved:
+            series.setdefault(own.path.parent.name, {})[own.step] = own.path
     if series:
         field = min(series, key=lambda name: (name != FIRST_FIELD, name))
         steps = sorted(series[field], reverse=True)  # evenly spaced, the last one among them

@@ -35,9 +35,9 @@ def drawn(case: Case) -> tuple[list[Arrow], list[np.ndarray], int]:
     """Arrows, from left to right, the corners of triangles, and the number of wheels of all supports and loads."""
     sheet = signs.Sheet(Figure().add_subplot(), case, size_of(case))
     for support in case.supports:
-        signs.draw_support(sheet, support)
+        sheet.draw_support(support)
     for load in case.loads:
-        signs.draw_load(sheet, load)
+        sheet.draw_load(load)
     found = [text for text in sheet.axes.texts if isinstance(text, Annotation)]
     arrows = [(np.array(text.xyann), np.array(text.xy)) for text in found]
     triangles = [patch.get_xy()[:3] for patch in sheet.axes.patches if isinstance(patch, Polygon)]

@@ -6,7 +6,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from itertools import combinations, pairwise
 from pathlib import Path
-from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -98,7 +97,7 @@ def test_sigma_1_figure_shows_the_field_also_of_a_body_at_rest(scale: float, col
 def test_magnification_draws_the_largest_displacement_as_four_percent(scale: float) -> None:
     frame = drawn_frame.frame_with_sigma_1(make_frame(scale), 0)
     moved = frame.displacement + np.array([3.0, -1.0])  # a translation changes nothing
-    factor = drawn_frame.displayed_magnification(replace(frame, displacement=moved))
+    factor = replace(frame, displacement=moved).magnification()
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
 
@@ -111,8 +110,8 @@ def test_magnification_leaves_holes_their_shape() -> None:
     quads = np.delete(quads.reshape(-1, 4), [19 * 40 + 19, 19 * 40 + 20, 20 * 40 + 19, 20 * 40 + 20], axis=0)
     points, c = np.column_stack([x, y]), 1e-3
     closing = -c * points / np.maximum((points**2).sum(axis=1), 0.5)[:, None]
-    frame = SimpleNamespace(points=points, displacement=closing, cells=quads)
-    factor = drawn_frame.displayed_magnification(frame)
+    frame = DrawnFrame(0, points, quads, closing, np.zeros(len(points)), by_point=True)
+    factor = frame.magnification()
     at_corners = factor * c / 2
     assert drawn_frame.LARGEST_STRAIN / 2 < at_corners < drawn_frame.LARGEST_STRAIN * 1.5
 
@@ -135,11 +134,11 @@ def two_blocks(slip: float, turn: float, apart: float = 0.0) -> DrawnFrame:
 
 def test_magnification_keeps_faces_together_that_slip_and_turn() -> None:
     """A face that has turned by w is left by the slip w along where it was, by w^2 slip turn."""
-    factor = drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01))
+    factor = two_blocks(slip=0.02, turn=-0.01).magnification()
     assert factor**2 * 0.02 * 0.01 == pytest.approx(drawn_frame.TOGETHER * 2.0, rel=0.03)  # two digits of the factor
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.0, turn=-0.01)) > 1.2 * factor
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01, apart=0.002)) > 1.05 * factor
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0  # never less than they are
+    assert two_blocks(slip=0.0, turn=-0.01).magnification() > 1.2 * factor
+    assert two_blocks(slip=0.02, turn=-0.01, apart=0.002).magnification() > 1.05 * factor
+    assert two_blocks(slip=0.5, turn=0.2).magnification() == 1.0  # never less than they are
 
 
 @pytest.mark.parametrize("by_point", [True, False])
@@ -234,7 +233,7 @@ def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
     assert norm.vmax == pytest.approx(1.98, rel=1e-2)
     frame = drawn_frame.frame_with_sigma_1(make_frame(), 0)
     for by_point in (False, True):
-        areas = drawn_frame.areas(frame, by_point=by_point)
+        areas = frame.areas(by_point=by_point)
         assert len(areas) == len(frame.points if by_point else frame.cells)
         assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 
