@@ -34,11 +34,8 @@ BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
 NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
          "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
-KINDS: Final[Mapping[str, Literal["length", "stress"]]] = {
-    "displacement": "length",
-    "sigma": "stress",
-    "stress": "stress",
-}
+Kind = Literal["length", "stress"]
+KINDS: Final[Mapping[str, Kind]] = {"displacement": "length", "sigma": "stress", "stress": "stress"}
 UNITS: Final = {"length": LENGTHS, "stress": STRESSES, None: ((1.0, ""),)}  # of fields by what their names begin with
 COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a singular tip doesn't wash out the rest
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
@@ -108,14 +105,14 @@ def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) 
     """
     extent = high - low
     length, unit = unit_of(extent.tolist(), LENGTHS)
-    room = [COLOUR_BAR, 0.16] if has_bar_beside(*extent) else [0.12, COLOUR_BAR]
+    margin = MARGIN * extent.max()
+    room = [COLOUR_BAR, 0.16] if has_bar_beside(*(extent + 2.0 * margin)) else [0.12, COLOUR_BAR]
     shares = np.maximum(extent / extent.max(), LEAST_SHARE) + room
     fitting = 2 * np.round(shares * LONG_SIDE / shares.max() / 2)
     width, height = size or fitting
     dpi = LONG_SIDE / INCHES * min(width / fitting[0], height / fitting[1])
     figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi)
     axes = figure.add_subplot()
-    margin = MARGIN * extent.max()
     (left, bottom), (right, top) = (low - margin) / length, (high + margin) / length
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
     return figure, axes, length
@@ -134,15 +131,14 @@ def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: N
     n, cells = len(points), frame.cells
     middle = np.broadcast_to(n + np.arange(len(cells))[:, None], cells.shape)
     corners = np.stack([cells, np.roll(cells, -1, axis=1), middle], axis=2).reshape(-1, 3)
-    of_cell = np.repeat(np.arange(len(cells)), 4)
-    there = corners[:, 0] != corners[:, 1]  # of triangles, whose last corner comes twice, three of four parts
+    own = corners[:, 0] != corners[:, 1]  # of triangles, whose last corner comes twice, three of four parts
+    corners, of_cell = corners[own], np.repeat(np.arange(len(cells)), 4)[own]
     points = np.concatenate([points, points[cells].mean(axis=1)])
     last = np.append(frame.above(), np.zeros(len(cells), dtype=bool))[corners].any(axis=1)
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
     longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
     thin = 2.0 * areas_of(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
     order = np.lexsort([~thin, last])
-    order = order[there[order]]
     mesh = Triangulation(points[:, 0], points[:, 1], corners[order])
     if frame.by_point:
         values = np.concatenate([values, values[cells].mean(axis=1)])

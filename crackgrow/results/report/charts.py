@@ -85,11 +85,11 @@ def _most_slip(run: RunFolder) -> dict[str, Floats]:
     slips: dict[str, Floats] = {}
     for (name, step), points in run.table("contact").by("crack", "step").items():
         slip = points.numbers("slip")
-        slips.setdefault(name, np.full(len(run.solved), np.nan))[run.solved.index(int(step))] = slip[
-            np.argmax(np.abs(slip))
-        ]
-    largest = max(slips, key=lambda name: float(np.nanmax(np.abs(slips[name]))), default="")
-    return {f"largest slip of {largest}": slips[largest]} if largest and np.nan_to_num(slips[largest]).any() else {}
+        of_steps = slips.setdefault(name, np.full(len(run.solved), np.nan))
+        of_steps[run.solved.index(int(step))] = slip[np.argmax(np.abs(slip))]
+    sizes = {name: float(np.nan_to_num(np.abs(slip)).max()) for name, slip in slips.items()}
+    largest = max(sizes, key=lambda name: sizes[name], default="")
+    return {f"largest slip of {largest}": slips[largest]} if sizes.get(largest) else {}
 
 
 def stress_strain(run: RunFolder) -> Chart | None:
