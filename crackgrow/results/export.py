@@ -99,9 +99,12 @@ def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh
 
 def _fields(data: pyvista.DataSetAttributes) -> dict[str, Floats]:
     """Numbers (n,) or vectors (n, 3) by name, those of stress component by component."""
-    fields: dict[str, Any] = {name: np.asarray(data[name], dtype=float) for name in data}
-    stress = fields.pop("stress", np.empty((0, 0)))
-    return dict(zip(COMPONENTS, np.ascontiguousarray(stress.T), strict=False)) | fields
+    fields: dict[str, Floats] = {}
+    for name in data:
+        values = np.asarray(data[name], dtype=float)
+        parts = dict(zip(COMPONENTS, np.ascontiguousarray(values.T), strict=False))
+        fields |= parts if name == "stress" else {name: values}
+    return fields
 
 
 def _write(path: Path, mesh: meshio.Mesh, to: str) -> None:

@@ -136,17 +136,20 @@ def draw_curves(folder: Path, run: RunFolder) -> None:
         named = some if run.case.growth is not None else [0, *turns.tolist(), n_steps - 1]
         _draw_charts(folder / "load_curve.png", f"{run.case.title} (points: steps)", curves, named)
     if curve := stress_strain(run):
-        _draw_charts(folder / "stress_strain.png", f"{run.case.title}: {curve['title'].lower()}", [curve], some)
+        title = f"{run.case.title} ({curve['title'].partition(', ')[2]})"
+        _draw_charts(folder / "stress_strain.png", title, [curve], some, peak=True)
 
 
-def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequence[int]) -> None:
-    """Plot charts of one line each beside each other, some of their points with the number of their step."""
+def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequence[int], *, peak: bool = False) -> None:
+    """Plot charts of one line each beside each other, some points with the number of their step, a line at the peak."""
     figure = Figure(figsize=(4.6 * len(charts), 4.0), dpi=DPI)
     table = figure.subplots(1, len(charts), squeeze=False)
     for axes, chart in zip(table[0], charts, strict=True):
         (line,) = chart["series"]
         x, y = (np.array(line[name], dtype=float) for name in "xy")
         axes.plot(x, y, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
+        if peak:
+            axes.axhline(np.nanmax(y), color="0.6", linewidth=0.6, linestyle="--")
         for place, steps in _labels(x, y, named):
             axes.annotate(", ".join(steps), place, xytext=(4, -9), textcoords="offset points", fontsize=7)
         axes.margins(x=0.1)  # room for the words at the right end
