@@ -79,30 +79,26 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     """
     case = case_on_map(run.case)
     figure, sheet = _begun(case, SIDE_OF_PAGE)
-    paths, tips = run.table("paths"), run.table("tips")
-    points = np.column_stack([paths.numbers("x"), paths.numbers("y")])
-    names, made = np.array(paths.words("crack")), paths.steps()
-    if not len(paths):  # nothing was solved: the cracks are those given
-        points = np.concatenate([np.zeros((0, 2)), *(crack.points for crack in case.cracks)])
-        names = np.repeat([crack.name for crack in case.cracks], [len(crack.points) for crack in case.cracks])
-        made = np.zeros(len(points), dtype=np.int64)
-    segments = np.stack([points[:-1], points[1:]], axis=1)
-    younger = np.where(names[:-1] == names[1:], np.maximum(made[:-1], made[1:]), -1)  # as its younger vertex
-    last = int(made.max(initial=1))
-    for step in np.unique(younger[younger >= 0]).tolist():
+    tables = run.table("paths").by("crack").values()
+    lines = [(np.column_stack([of.numbers("x"), of.numbers("y")]), of.steps()) for of in tables]
+    if not lines:  # nothing was solved: the cracks are those given
+        lines = [(crack.points, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
+    last = max((int(steps.max()) for _, steps in lines), default=1)
+    segments: dict[int, list[Floats]] = {}
+    for points, steps_of in lines:
+        for start, step in enumerate(np.maximum(steps_of[:-1], steps_of[1:]).tolist()):  # that of its younger vertex
+            segments.setdefault(step, []).append(points[start : start + 2])
+    for step, parts in sorted(segments.items()):
         colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
         looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
-        sheet.axes.add_collection(
-            LineCollection(list(segments[younger == step]), zorder=7 - step / (last + 1), **looks)
-        )
-    places = np.column_stack([tips.numbers("x"), tips.numbers("y")])
-    fills, of_tips = np.where(np.array(tips.words("advanced")) == "true", "#f0a202", "white"), tips.steps()
+        sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks))
+    of_steps = run.table("tips").by("step")
     for step in steps:
-        mine = of_tips == step
-        fill, gid = list(fills[mine]), f"tips-{step}"
-        x, y = places[mine].T
-        sheet.axes.scatter(x, y, s=14, c=fill, edgecolors="black", linewidths=0.8, zorder=7.2, gid=gid)
-    part_labels(sheet, points)
+        tips = of_steps[(str(step),)]
+        fills = ["#f0a202" if word == "true" else "white" for word in tips.words("advanced")]
+        looks = {"s": 14, "c": fills, "edgecolors": "black", "linewidths": 0.8, "zorder": 7.2, "gid": f"tips-{step}"}
+        sheet.axes.scatter(tips.numbers("x"), tips.numbers("y"), **looks)
+    part_labels(sheet, np.concatenate([np.zeros((0, 2)), *(points for points, _ in lines)]))
     file = io.StringIO()
     figure.savefig(file, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
     text = file.getvalue()
