@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -25,6 +26,21 @@ class OccupiedError(CrackgrowError):
     exit_code = 2
 
 
+def refused(path: Path, error: OSError) -> OutputError:
+    """What to say of a file that the system does not let be written."""
+    room = "make room there or " if error.errno in FULL else ""
+    return OutputError(f"cannot write {path}: {error.strerror or error}; {room}choose another folder")
+
+
+@contextlib.contextmanager
+def _refusals_of(path: Path) -> Iterator[None]:
+    """Raise OutputError for what the system refuses in the block."""
+    try:
+        yield
+    except OSError as error:
+        raise refused(path, error) from error
+
+
 def temporary_path(path: Path) -> Path:
     """Where `path` is written before it is renamed: hidden, in the same folder, with the same suffix."""
     return path.with_name(f".{path.stem}.tmp{path.suffix}")
@@ -38,7 +54,7 @@ def write_atomically(path: Path, write: Callable[[Path], None], *, durable: bool
     Raises OutputError where the system refuses; what else `write` raises passes through.
     """
     temporary = temporary_path(path)
-    try:
+    with _refusals_of(path):
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             write(temporary)
@@ -50,8 +66,6 @@ def write_atomically(path: Path, write: Callable[[Path], None], *, durable: bool
         except BaseException:
             temporary.unlink(missing_ok=True)
             raise
-    except OSError as error:
-        raise refused(path, error) from error
 
 
 def _flush(path: Path) -> None:
@@ -63,11 +77,6 @@ def _flush(path: Path) -> None:
         os.close(descriptor)
 
 
-def write_text(path: Path, text: str) -> None:
-    """Write `text` (UTF-8, line ends as given) to `path` atomically; raises OutputError."""
-    write_bytes(path, text.encode())
-
-
 def write_bytes(path: Path, data: bytes) -> None:
     """Write `data` to `path` atomically; raises OutputError."""
 
@@ -77,28 +86,31 @@ def write_bytes(path: Path, data: bytes) -> None:
     write_atomically(path, write)
 
 
-def append_text(path: Path, text: str) -> bool:
-    """Append `text` (UTF-8) to a file in one write, all of it or nothing; return whether there is such a file.
+def write_text(path: Path, text: str) -> None:
+    """Write `text` (UTF-8, line ends as given) to `path` atomically; raises OutputError."""
+    write_bytes(path, text.encode())
 
-    A table that grows is not written anew at every step. Raises OutputError where the system refuses.
-    """
-    data = text.encode()
-    try:
-        file = os.open(path, os.O_WRONLY | os.O_APPEND)
-    except FileNotFoundError:
-        return False
-    except OSError as error:
-        raise refused(path, error) from error
-    try:
-        size = os.fstat(file).st_size
-        if os.write(file, data) < len(data):
-            os.ftruncate(file, size)
-            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
-    except OSError as error:
-        raise refused(path, error) from error
-    finally:
-        os.close(file)
-    return True
+
+class GrowingFile:
+    """A text (UTF-8) that grows by lines; the file has all of them after every `write`."""
+
+    def __init__(self, path: Path, *lines: str) -> None:
+        self.path = path
+        self.lines = list(lines)
+        self.n_written = 0  # lines on disk as they are here
+
+    def write(self) -> None:
+        """Append what is new at once, all of it or nothing; a file that is gone is made anew. Raises OutputError."""
+        new = "".join(f"{line}\n" for line in self.lines[self.n_written :]).encode()
+        if self.n_written and self.path.exists():
+            with _refusals_of(self.path), self.path.open("ab", buffering=0) as file:
+                size = file.tell()
+                if file.write(new) < len(new):
+                    file.truncate(size)
+                    raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+        else:
+            write_text(self.path, "".join(f"{line}\n" for line in self.lines))
+        self.n_written = len(self.lines)
 
 
 def remove_files(files: Iterable[Path]) -> None:
@@ -108,9 +120,3 @@ def remove_files(files: Iterable[Path]) -> None:
             path.unlink(missing_ok=True)
         except OSError as error:
             raise OutputError(f"cannot remove {path}: {error.strerror or error}") from error
-
-
-def refused(path: Path, error: OSError) -> OutputError:
-    """What to say of a file that the system does not let be written."""
-    room = "make room there or " if error.errno in FULL else ""
-    return OutputError(f"cannot write {path}: {error.strerror or error}; {room}choose another folder")

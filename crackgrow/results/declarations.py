@@ -43,17 +43,13 @@ class File:
 
 def declared(told: Mapping[str, Any]) -> tuple[File, ...]:
     """Files by name, each with its meaning, or a mapping of that and of its columns: [unit, meaning, kind]."""
-    return tuple(
-        File(name, told)
-        if isinstance(told, str)
-        else File(name, told["meaning"], tuple(_column(*column) for column in told["columns"].items()))
-        for name, told in told.items()
-    )
-
-
-def _column(name: str, told: list[str]) -> Column:
-    unit, doc, *kind = told
-    return Column(name, unit, doc, KINDS[kind[0]] if kind else float)
+    found = []
+    for name, of in told.items():
+        columns = of["columns"] if isinstance(of, dict) else {}
+        kinds = {column: KINDS[kind[0]] if kind else float for column, (_, _, *kind) in columns.items()}
+        rows = (Column(column, unit, doc, kinds[column]) for column, (unit, doc, *_) in columns.items())
+        found.append(File(name, of["meaning"] if isinstance(of, dict) else of, tuple(rows)))
+    return tuple(found)
 
 
 @cache
@@ -67,7 +63,4 @@ def columns_of(room: str) -> dict[str, Any]:
 RUN: Final = declared(columns_of("results"))
 """Files of a run."""
 
-_FILES: Final = {file.name: file for file in RUN}
-SUMMARY, STEPS, TIPS, CONTACT = (_FILES[name] for name in ("summary.json", "steps.csv", "tips.csv", "contact.csv"))
-HISTORY, EVENTS, REACTIONS = (_FILES[name] for name in ("history.csv", "events.csv", "reactions.csv"))
-FRAMES, CRACKS = (_FILES[name] for name in ("frames/step_NNNN.vtu", "cracks/step_NNNN.vtp"))
+FILES: Final = {file.name: file for file in RUN}

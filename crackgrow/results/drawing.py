@@ -30,7 +30,7 @@ from crackgrow.case.segments import line_length
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import component_text, extent, length_unit
-from crackgrow.results.signs import LAW, LOAD, Sheet, draw_load, draw_support
+from crackgrow.results.signs import LAW, LOAD, Sheet
 from crackgrow.results.style import own_style, wrapped
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
@@ -79,30 +79,26 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     """
     case = case_on_map(run.case)
     figure, sheet = _begun(case, SIDE_OF_PAGE)
-    paths, tips = run.table("paths"), run.table("tips")
-    points = np.column_stack([paths.numbers("x"), paths.numbers("y")])
-    names, made = np.array(paths.words("crack")), paths.steps()
-    if not len(paths):  # nothing was solved: the cracks are those given
-        points = np.concatenate([np.zeros((0, 2)), *(crack.points for crack in case.cracks)])
-        names = np.repeat([crack.name for crack in case.cracks], [len(crack.points) for crack in case.cracks])
-        made = np.zeros(len(points), dtype=np.int64)
-    segments = np.stack([points[:-1], points[1:]], axis=1)
-    younger = np.where(names[:-1] == names[1:], np.maximum(made[:-1], made[1:]), -1)  # as its younger vertex
-    last = int(made.max(initial=1))
-    for step in np.unique(younger[younger >= 0]).tolist():
+    tables = run.table("paths").by("crack").values()
+    lines = [(np.column_stack([of.numbers("x"), of.numbers("y")]), of.steps()) for of in tables]
+    if not lines:  # nothing was solved: the cracks are those given
+        lines = [(crack.points, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
+    last = max((int(steps.max()) for _, steps in lines), default=1)
+    segments: dict[int, list[Floats]] = {}
+    for points, steps_of in lines:
+        for start, step in enumerate(np.maximum(steps_of[:-1], steps_of[1:]).tolist()):  # that of its younger vertex
+            segments.setdefault(step, []).append(points[start : start + 2])
+    for step, parts in sorted(segments.items()):
         colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
         looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
-        sheet.axes.add_collection(
-            LineCollection(list(segments[younger == step]), zorder=7 - step / (last + 1), **looks)
-        )
-    places = np.column_stack([tips.numbers("x"), tips.numbers("y")])
-    fills, of_tips = np.where(np.array(tips.words("advanced")) == "true", "#f0a202", "white"), tips.steps()
+        sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks))
+    of_steps = run.table("tips").by("step")
     for step in steps:
-        mine = of_tips == step
-        fill, gid = list(fills[mine]), f"tips-{step}"
-        x, y = places[mine].T
-        sheet.axes.scatter(x, y, s=14, c=fill, edgecolors="black", linewidths=0.8, zorder=7.2, gid=gid)
-    part_labels(sheet, points)
+        tips = of_steps[(str(step),)]
+        fills = ["#f0a202" if word == "true" else "white" for word in tips.words("advanced")]
+        looks = {"s": 14, "c": fills, "edgecolors": "black", "linewidths": 0.8, "zorder": 7.2, "gid": f"tips-{step}"}
+        sheet.axes.scatter(tips.numbers("x"), tips.numbers("y"), **looks)
+    part_labels(sheet, np.concatenate([np.zeros((0, 2)), *(points for points, _ in lines)]))
     file = io.StringIO()
     figure.savefig(file, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
     text = file.getvalue()
@@ -150,9 +146,9 @@ def _begun(case: Case, side: float, title: str = "") -> tuple[Figure, Sheet]:
         line = interface.lines[0]
         sheet.label(line[0] + 0.8 * (line[-1] - line[0]), words, LAW)
     for support in case.supports:
-        draw_support(sheet, support)
+        sheet.draw_support(support)
     for load in case.loads:
-        draw_load(sheet, load)
+        sheet.draw_load(load)
     axes.text(0.02, 0.01, "\n".join(notes), fontsize=7.5, color=LOAD, va="bottom", zorder=8, transform=axes.transAxes)
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     _dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")

@@ -8,13 +8,13 @@ from __future__ import annotations
 import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection, PolyCollection, TriMesh
+from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
@@ -23,24 +23,9 @@ from crackgrow.arrays import Floats
 from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
 from crackgrow.errors import CaseError
-from crackgrow.results.drawn_frame import (
-    INCHES,
-    LINE,
-    DrawnFrame,
-    above,
-    areas,
-    areas_of,
-    boundary_edges,
-    cell_groups,
-    displayed_magnification,
-    field_kind,
-    field_unit,
-    off_mean,
-    percentiles,
-)
-from crackgrow.results.placing import with_bar
-from crackgrow.results.style import own_style
-from crackgrow.results.units import LENGTHS, Unit, factor_text, unit_of
+from crackgrow.results.drawn_frame import INCHES, LINE, DrawnFrame, areas_of, percentiles
+from crackgrow.results.style import has_bar_beside, own_style, with_bar
+from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given
 COLOUR_BAR = 0.34  # what caption and colour bar take of the width or height, by the specimen's longer side
@@ -49,7 +34,9 @@ BEHIND = "0.8"  # shows in open cracks, and is no colour of a field
 MARGIN = 0.03  # round the specimen, by its longer side
 NAMES = {"displacement": "size of the displacement", "sigma_1": "\u03c3\u2081, most tensile in-plane principal stress",
          "sigma_3": "\u03c3\u2083, least in-plane principal stress"}  # fmt: skip
-WIDE = 2.0  # width over height from which a colour bar lies below the picture, where its words have room
+Kind = Literal["length", "stress"]
+KINDS: Final[Mapping[str, Kind]] = {"displacement": "length", "sigma": "stress", "stress": "stress"}
+UNITS: Final = {"length": LENGTHS, "stress": STRESSES, None: ((1.0, ""),)}  # of fields by what their names begin with
 COLOUR_PERCENTILES = (2.0, 98.0)  # of the area: colours span these, so that a singular tip doesn't wash out the rest
 ONE_SIGN_SHARE = 0.05  # a side of zero smaller than this share of the other doesn't make the colours two-sided
 DRAWING = 32 * 2**20  # bytes that have to be free for a picture
@@ -76,70 +63,59 @@ class FieldPictures:
     """
 
     def __init__(
-        self,
-        title: str,
-        field: str,
-        frames: Sequence[DrawnFrame],
-        loads: Mapping[int, str],
-        look: Look = USUAL,
+        self, title: str, field: str, frames: Sequence[DrawnFrame], loads: Mapping[int, str], look: Look = USUAL
     ) -> None:
         """Raises CaseError for limits that the field cannot have."""
-        self.title, self.field, self.loads = title, field, loads
-        self.warp = min(displayed_magnification(frame) for frame in frames) if look.warp is None else look.warp
+        self.title, self.field, self.loads, self.size = title, field, loads, look.size
+        self.warp = min(frame.magnification() for frame in frames) if look.warp is None else look.warp
         values = np.concatenate([frame.values for frame in frames])
-        weights = np.concatenate([areas(frame, by_point=frame.by_point) for frame in frames])
+        weights = np.concatenate([frame.areas(by_point=frame.by_point) for frame in frames])
         self.unit, self.norm, self.colormap = colours_of(field, values, weights)
         if look.limits is not None:
             low, high = limits_of(field, look.limits, self.unit)
             self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
         moved = np.concatenate([self._moved(frame) for frame in frames])
-        low, high = moved.min(axis=0), moved.max(axis=0)
-        self.length = unit_of((high - low).tolist(), LENGTHS)
-        room = MARGIN * (high - low).max()
-        self.low, self.high = (low - room) / self.length[0], (high + room) / self.length[0]
-        fitting = _fitting(high - low)
-        self.size = look.size or fitting
-        self.dpi = LONG_SIDE / INCHES * min(self.size[0] / fitting[0], self.size[1] / fitting[1])
+        self.corners = moved.min(axis=0), moved.max(axis=0)
 
     @own_style()
     def png(self, frame: DrawnFrame) -> bytes:
         """The picture of a frame, as PNG."""
-        width, height = self.size[0] / self.dpi, self.size[1] / self.dpi
-        figure = Figure(figsize=(width, height), dpi=self.dpi)
-        axes = figure.add_subplot(facecolor=BEHIND)
-        points = self._moved(frame) / self.length[0]
-        values = frame.values / self.unit[0]
-        if frame.by_point:
-            shade(axes, frame, points, values, self.norm, self.colormap)
-        else:
-            upper = np.concatenate([above(frame)[cells].any(axis=1) for cells in cell_groups(frame)])
-            polygons, order = [*points[frame.triangles], *points[frame.quads]], np.argsort(upper, kind="stable")
-            cells = PolyCollection([polygons[cell] for cell in order], array=values[order], antialiaseds=False)
-            cells.set(cmap=self.colormap, norm=self.norm)
-            axes.add_collection(cells)
-        edges = points[boundary_edges(frame)]
+        figure, axes, length = on_specimen(*self.corners, self.size)
+        axes.set_facecolor(BEHIND)
+        points = self._moved(frame) / length
+        shade(axes, frame, points, frame.values / self.unit[0], self.norm, self.colormap)
+        edges = points[frame.boundary_edges()]
         axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
-        axes.set(xlim=(self.low[0], self.high[0]), ylim=(self.low[1], self.high[1]), aspect="equal")
-        axes.set(xlabel=f"x [{self.length[1]}]", ylabel=f"y [{self.length[1]}]")
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
         title = f"{self.title}\nstep {frame.step}{load}, displacement x {factor_text(self.warp)}"
-        colours, beside = ScalarMappable(self.norm, self.colormap), bar_beside(self.high - self.low)
-        with_bar(figure, axes, colours, title, beside=beside, extend="both", label=label)
+        with_bar(figure, axes, ScalarMappable(self.norm, self.colormap), title, extend="both", label=label)
         return png_of(figure)
 
     def _moved(self, frame: DrawnFrame) -> Floats:
-        """DrawnFrame points (n, 2) m, without the mean translation."""
-        return frame.points + self.warp * off_mean(frame)
+        """Points (n, 2) m of a frame, displaced without the mean translation."""
+        return frame.points + self.warp * frame.off_mean()
 
 
-def _fitting(extent: Floats) -> tuple[int, int]:
-    """Width and height in pixels of a picture of a specimen of this extent (2,), with its colour bar; even numbers."""
-    room = [COLOUR_BAR, 0.16] if bar_beside(extent) else [0.12, COLOUR_BAR]
-    width, height = np.maximum(extent / extent.max(), LEAST_SHARE) + room
-    scale = LONG_SIDE / max(width, height)
-    return 2 * round(width * scale / 2), 2 * round(height * scale / 2)
+def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) -> tuple[Figure, Axes, float]:
+    """A figure of a specimen with these corners (2,) m, room for title and colour bar, axes and metres of their unit.
+
+    Without a size, in pixels, it fits the specimen; that is even, as films want it.
+    """
+    extent = high - low
+    length, unit = unit_of(extent.tolist(), LENGTHS)
+    margin = MARGIN * extent.max()
+    room = [COLOUR_BAR, 0.16] if has_bar_beside(*(extent + 2.0 * margin)) else [0.12, COLOUR_BAR]
+    shares = np.maximum(extent / extent.max(), LEAST_SHARE) + room
+    fitting = 2 * np.round(shares * LONG_SIDE / shares.max() / 2)
+    width, height = size or fitting
+    dpi = LONG_SIDE / INCHES * min(width / fitting[0], height / fitting[1])
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi)
+    axes = figure.add_subplot()
+    (left, bottom), (right, top) = (low - margin) / length, (high + margin) / length
+    axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")
+    return figure, axes, length
 
 
 def png_of(figure: Figure) -> bytes:
@@ -150,30 +126,30 @@ def png_of(figure: Figure) -> bytes:
     return data.getvalue()
 
 
-def bar_beside(extent: Floats) -> bool:
-    """Whether a colour bar has room beside something of this width and height (2,); else it has below."""
-    return bool(extent[0] <= WIDE * extent[1])
-
-
-def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: Normalize, colormap: str) -> TriMesh:
-    """Fill a frame's cells, its points drawn at `points` (n, 2), with the colours between those of its points (n,)."""
-    triangles, quads = cell_groups(frame)
-    middle = np.broadcast_to(len(points) + np.arange(len(quads))[:, None], quads.shape)
-    fans = np.stack([quads, np.roll(quads, -1, axis=1), middle], axis=2).reshape(-1, 3)
-    corners = np.concatenate([triangles, fans])
-    last = np.append(above(frame), np.zeros(len(quads), dtype=bool))[corners].any(axis=1)
-    points, values = (np.concatenate([field, field[quads].mean(axis=1)]) for field in (points, values))
+def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: Normalize, colormap: str) -> None:
+    """Fill a frame's cells, its points drawn at `points` (n, 2), with their colours or those between their points."""
+    n, cells = len(points), frame.cells
+    middle = np.broadcast_to(n + np.arange(len(cells))[:, None], cells.shape)
+    corners = np.stack([cells, np.roll(cells, -1, axis=1), middle], axis=2).reshape(-1, 3)
+    own = corners[:, 0] != corners[:, 1]  # of triangles, whose last corner comes twice, three of four parts
+    corners, of_cell = corners[own], np.repeat(np.arange(len(cells)), 4)[own]
+    points = np.concatenate([points, points[cells].mean(axis=1)])
+    last = np.append(frame.above(), np.zeros(len(cells), dtype=bool))[corners].any(axis=1)
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]
     longest = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2).max(axis=1)
     thin = 2.0 * areas_of(points, corners) < THIN * longest * np.ptp(points, axis=0).max()
     order = np.lexsort([~thin, last])
     mesh = Triangulation(points[:, 0], points[:, 1], corners[order])
-    return axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
+    if frame.by_point:
+        values = np.concatenate([values, values[cells].mean(axis=1)])
+        axes.tripcolor(mesh, values, shading="gouraud", cmap=colormap, norm=norm)
+    else:
+        axes.tripcolor(mesh, facecolors=values[of_cell[order]], cmap=colormap, norm=norm)
 
 
 def limits_of(field: str, texts: tuple[str, str], unit: Unit) -> tuple[float, float]:
     """Limits of the colours in the unit of the colour bar, of texts such as "-20 MPa" or "-20"; raises CaseError."""
-    kind = field_kind(field)
+    kind = KINDS.get(field.partition("_")[0])
     found = []
     for text in texts:
         try:
@@ -195,7 +171,8 @@ def colours_of(field: str, values: Floats, weights: Floats) -> tuple[Unit, Norma
     """
     low, high = (float(limit) for limit in percentiles(values, weights, COLOUR_PERCENTILES))
     largest = max(abs(low), abs(high))
-    unit, both = field_unit(field, np.array([low, high])), min(-low, high) > ONE_SIGN_SHARE * largest
+    kind, both = KINDS.get(field.partition("_")[0]), min(-low, high) > ONE_SIGN_SHARE * largest
+    unit = unit_of([low, high], UNITS[kind])
     if both:
         low, high = -largest, largest
     elif high - low <= 1e-9 * largest:  # one value: any width shows it

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
@@ -14,21 +14,20 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case, Stages
+from crackgrow.case.model import Case
 from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawing import body_path, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
-from crackgrow.results.field_picture import FieldPictures, bar_beside, png_of
+from crackgrow.results.field_picture import FieldPictures, on_specimen, png_of
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
-from crackgrow.results.placing import in_rows, with_bar
-from crackgrow.results.style import own_style
-from crackgrow.results.summary import Curve, LoadPoint
-from crackgrow.results.units import LENGTHS, STRESSES, unit_of
+from crackgrow.results.report.charts import Chart, load_curves, stress_strain
+from crackgrow.results.style import in_rows, own_style, with_bar
+from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
-LONG_SIDE = 7.0  # inches
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
@@ -42,36 +41,36 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     Raises OutputError.
     """
     case = case_on_map(case)
-    scale, unit = length_unit(case)
-    low, high = extent(case)
-    figure, axes = _equal_axes(low * scale, high * scale, unit)
+    figure, axes, length = on_specimen(*extent(case))
     for body in case.bodies:
-        axes.add_patch(PathPatch(body_path(body, scale), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
+        axes.add_patch(PathPatch(body_path(body, 1.0 / length), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
-    colours = _step_colours(max(last, 1))
+    colours = ["black", *(step_colour(step, last) for step in range(1, last + 1))]  # of given cracks, of each step
     for crack in cracks:
-        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) * scale
+        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) / length
         made = np.maximum(crack.steps[:-1], crack.steps[1:])  # a segment is as young as its younger vertex
-        given = LineCollection(list(segments[made == 0]), colors="black", linewidths=2.4, capstyle="round", zorder=3)
-        axes.add_collection(given)
-        axes.add_collection(
-            LineCollection(list(segments[made > 0]), colors=list(colours.to_rgba(made[made > 0])), linewidths=2.0)
-        )
-        grown = crack.steps > 0
-        x, y = (crack.points[grown] * scale).T
-        axes.scatter(x, y, s=7, color=colours.to_rgba(crack.steps[grown]), zorder=4)
+        for given, width in ((False, 2.0), (True, 2.4)):
+            mine = (made == 0) == given
+            looks: dict[str, Any] = {"colors": [colours[step] for step in made[mine]], "linewidths": width}
+            axes.add_collection(LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks))
+        x, y = (crack.points[crack.steps > 0] / length).T
+        axes.scatter(x, y, s=7, color=[colours[step] for step in crack.steps if step > 0], zorder=4)
     if last > 0:
+        scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours[1:]))
         ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
-        beside = bar_beside(high - low)
-        with_bar(figure, axes, colours, case.title, beside=beside, ticks=ticks, label=label).minorticks_off()
+        with_bar(figure, axes, scale_of_steps, case.title, ticks=ticks, label=label).minorticks_off()
     else:
         in_rows(figure, np.array([[axes]]), case.title)
     _save(path, figure)
 
 
 def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
-    """Draw the major in-plane principal stress on the displaced, magnified specimen. Raises OutputError."""
-    assert result.frame is not None  # who draws has asked for it
+    """Draw the major in-plane principal stress on the displaced, magnified specimen, if there is one.
+
+    Raises OutputError.
+    """
+    if result.frame is None:
+        return
     frame = frame_with_sigma_1(result.frame, result.step)
     loads = {result.step: load_words(case, result.load_factor)}
     write_bytes(path, FieldPictures(case.title, "sigma_1", [frame], loads).png(frame))
@@ -79,7 +78,7 @@ def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
 
 @own_style()
 def draw_contact(path: Path, case: Case, result: StepResult) -> None:
-    """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law.
+    """Plot slip, normal and shear traction against the arc length, a row for each surface with a contact law, if any.
 
     Dots are the contact points: white open, blue stuck, red slipping; the lines are the same along the whole face.
     Raises OutputError.
@@ -87,6 +86,8 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     scale, unit = length_unit(case)
     contact = result.contact
     touching = [face for face in result.faces if face.crack in contact.crack]
+    if not touching:
+        return
     faces = touching[:MOST_CONTACT_ROWS]
     figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI)
     table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")
@@ -94,24 +95,25 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     for row, face in zip(table, faces, strict=True):
         mine = owner == face.crack
         largest = max(np.abs(contact.normal_traction[mine]).max(), np.abs(contact.tangential_traction[mine]).max())
-        pascals, stress_unit = unit_of([largest], STRESSES)
-        stress = 1.0 / pascals
-        for axes, values, along, label in (
-            (row[0], contact.slip, face.slip * scale, f"slip [{unit}]"),
-            (row[1], contact.normal_traction, face.normal_traction * stress, f"normal traction [{stress_unit}]"),
-            (row[2], contact.tangential_traction, face.tangential_traction * stress, f"shear traction [{stress_unit}]"),
+        pascals, pressure = unit_of([largest], STRESSES)
+        for axes, name, size, label in (
+            (row[0], "slip", 1.0 / scale, f"slip [{unit}]"),
+            (row[1], "normal_traction", pascals, f"normal traction [{pressure}]"),
+            (row[2], "tangential_traction", pascals, f"shear traction [{pressure}]"),
         ):
-            factor = scale if values is contact.slip else stress
             axes.axhline(0.0, color="0.7", linewidth=0.6)  # always in the picture: round-off is not blown up to fill it
-            axes.plot(face.s * scale, along, color="0.4", linewidth=1.0)
+            axes.plot(face.s * scale, getattr(face, name) / size, color="0.4", linewidth=1.0)
             for state, fill in ((OPEN, "white"), (STICK, "tab:blue"), (SLIP, "tab:red")):
                 here = mine & (contact.state == state)
-                if not here.any():
-                    continue
-                axes.plot(
-                    contact.s[here] * scale, values[here] * factor, "o", markersize=3.5, markerfacecolor=fill,
-                    markeredgecolor="0.2", markeredgewidth=0.5, label=STATE_NAMES[state],
-                )  # fmt: skip
+                if here.any():
+                    dots = {
+                        "markersize": 3.5,
+                        "markerfacecolor": fill,
+                        "markeredgecolor": "0.2",
+                        "markeredgewidth": 0.5,
+                    }
+                    s, values = contact.s[here] * scale, getattr(contact, name)[here] / size
+                    axes.plot(s, values, "o", label=STATE_NAMES[state], **dots)
             axes.set(xlabel=f"s along {face.crack} [{unit}]", ylabel=label)
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
@@ -121,108 +123,53 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
 
 
 @own_style()
-def draw_load_curve(path: Path, case: Case, curve: Sequence[LoadPoint]) -> None:
-    """Plot the load factor, step by step from step 0, against the displacement of the loads and what cracks make of it.
+def draw_curves(folder: Path, run: RunFolder) -> None:
+    """Plot the load curve and the stress-strain curve of a run, if it has them. Raises OutputError.
 
-    That is how much they have grown where they have, else the slip of the surface that slips most. Points are named by
-    their steps: every so many, or in a history of loads those where it turns. Raises OutputError.
+    Points are named by their steps: every so many, or in a history of loads those where it turns.
     """
-    factor, displacement, length = np.array([(p.factor, p.displacement, p.crack_length) for p in curve]).T
-    growth = length - length[0]
-    panels = [(displacement, "displacement of the loads")]
-    if growth.any():
-        panels.append((growth, "crack growth"))
-        named = list(range(0, len(curve), -(-len(curve) // MOST_STEP_TICKS)))
-    else:
-        panels.extend(_most_slip(curve))
+    n_steps = len(run.solved)
+    some = list(range(0, n_steps, -(-n_steps // MOST_STEP_TICKS)))
+    if curves := load_curves(run):
+        factor = run.table("steps").numbers("load_factor")
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
-        named = [0, *turns.tolist(), len(curve) - 1]
-    what_loads = "stages that are over" if isinstance(case.loading, Stages) else "load factor"
-    figure = Figure(figsize=(4.6 * len(panels), 4.0), dpi=DPI)
-    table = figure.subplots(1, len(panels), squeeze=False)
-    for axes, (values, label) in zip(table[0], panels, strict=True):
-        size, unit = unit_of(values.tolist(), LENGTHS)
-        axes.plot(values / size, factor, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-        for (x, y), steps in _labels(values / size, factor, named):
-            axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
+        named = some if run.case.growth is not None else [0, *turns.tolist(), n_steps - 1]
+        _draw_charts(folder / "load_curve.png", f"{run.case.title} (points: steps)", curves, named)
+    if curve := stress_strain(run):
+        title = f"{run.case.title} ({curve['title'].partition(', ')[2]})"
+        _draw_charts(folder / "stress_strain.png", title, [curve], some, peak=True)
+
+
+def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequence[int], *, peak: bool = False) -> None:
+    """Plot charts of one line each beside each other, some points with the number of their step, a line at the peak."""
+    figure = Figure(figsize=(4.6 * len(charts), 4.0), dpi=DPI)
+    table = figure.subplots(1, len(charts), squeeze=False)
+    for axes, chart in zip(table[0], charts, strict=True):
+        (line,) = chart["series"]
+        x, y = (np.array(line[name], dtype=float) for name in "xy")
+        axes.plot(x, y, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
+        if peak:
+            axes.axhline(np.nanmax(y), color="0.6", linewidth=0.6, linestyle="--")
+        for place, steps in _labels(x, y, named):
+            axes.annotate(", ".join(steps), place, xytext=(4, -9), textcoords="offset points", fontsize=7)
         axes.margins(x=0.1)  # room for the words at the right end
         axes.locator_params(axis="x", nbins=5)
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
-        axes.set(xlabel=f"{label} [{unit}]", ylabel=what_loads)
+        axes.set(xlabel=chart["xlabel"], ylabel=chart["ylabel"])
         axes.grid(linewidth=0.3)
-    in_rows(figure, table, f"{case.title} (points: steps)")
-    _save(path, figure)
-
-
-@own_style()
-def draw_stress_strain(path: Path, case: Case, curve: Curve) -> None:
-    """Plot the specimen's mean stress over its mean strain, step by step. Raises OutputError."""
-    along, sense, stress, strain = curve
-    size, unit = unit_of(stress.tolist(), STRESSES)
-    figure = Figure(figsize=(5.2, 4.0), dpi=DPI)
-    axes = figure.add_subplot()
-    axes.plot(1e3 * strain, stress / size, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
-    named = range(0, len(stress), -(-len(stress) // MOST_STEP_TICKS))
-    for (x, y), steps in _labels(1e3 * strain, stress / size, list(named)):
-        axes.annotate(", ".join(steps), (x, y), xytext=(4, -9), textcoords="offset points", fontsize=7)
-    peak = int(np.nanargmax(stress))
-    axes.axhline(stress[peak] / size, color="0.6", linewidth=0.6, linestyle="--")
-    axes.set(
-        xlabel=f"{sense} strain along {along} [1e-3]",
-        ylabel=f"{sense} stress along {along} [{unit}]",
-    )
-    axes.margins(0.1)
-    axes.grid(linewidth=0.3)
-    words = f"peak {stress[peak] / size:.4g} {unit} at step {peak}"
-    in_rows(figure, np.array([[axes]]), f"{case.title} ({words})")
+    in_rows(figure, table, title)
     _save(path, figure)
 
 
 def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[float, float], list[str]]]:
     """Where to name some steps of a curve x, y (n,), and by which words: steps at about the same place share one."""
-    width, height = (float(np.ptp(values[np.isfinite(values)])) or 1.0 for values in (x, y))
-    labels: list[tuple[tuple[float, float], list[str]]] = []
+    width, height = (SAME_PLACE * float(np.ptp(values[np.isfinite(values)])) or 1.0 for values in (x, y))
+    labels: dict[tuple[int, int], tuple[tuple[float, float], list[str]]] = {}
     for step in dict.fromkeys(named):
-        place = (float(x[step]), float(y[step]))
-        if not np.isfinite(place).all():
-            continue
-        for (a, b), words in labels:
-            if abs(a - place[0]) < SAME_PLACE * width and abs(b - place[1]) < SAME_PLACE * height:
-                words.append(str(step))
-                break
-        else:
-            labels.append((place, [str(step)]))
-    return labels
-
-
-def _most_slip(curve: Sequence[LoadPoint]) -> list[tuple[Floats, str]]:
-    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
-
-    nan where the surface is gone with the rock beside it.
-    """
-    slips = {name: np.array([point.slip.get(name, np.nan) for point in curve]) for name in curve[0].slip}
-    largest = max(slips, key=lambda name: float(np.nanmax(np.abs(slips[name]))), default=None)
-    if largest is None or not np.nan_to_num(slips[largest]).any():
-        return []
-    return [(slips[largest], f"largest slip of {largest}")]
-
-
-def _step_colours(last: int) -> ScalarMappable:
-    """One colour for each of the steps 1..last; none so pale that it is lost on the specimen."""
-    colours = [step_colour(step, last) for step in range(1, last + 1)]
-    return ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours))
-
-
-def _equal_axes(low: Floats, high: Floats, unit: str) -> tuple[Figure, Axes]:
-    """A figure in the specimen's proportions, with room for titles and a colour bar."""
-    width, height = LONG_SIDE * (high - low) / (high - low).max()
-    beside, below = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), (width + 1.0, max(height, 0.7) + 2.4)
-    figure = Figure(figsize=beside if bar_beside(high - low) else below, dpi=DPI)
-    axes = figure.add_subplot()
-    margin = 0.03 * (high - low).max()
-    axes.set(xlim=(low[0] - margin, high[0] + margin), ylim=(low[1] - margin, high[1] + margin))
-    axes.set(xlabel=f"x [{unit}]", ylabel=f"y [{unit}]", aspect="equal")
-    return figure, axes
+        if np.isfinite(x[step]) and np.isfinite(y[step]):
+            cell = (round(x[step] / width), round(y[step] / height))
+            labels.setdefault(cell, ((float(x[step]), float(y[step])), []))[1].append(str(step))
+    return list(labels.values())
 
 
 def _save(path: Path, figure: Figure) -> None:

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import re
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import compress, pairwise
@@ -29,12 +29,11 @@ if TYPE_CHECKING:
     import pyvista
 
 REPORT, SUMMARY, LOG, CASE, HISTORY = "report.html", "summary.json", "run.log", "case.yaml", "history.csv"
-FILES = tuple(file.name for file in RUN if "/" not in file.name and "NAME" not in file.name)
-FIGURES = tuple(file.name for file in RUN if file.name.startswith("figures/"))
-SERIES = {
-    "frames": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtu"),
-    "cracks": re.compile(r"\.?step_(\d{4,})(?:\.tmp)?\.vtp"),
-}
+FRAME, FACES, CHECKPOINT = "frames/step_NNNN.vtu", "cracks/step_NNNN.vtp", "checkpoint/step_NNNN.npz"
+PICTURE = "render/FIELD/step_NNNN.png"
+OWN: Final = (*(file.name for file in RUN if not file.name.startswith("export/")), "render/FIELD/animation.mp4")
+"""Names of all that a run writes, and of what is drawn of it; what is exported is the user's."""
+
 OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", HISTORY)
 """Tables that may have rows of a step that a run was killed in: they count where steps.csv has the step."""
 
@@ -51,19 +50,36 @@ class FolderError(CrackgrowError):
     exit_code = 3
 
 
-def frame_name(step: int) -> str:
-    """Path of a step's frame, relative to the run's folder."""
-    return f"frames/step_{step:04d}.vtu"
-
-
-def cracks_name(step: int) -> str:
-    """Path of a step's crack faces, relative to the run's folder."""
-    return f"cracks/step_{step:04d}.vtp"
-
-
 def series_names(case_name: str) -> tuple[str, str]:
     """Paths of the two time series, of the specimen and of its cracks."""
     return f"{case_name}.pvd", f"{case_name}_cracks.pvd"
+
+
+def of_step(name: str, step: int) -> str:
+    """Path of a step's file, relative to the run's folder, by its declared name."""
+    return name.replace("NNNN", f"{step:04d}")
+
+
+@dataclass(frozen=True, slots=True)
+class OwnFile:
+    """A file in a run's folder under a name that is the program's."""
+
+    path: Path
+    name: str  # as it is declared, such as "frames/step_NNNN.vtu"
+    step: int  # -1 where it is not of one
+    whole: bool  # else a killed run has left it half written
+
+
+def own_files(folder: Path, case_name: str = "", names: Iterable[str] = OWN) -> Iterator[OwnFile]:
+    """The files in a folder, and in those within, that bear declared names."""
+    for name in names:
+        within, _, last = name.rpartition("/")
+        pattern = re.escape(last).replace("NNNN", r"(\d{4,})").replace("NAME", re.escape(case_name))
+        for path in sorted(folder.glob(f"{within}/*".replace("FIELD", "*").removeprefix("/"))):
+            half = re.fullmatch(r"\.(.+)\.tmp(\.\w+)", path.name)
+            match = re.fullmatch(pattern, f"{half[1]}{half[2]}" if half else path.name)
+            if match:
+                yield OwnFile(path, name, int(match[1]) if match.groups() else -1, whole=half is None)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -107,8 +123,14 @@ class TextTable:
 
     def by(self, *names: str) -> dict[tuple[str, ...], TextTable]:
         """The rows by what they have in some columns, in the order in which that comes."""
-        keys = list(zip(*map(self.words, names), strict=True))
-        return {key: self.where([other == key for other in keys]) for key in dict.fromkeys(keys)}
+        rows: dict[tuple[str, ...], list[int]] = {}
+        for number, key in enumerate(zip(*map(self.words, names), strict=True)):
+            rows.setdefault(key, []).append(number)
+        columns = self.columns.items()
+        return {
+            key: TextTable(self.path, {c: [words[k] for k in some] for c, words in columns})
+            for key, some in rows.items()
+        }
 
     def of_steps(self, steps: Collection[int]) -> TextTable:
         """The rows of these steps."""
@@ -133,17 +155,23 @@ class RunFolder(RunTables):
     def found_summary(self) -> dict[str, Any]:
         """summary.json as far as it is there; empty where it can't be read as a mapping."""
         try:
-            return self._mapping()
-        except (FolderError, RecursionError):  # RecursionError: of lists in lists in lists
+            found = json.loads(self.text(SUMMARY))
+        except (FolderError, ValueError, RecursionError):  # RecursionError: of lists in lists in lists
             return {}
+        return found if isinstance(found, dict) else {}
 
     @cached_property
     def summary(self) -> dict[str, Any]:
         """summary.json: how the run ended, what it cost, how good it is at its worst."""
-        summary = self._mapping()
-        missing = [key for key in SUMMARY_KEYS if key not in summary]
-        if missing:
-            raise damaged(self.folder / SUMMARY, f"it has no {', '.join(missing)}")
+        path, text = self.folder / SUMMARY, self.text(SUMMARY)
+        try:
+            summary = json.loads(text)
+        except ValueError as error:
+            raise damaged(path, str(error)) from error
+        if not isinstance(summary, dict):
+            raise damaged(path, "it is no mapping")
+        if missing := [key for key in SUMMARY_KEYS if key not in summary]:
+            raise damaged(path, f"it has no {', '.join(missing)}")
         return summary
 
     @property
@@ -221,9 +249,7 @@ class RunFolder(RunTables):
     @cached_property
     def frames(self) -> dict[int, Path]:
         """Files of the frames by step, in order."""
-        paths = sorted((self.folder / "frames").glob("step_*.vtu"))
-        matches = [(SERIES["frames"].fullmatch(path.name), path) for path in paths]
-        found = {int(match[1]): path for match, path in matches if match and ".tmp" not in path.name}
+        found = {own.step: own.path for own in own_files(self.folder, names=[FRAME]) if own.whole}
         return dict(sorted(found.items()))  # by number: step_10000 comes before step_9999 by name
 
     def frames_of(self, steps: Sequence[int | range] | None = None) -> list[int]:
@@ -259,16 +285,6 @@ class RunFolder(RunTables):
 
     def _frame(self, name: str) -> pd.DataFrame:
         return frame_of(self.table(name))
-
-    def _mapping(self) -> dict[str, Any]:
-        text = self.text(SUMMARY)
-        try:
-            summary = json.loads(text)
-        except ValueError as error:
-            raise damaged(self.folder / SUMMARY, str(error)) from error
-        if not isinstance(summary, dict):
-            raise damaged(self.folder / SUMMARY, "it is no mapping")
-        return summary
 
 
 def open_run(path: str | Path) -> RunFolder:

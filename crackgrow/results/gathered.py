@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from crackgrow.results.units import cut, merged, spans_text
@@ -16,7 +16,7 @@ MOST_PLACES = 6  # that a sentence lists besides the worst
 NUMBER = re.compile(r"[-+]?\d[\d.]*(e[-+]?\d+)?")
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class _Told:
     """What has been told of one cause at one place."""
 
@@ -27,14 +27,6 @@ class _Told:
     words: str  # of the step where the size was largest
     worst: int  # that step
     steps: list[list[int]]  # first and last of each row of steps
-
-    def and_at(self, step: int, warning: StepWarning) -> _Told:
-        """The same with one step more."""
-        first, last = self.steps[-1]
-        steps = [*self.steps[:-1], [first, step]] if step <= last + 1 else [*self.steps, [step, step]]
-        if warning.size <= self.size:
-            return replace(self, steps=steps)
-        return replace(self, steps=steps, size=warning.size, words=warning.words, worst=step)
 
 
 class Gathered:
@@ -49,13 +41,18 @@ class Gathered:
         for warning in warnings:
             name = warning.cause.name.lower()
             key = (_kind_of(name, warning.words), warning.place)
-            known = self._told.get(key)
-            if known is None:
+            if key not in self._told:
                 row = _Told(name, warning.rank, warning.place, warning.size, warning.words, step, [[step, step]])
                 self._told[key] = row
                 news.setdefault(key[0], []).append(row)
+                continue
+            row = self._told[key]
+            if step <= row.steps[-1][1] + 1:
+                row.steps[-1][1] = step
             else:
-                self._told[key] = known.and_at(step, warning)
+                row.steps.append([step, step])
+            if warning.size > row.size:
+                row.size, row.words, row.worst = warning.size, warning.words, step
         return [_sentence(rows) for rows in news.values()]
 
     def sentences(self, *, with_steps: bool = True) -> list[str]:

@@ -1,4 +1,10 @@
-"""One run at a time in a folder: a lock of the operating system, which goes with the process that holds it."""
+"""Whose a folder is: one run at a time writes into it, and no file goes that no run has written.
+
+The lock is one of the operating system, which goes with the process that holds it. Of what is there, only files of the
+program's own names are ever removed, and only where something that no stranger has shows that a run wrote them: a
+summary.json with the program's own keys; where there is none, or an empty one as after a loss of power, a checkpoint or
+a log of the program.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +21,10 @@ from typing import Final
 from filelock import FileLock, Timeout
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.atomic import OccupiedError, OutputError, refused
+from crackgrow.results.atomic import OccupiedError, OutputError, refused, temporary_path
+from crackgrow.results.folder import CHECKPOINT, LOG, SUMMARY, SUMMARY_KEYS, RunFolder, own_files, series_names
+from crackgrow.results.log import is_log
+from crackgrow.results.resume import is_checkpoint
 
 LOCK: Final = ".crackgrow.lock"
 PATIENCE: Final = 0.2  # s: whoever holds the lock may be about to go
@@ -27,34 +36,6 @@ class LockedError(CrackgrowError):
     """Another run writes into the folder; the message says which."""
 
     exit_code = 3
-
-
-def check_place(folder: Path) -> None:
-    """Make sure that results may go into a folder, which need not be there; changes nothing.
-
-    Raises OutputError where the system can't have it, OccupiedError where it is the root of all folders.
-    """
-    if folder.resolve() == Path(folder.resolve().anchor):
-        raise OccupiedError(f"{folder} is the root of all folders, not one for results; choose another folder")
-    there = existing_part(folder)
-    if not there.is_dir():
-        raise OutputError(f"cannot write results into {folder}: {there} is a file; choose another folder")
-    if is_too_long(folder) or any(is_too_long(there / name) for name in folder.parts[len(there.parts) :]):
-        raise OutputError(f"cannot write results into {folder}: the name is too long; choose another folder")
-
-
-def existing_part(folder: Path) -> Path:
-    """The folder itself if it is there, else the nearest above it that is."""
-    return next(place for place in (folder, *folder.parents) if os.path.exists(place))  # noqa: PTH110  (Path's raises)
-
-
-def is_too_long(path: Path) -> bool:
-    """Whether the file system can't have a file of this name; that of a folder which is there can tell of a name."""
-    try:
-        path.lstat()
-    except OSError as error:
-        return error.errno == errno.ENAMETOOLONG
-    return False
 
 
 class FolderLock:
@@ -92,7 +73,13 @@ class FolderLock:
             self._words = json.dumps(holder)
             self._path.write_text(self._words, encoding="utf-8")
         except Timeout:
-            raise LockedError(self._told()) from None
+            try:
+                found = json.loads(self._path.read_bytes())
+                which = "{what}, process {process} on {host}, since {since}".format(**found)
+            except (OSError, ValueError, KeyError, TypeError):  # it has not written it yet
+                which = "it has not said which"
+            what = f"another run is writing into {folder} ({which}); wait until it has ended, end it, or choose another"
+            raise LockedError(f"{what} folder") from None
         except OSError as error:
             self._lock.release()
             if error.errno in NO_LOCKS:
@@ -122,14 +109,60 @@ class FolderLock:
         finally:
             self.release()
 
-    def _told(self) -> str:
-        """What to say of another holder, by what it has left in the file."""
-        try:
-            found = json.loads(self._path.read_bytes())
-            which = "{what}, process {process} on {host}, since {since}".format(**found)
-        except (OSError, ValueError, KeyError, TypeError):  # it has not written it yet
-            which = "it has not said which"
-        return (
-            f"another run is writing into {self._path.parent} ({which}); wait until it has ended, end it, or choose "
-            "another folder"
+
+def check_place(folder: Path, case_name: str = "") -> None:
+    """Make sure that results, of the case if it is named, may go into a folder, which need not be there.
+
+    Changes nothing. Raises OutputError where the system can't have such files, OccupiedError where the folder is the
+    root of all.
+    """
+    if folder.resolve() == Path(folder.resolve().anchor):
+        raise OccupiedError(f"{folder} is the root of all folders, not one for results; choose another folder")
+    # the folder itself if it is there, else the nearest above it that is; Path's own exists() raises for a long name
+    there = next(place for place in (folder, *folder.parents) if os.path.exists(place))  # noqa: PTH110
+    if not there.is_dir():
+        raise OutputError(f"cannot write results into {folder}: {there} is a file; choose another folder")
+    if _is_too_long(folder) or any(_is_too_long(there / name) for name in folder.parts[len(there.parts) :]):
+        raise OutputError(f"cannot write results into {folder}: the name is too long; choose another folder")
+    for name in series_names(case_name) if case_name else ():
+        if any(_is_too_long(place / temporary_path(Path(name))) for place in (there, folder)):
+            raise OutputError(f"cannot write {folder / name}: the name is too long; rename the case")
+
+
+def _is_too_long(path: Path) -> bool:
+    """Whether the file system can't have a file of this name; that of a folder which is there can tell of a name."""
+    try:
+        path.lstat()
+    except OSError as error:
+        return error.errno == errno.ENAMETOOLONG
+    return False
+
+
+def earlier_files(folder: Path, case_name: str) -> list[Path]:
+    """The files in a folder that a run would remove or replace, half written ones too, of this case or of another.
+
+    Checkpoints come before the results without which they lead nowhere, the summary, which shows whose the files are,
+    comes last. Raises OccupiedError where nothing shows that a run wrote them, and as `check_place`.
+    """
+    check_place(folder, case_name)
+    summary = RunFolder(folder).found_summary
+    is_own = all(key in summary for key in SUMMARY_KEYS)
+    cases = {case_name, Path(str(summary["case"])).name if is_own else case_name}
+    paths = {own.path for case in cases for own in own_files(folder, case)}
+    found = sorted(paths, key=lambda path: (path.parent.name != "checkpoint", path.name == SUMMARY, path))
+    if found and not is_own and not _is_own_without_summary(folder):
+        first = found[-1] if found[-1].name == SUMMARY else found[0]
+        others = f" and {len(found) - 1} more" if len(found) > 1 else ""
+        raise OccupiedError(
+            f"{first}{others} would be replaced, and nothing in {folder} (summary.json, checkpoint, run.log) shows "
+            "that a run wrote it; choose another folder, or remove the file if it is not needed"
         )
+    return found
+
+
+def _is_own_without_summary(folder: Path) -> bool:
+    """Whether a checkpoint or the log is of the program, and no summary of something else is in the way."""
+    path = folder / SUMMARY
+    if path.is_symlink() or (path.exists() and (not path.is_file() or path.stat().st_size > 0)):
+        return False
+    return is_log(folder / LOG) or any(is_checkpoint(own.path) for own in own_files(folder, names=[CHECKPOINT]))

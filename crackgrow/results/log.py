@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from crackgrow.case.units import place_text
-from crackgrow.results.atomic import append_text, write_text
+from crackgrow.results.atomic import GrowingFile
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, cut, duration, unit_of
 
@@ -39,59 +39,38 @@ def is_log(path: Path) -> bool:
         return False
 
 
-class RunLog:
+class RunLog(GrowingFile):
     """Lines with the seconds since the log began; the file is complete after every line."""
 
     def __init__(self, path: Path) -> None:
-        self.path = path
+        super().__init__(path)
         self._began = time.perf_counter()
-        self._lines: list[str] = []
-
-    def begin(self, text: str) -> None:
-        """Write the first line, with date and time; raises OutputError."""
-        self.write(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
-
-    def go_on(self, text: str, seconds: float) -> None:
-        """Write a line below those of a run that was broken off `seconds` after it began; raises OutputError."""
-        if self.path.is_file():
-            lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
-            self._lines = [f"{line}\n" for line in lines]  # the last one may have been cut off
-            write_text(self.path, "".join(self._lines))
-        self._began -= seconds
-        self.begin(text)
-
-    def write(self, text: str) -> None:
-        """Append a line; raises OutputError."""
-        line = f"{self.seconds:10.2f} s  {text}\n"
-        self._lines.append(line)
-        if len(self._lines) == 1 or not append_text(self.path, line):
-            write_text(self.path, "".join(self._lines))
 
     @property
     def seconds(self) -> float:
         """Seconds since the log began."""
         return time.perf_counter() - self._began
 
+    def tell(self, text: str) -> None:
+        """Append a line; raises OutputError."""
+        self.lines.append(f"{self.seconds:10.2f} s  {text}")
+        self.write()
+
+    def begin(self, text: str) -> None:
+        """Write the first line, with date and time; raises OutputError."""
+        self.tell(f"{text}, {datetime.now().astimezone().isoformat(timespec='seconds')}")
+
+    def go_on(self, text: str, seconds: float) -> None:
+        """Write a line below those of a run that was broken off `seconds` after it began; raises OutputError."""
+        if self.path.is_file():  # written anew: its last line may have been cut off
+            self.lines = self.path.read_text(encoding="utf-8", errors="replace").splitlines()
+        self._began -= seconds
+        self.begin(text)
+
 
 def step_label(step: int, n_steps: int | None) -> str:
     """Name a step: "step 3/22", or "step 3" where the number of growth steps isn't known."""
     return f"step {step}" if n_steps is None else f"step {step}/{n_steps}"
-
-
-def step_line(result: StepResult, n_steps: int | None) -> str:
-    """One line on a solved step: dofs, contact iterations, tips that advanced and by which branch, seconds."""
-    moved = [f"{tip.crack} {tip.tip} ({tip.criterion})" for tip in result.tips if tip.advanced]
-    return ", ".join(
-        [
-            step_label(result.step, n_steps),
-            f"{result.n_dofs} dofs",
-            counted(result.contact_iterations, "contact iteration"),
-            *criticality_words(result),
-            f"advanced: {', '.join(moved)}" if moved else "no tip advanced",
-            *([] if moved else start_words(result)),
-            f"{sum(result.seconds.values()):.2f} s",
-        ]
-    )
 
 
 def load_words(case: Case, factor: float) -> str:
@@ -103,39 +82,34 @@ def load_words(case: Case, factor: float) -> str:
     return f"load factor {factor:.4g}"
 
 
-def told_line(result: StepResult, case: Case, K_scale: float) -> str:
-    """One line on a solved step for who looks on: its load, the tips that advanced or else the largest K, length.
+def told_line(result: StepResult, case: Case, K_scale: float = 0.0) -> str:
+    """One line on a solved step: its load, how critical it is, the tips that advanced or else the largest K, length.
 
     K has at least the unit in which `K_scale` (Pa sqrt(m)) is read easily.
     """
     n_steps = case.growth.steps if case.growth else None
-    moved = [tip for tip in result.tips if tip.advanced]
-    known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
-
-    def size(tip: TipResult) -> float:
-        return 0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}")  # not round-off
-
-    largest = max(known, key=size, default=None)
-    shown = moved or ([largest] if largest else [])
-    arrested = bool(result.tips) and not moved and n_steps is not None and result.step < n_steps  # else none is to
-    return ", ".join(
-        [
-            step_label(result.step, n_steps),
-            load_words(case, result.load_factor),
-            *criticality_words(result),
-            *(["no tip advanced"] if arrested else []),
-            *([] if moved else start_words(result)),
-            *cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"),
-            *length_words(result),
-            *_time_words(result),
-        ]
-    )
+    shown = [tip for tip in result.tips if tip.advanced]
+    words = [step_label(result.step, n_steps), load_words(case, result.load_factor), *criticality_words(result)]
+    if not shown:
+        if result.tips and n_steps is not None and result.step < n_steps:  # else none is to advance
+            words.append("no tip advanced")
+        if result.start is not None:
+            at, start = place_text(result.start.point), result.start
+            words.append(f"most critical start at {at} ({start.criterion}), criticality {start.criticality:.3g}")
+        known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
+        sizes = [0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}") for tip in known]  # not round-off
+        shown = [known[sizes.index(max(sizes))]] if known else []
+    words += [*cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"), *length_words(result)]
+    if math.isfinite(result.time):  # growth takes time
+        size, unit = unit_of([result.time or 1.0], TIMES)
+        words.append(f"at {result.time / size:.4g} {_ascii(unit)}")
+    return ", ".join(words)
 
 
-def largest_K(result: StepResult) -> float:
-    """The largest size of a K_I or K_II of a step, Pa sqrt(m); 0 where none is known."""
-    values = (abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II))
-    return max((value for value in values if math.isfinite(value)), default=0.0)
+def logged_line(result: StepResult, case: Case) -> str:
+    """The same with what the step took, for run.log."""
+    iterations = counted(result.contact_iterations, "contact iteration")
+    return f"{told_line(result, case)}, {result.n_dofs} dofs, {iterations}, {sum(result.seconds.values()):.2f} s"
 
 
 def _tip_words(tip: TipResult, K_scale: float) -> str:
@@ -147,7 +121,7 @@ def _tip_words(tip: TipResult, K_scale: float) -> str:
     largest = max((abs(K) / size for K in (tip.K_I, tip.K_II) if math.isfinite(K)), default=0.0)
     decimals = max(0, 2 - math.floor(math.log10(largest))) if largest >= 1.0 else 3
     values = (f"{round(K / size, decimals) + 0.0:.{decimals}f}" for K in (tip.K_I, tip.K_II))
-    return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {unit.replace('√m', ' sqrt(m)')}"
+    return f"{tip.crack} {tip.tip}{branch} K_I {' K_II '.join(values)} {_ascii(unit)}"
 
 
 def criticality_words(result: StepResult) -> list[str]:
@@ -160,17 +134,8 @@ def criticality_words(result: StepResult) -> list[str]:
     words = [f"criticality {most.criticality:.3g}"]
     if math.isfinite(most.K_growth):
         size, unit = unit_of([most.K_growth], INTENSITIES)
-        words.append(f"grows at K {most.K_growth / size:.3g} {unit.replace('√m', ' sqrt(m)')}")
+        words.append(f"grows at K {most.K_growth / size:.3g} {_ascii(unit)}")
     return words
-
-
-def start_words(result: StepResult) -> list[str]:
-    """How critical the most critical place is at which a crack may start; empty where there is none."""
-    if result.start is None:
-        return []
-    start = result.start
-    at = place_text(start.point)
-    return [f"most critical start at {at} ({start.criterion}), criticality {start.criticality:.3g}"]
 
 
 def length_words(result: StepResult) -> list[str]:
@@ -178,15 +143,12 @@ def length_words(result: StepResult) -> list[str]:
     if not result.cracks:
         return []
     size, unit = unit_of([result.crack_length], LENGTHS)
-    return [f"cracks {result.crack_length / size:.4g} {unit.replace('µ', 'u')} long"]
+    return [f"cracks {result.crack_length / size:.4g} {_ascii(unit)} long"]
 
 
-def _time_words(result: StepResult) -> list[str]:
-    """When the cracks have come here; empty where growth takes no time."""
-    if not math.isfinite(result.time):
-        return []
-    size, unit = unit_of([result.time or 1.0], TIMES)
-    return [f"at {result.time / size:.4g} {unit.replace('µ', 'u')}"]
+def _ascii(unit: str) -> str:
+    """The name of a unit in letters that every terminal has."""
+    return unit.replace("√m", " sqrt(m)").replace("µ", "u")
 
 
 def event_line(event: Event) -> str:
@@ -204,29 +166,25 @@ class Progress:
 
         `expected` says what the run is about to take.
         """
-        self._case = case
-        self._last_step = case.last_step
-        self._say, self._width = say, width
+        self._case, self._say, self._width = case, say, width
         self._times = [time.perf_counter()]  # at the end of every step
         self._warnings = Gathered()
         self._K_scale = 0.0  # Pa sqrt(m), largest K so far: lines of a run can be compared if K keeps its unit
-        say(f"{case.name}: {case.title}", "\n")
-        if expected:
-            say(expected, "\n")
-        if first:
-            say(f"goes on with step {first}", "\n")
+        for text in (f"{case.name}: {case.title}", expected, f"goes on with step {first}" if first else ""):
+            if text:
+                say(text, "\n")
         self._show_live(first - 1, "")
 
     def show(self, result: StepResult) -> None:
         """Tell of a solved step."""
         self._times.append(time.perf_counter())
         self._warnings.add(result.step, result.step_warnings)
-        self._K_scale = max(self._K_scale, largest_K(result))
+        sizes = [abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II)]
+        self._K_scale = max(self._K_scale, *filter(math.isfinite, sizes), 0.0)
         if self._width is None:
             self._say(told_line(result, self._case, self._K_scale), "\n")
-        load = load_words(self._case, result.load_factor)
-        what = [load, *criticality_words(result)[:1], *length_words(result)]
-        self._show_live(result.step, f", {', '.join(what)}")
+        words = [load_words(self._case, result.load_factor), *criticality_words(result)[:1], *length_words(result)]
+        self._show_live(result.step, f", {', '.join(words)}")
         self.tell(result.events)
 
     def tell(self, events: Sequence[Event]) -> None:
@@ -245,20 +203,14 @@ class Progress:
             self._say(text, "\n")
 
     def _show_live(self, step: int, what: str) -> None:
-        """Replace the live line by one that says that a step, -1 for none, is done."""
+        """Replace the live line by one that says that a step, -1 for none, is done, and about how long others take."""
         if self._width is None:
             return
-        filled = round(BAR_WIDTH * max(step, 0) / self._last_step) if self._last_step else BAR_WIDTH * (step + 1)
-        label = step_label(max(step, 0), self._last_step)
-        passed = f"{self._times[-1] - self._times[0]:.1f} s"
+        last = self._case.last_step
+        filled = round(BAR_WIDTH * max(step, 0) / last) if last else BAR_WIDTH * (step + 1)
         bar = f"[{'#' * filled}{'.' * (BAR_WIDTH - filled)}] " if self._width >= ROOM_FOR_BAR else ""
-        text = f"{bar}{label}{self._left(step)}{what}, {passed}"
+        recent, left = self._times[-RECENT - 1 :], ""
+        if len(recent) > 1 and step < last:
+            left = f", {duration((last - step) * (recent[-1] - recent[0]) / (len(recent) - 1))} left"
+        text = f"{bar}{step_label(max(step, 0), last)}{left}{what}, {self._times[-1] - self._times[0]:.1f} s"
         self._say(f"\r{text[: self._width]}{CLEAR}", "")
-
-    def _left(self, step: int) -> str:
-        """About how long the steps after one take, if nothing ends the run before."""
-        recent = self._times[-RECENT - 1 :]
-        n_left = self._last_step - step
-        if len(recent) < 2 or n_left == 0:
-            return ""
-        return f", {duration(n_left * (recent[-1] - recent[0]) / (len(recent) - 1))} left"

@@ -7,7 +7,6 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.model import Case, Component
-from crackgrow.case.surface import SurfaceName
 from crackgrow.results.units import STRESSES, stress_text
 
 LONGEST = 60  # signs of a formula that are shown
@@ -19,22 +18,10 @@ def extent(case: Case) -> tuple[Floats, Floats]:
     return outlines.min(axis=0), outlines.max(axis=0)
 
 
-def size_of(case: Case) -> float:
-    """The longer side (m) of that box."""
-    low, high = extent(case)
-    return float((high - low).max())
-
-
 def length_unit(case: Case) -> tuple[float, str]:
     """How many of the unit that suits the scene are a metre, and its name."""
-    return (1e3, "mm") if size_of(case) < 1 else (1.0, "m")
-
-
-def lines_of(case: Case, surface: SurfaceName) -> list[Floats]:
-    """The lines, each (n, 2) m, of a crack or of an interface."""
-    if surface.is_crack:
-        return [next(crack.points for crack in case.cracks if crack.surface == surface)]
-    return list(next(pair.lines for pair in case.interfaces if pair.surface.is_of(surface)))
+    low, high = extent(case)
+    return (1e3, "mm") if (high - low).max() < 1 else (1.0, "m")
 
 
 def component_text(value: Component) -> str:

@@ -13,12 +13,11 @@ from pathlib import Path
 
 from PIL import Image
 
-from crackgrow.results.atomic import OutputError, write_atomically, write_bytes
+from crackgrow.results.atomic import OutputError, remove_files, write_atomically, write_bytes
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import USUAL, FieldPictures, Look
-from crackgrow.results.folder import open_run
+from crackgrow.results.folder import open_run, own_files
 from crackgrow.results.log import load_words
-from crackgrow.results.rendered import FOLDER, picture_name, remove_rendered
 
 MILLISECONDS = 250  # that a picture is shown
 LAST_MILLISECONDS = 1500  # and the last one
@@ -46,10 +45,10 @@ def render(
     factors = run.table("steps").numbers("load_factor").tolist()
     loads = {step: load_words(run.case, factor) for step, factor in zip(run.solved, factors, strict=True)}
     pictures = FieldPictures(run.case.title, field, frames, loads, look)
-    target = folder / FOLDER if out is None else out
-    remove_rendered(target / field)
+    target = (folder / "render" if out is None else out) / field
+    remove_files(own.path for own in own_files(target, names=["step_NNNN.png", "animation.gif", "animation.mp4"]))
     for frame in frames:
-        path = target / picture_name(field, frame.step)
+        path = target / f"step_{frame.step:04d}.png"
         write_bytes(path, pictures.png(frame))
         yield path
 

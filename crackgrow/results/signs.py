@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 import numpy as np
+import shapely
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.patches import Circle, Patch, Polygon
@@ -16,8 +17,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
-from crackgrow.case.segments import nearest_places
-from crackgrow.results.places import component_text, length_unit, lines_of
+from crackgrow.results.places import component_text, length_unit
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -69,175 +69,196 @@ class Sheet:
         looks = {"ha": "center", "va": "center", "zorder": 8, "bbox": ground, **looks}
         self.labels.append(self.axes.text(point[0], point[1], text, fontsize=7.5, color=colour, **looks))
 
+    def draw_support(self, support: model.Support) -> None:
+        """Draw the triangle, wheels and ground of a support, and the displacement that it prescribes."""
+        if isinstance(support, model.PointSupport):
+            self.title = f"held point of {support.body}"
+            roller = None in support.displacement
+            self._triangle(support.point, self._outward_at(support), roller=roller)
+            self._given_words(support.displacement, support.point)
+            return
+        edge, size = f"{support.region.body}.{support.region.edge}", self.size
+        self.title = f"{'held:' if isinstance(support, model.EdgeSupport) else 'rigid foundation under'} {edge}"
+        stretches = self._stretches(support.region, SIGN * size)
+        for line, outward in stretches:
+            if isinstance(support, model.EdgeSupport) and None in support.displacement:
+                wheel = 0.6 * SIGN * size  # between the edge and rigid ground
+                for place, _ in _spread([(line, outward)], 2.0 * wheel, most=None):
+                    self.shape(Circle((place + 0.5 * wheel * outward).tolist(), 0.4 * wheel))
+                self._ground(line + wheel * outward, outward, 0.8 * wheel)
+            else:
+                self._ground(line + 0.004 * size * outward, outward, 0.7 * SIGN * size)
+        line, outward = stretches[len(stretches) // 2]
+        if isinstance(support, model.ContactSupport):
+            words = f"rigid foundation, μ = {support.contact.friction:g}"
+            self.label(line.mean(axis=0) + 0.075 * size * outward, words, LAW)
+            return
+        places = np.array([place for place, _ in _spread(stretches, APART * size)])
+        free = np.zeros(len(places))
+        moved = np.column_stack([free if of is None else component_at(of, places) for of in support.displacement])
+        longest = float(np.hypot(*moved.T).max())
+        for tail, way in zip(places, moved / (longest or 1.0), strict=True):
+            if np.hypot(*way) > SEEN:
+                self.arrow(tail, tail + ARROW * size * way, GIVEN)
+        self._given_words(support.displacement, line.mean(axis=0) + 0.05 * size * outward)
 
-def draw_support(sheet: Sheet, support: model.Support) -> None:
-    """Draw the triangle, wheels and ground of a support, and the displacement that it prescribes."""
-    if isinstance(support, model.PointSupport):
-        sheet.title = f"held point of {support.body}"
-        roller = None in support.displacement
-        _triangle(sheet, support.point, _outward_at(sheet.case, support), roller=roller)
-        _given_words(sheet, support.displacement, support.point)
-        return
-    edge, size = f"{support.region.body}.{support.region.edge}", sheet.size
-    sheet.title = f"{'held:' if isinstance(support, model.EdgeSupport) else 'rigid foundation under'} {edge}"
-    stretches = _stretches(sheet.case, support.region, SIGN * size)
-    for line, outward in stretches:
-        if isinstance(support, model.EdgeSupport) and None in support.displacement:
-            _rollers(sheet, line, outward, 0.6 * SIGN * size)
+    def draw_load(self, load: model.Load) -> None:
+        """Draw the arrows and values of a load; of an in-situ stress, which fills a body, nothing."""
+        case, size, reach = self.case, self.size, ARROW * self.size
+        held = ", held" if load.held else ""
+        if isinstance(load, model.FarField):  # words tell the stress
+            self.title = f"far field round {load.body}"
+            places = _spread(self._stretches(load.region, APART * size), APART * size, most=None)
+            self._traction_arrows(load, places, GAP * size, reach)
+        elif isinstance(load, model.EdgeLoad):
+            self._traction(load, held)
+        elif isinstance(load, model.Gravity) and any(load.acceleration):
+            self.title = f"gravity on {load.body}"
+            outline = self._body(load.body).outline
+            middle, way = (outline.min(axis=0) + outline.max(axis=0)) / 2, _unit(load.acceleration)
+            self.arrow(middle, middle + reach * way)
+            self.label(middle + 1.3 * reach * way, f"g = {np.hypot(*load.acceleration):g} m/s²{held}", LOAD)
+        elif isinstance(load, model.PointForce) and any(load.force):
+            self.title = f"force on {load.body}"
+            way = reach * _unit(load.force)
+            self.arrow(load.point - way, load.point)
+            self.label(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", LOAD)
+        elif isinstance(load, model.FluidPressure):  # off both faces of a crack or an interface
+            self.title = f"pressure in {load.surface}"
+            lines = [crack.points for crack in case.cracks if crack.surface == load.surface]
+            lines = lines or [
+                line for pair in case.interfaces if pair.surface.is_of(load.surface) for line in pair.lines
+            ]
+            for points in lines:
+                chord = points[-1] - points[0] if np.any(points[-1] != points[0]) else points[1] - points[0]
+                across = 0.4 * reach * np.array([-1.0, 1.0]) * _unit(chord[::-1])
+                for place, _ in _spread(_straight(points), APART * size):
+                    self.arrow(place, place - across)
+                    self.arrow(place, place + across)
+            place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
+            self.label(place, f"p = {component_text(load.pressure)}{held}", LOAD)
+
+    def _traction(self, load: model.EdgeTraction | model.EdgePressure, held: str) -> None:
+        """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
+        case, size = self.case, self.size
+        hole, below = self._hole_of(load.region), 0.05 * size
+        if hole is not None:
+            size = min(size, HOLE * float(np.ptp(hole, axis=0).min()))
+        stretches = self._stretches(load.region, APART * size)
+        line, outward = stretches[len(stretches) // 2]
+        ends = np.concatenate([part for part, _ in stretches])
+        along = load.traction_at(ends, np.tile(outward, (len(ends), 1)))
+        mean = np.where(along.mean(axis=0) != 0.0, along.mean(axis=0), along[np.abs(along).argmax(axis=0), [0, 1]])
+        if not mean.any():
+            return
+        shears = abs(float(_unit(mean) @ outward)) < SHEAR
+        places = _spread(stretches, (SHEAR_APART if shears else APART) * size)
+        points = [support for support in case.supports if isinstance(support, model.PointSupport)]
+        taken = [support.point + 0.8 * SIGN * size * self._outward_at(support) for support in points]
+        free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in taken)]
+        gap = size * (
+            SHEAR_GAP if shears else GAP if free else 1.7 * SIGN
+        )  # where signs leave no room: outside of them
+        self.title = f"traction on {load.region.body}.{load.region.edge}"
+        if isinstance(load, model.EdgePressure):
+            self.title, words = self.title.replace("traction", "pressure"), f"p = {component_text(load.pressure)}"
         else:
-            _ground(sheet, line + 0.004 * size * outward, outward, 0.7 * SIGN * size)
-    line, outward = stretches[len(stretches) // 2]
-    if isinstance(support, model.ContactSupport):
-        words = f"rigid foundation, μ = {support.contact.friction:g}"
-        sheet.label(line.mean(axis=0) + 0.075 * size * outward, words, LAW)
-        return
-    places = np.array([place for place, _ in _spread(stretches, APART * size)])
-    moved = np.column_stack([_values(component, places) for component in support.displacement])
-    longest = float(np.hypot(*moved.T).max())
-    for tail, way in zip(places, moved / (longest or 1.0), strict=True):
-        if np.hypot(*way) > SEEN:
-            sheet.arrow(tail, tail + ARROW * size * way, GIVEN)
-    _given_words(sheet, support.displacement, line.mean(axis=0) + 0.05 * size * outward)
+            acts = [(axis, of) for axis, of, value in zip("xy", load.traction, mean, strict=True) if value]
+            words = f"{', '.join(f't{axis}' for axis, _ in acts)} = {', '.join(component_text(of) for _, of in acts)}"
+        self._traction_arrows(load, free or places, gap, ARROW * size)
+        # two loads on an edge are mostly one across and one along it
+        place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0])
+        place = place + (AWAY * ARROW * size + (0.0 if free else gap)) * outward
+        if hole is not None:
+            place = np.array([np.mean(hole[:, 0]), hole[:, 1].min() - below])
+        upright = hole is None and abs(outward[0]) > SHEAR
+        self.label(place, f"{words}{held}", LOAD, rotation=90.0 if upright else 0.0)
 
+    def _traction_arrows(
+        self, load: model.EdgeLoad, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
+    ) -> None:
+        """An arrow for each place and its outward direction, as long as the traction there is large."""
+        points, outwards = (np.array(of) for of in zip(*places, strict=True))
+        traction = load.traction_at(points, outwards)
+        longest = float(np.hypot(*traction.T).max())
+        for place, outward, way in zip(points, outwards, reach * traction / (longest or 1.0), strict=True):
+            length = float(np.hypot(*way))
+            if length < SEEN * reach:
+                continue
+            across, tail = float(way @ outward) / length, place + gap * outward
+            tail = tail - way / 2 if abs(across) < SHEAR else tail - way if across < 0 else tail
+            self.arrow(tail, tail + way)
 
-def draw_load(sheet: Sheet, load: model.Load) -> None:
-    """Draw the arrows and values of a load; of an in-situ stress, which fills a body, nothing."""
-    case, size, reach = sheet.case, sheet.size, ARROW * sheet.size
-    held = ", held" if load.held else ""
-    if isinstance(load, model.FarField):  # words tell the stress
-        sheet.title = f"far field round {load.body}"
-        places = _spread(_stretches(case, load.region, APART * size), APART * size, most=None)
-        _traction_arrows(sheet, load, places, GAP * size, reach)
-    elif isinstance(load, model.EdgeLoad):
-        _traction(sheet, load, held)
-    elif isinstance(load, model.Gravity) and any(load.acceleration):
-        sheet.title = f"gravity on {load.body}"
-        outline = _body(case, load.body).outline
-        middle, way = (outline.min(axis=0) + outline.max(axis=0)) / 2, _unit(load.acceleration)
-        sheet.arrow(middle, middle + reach * way)
-        sheet.label(middle + 1.3 * reach * way, f"g = {np.hypot(*load.acceleration):g} m/s²{held}", LOAD)
-    elif isinstance(load, model.PointForce) and any(load.force):
-        sheet.title = f"force on {load.body}"
-        way = reach * _unit(load.force)
-        sheet.arrow(load.point - way, load.point)
-        sheet.label(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", LOAD)
-    elif isinstance(load, model.FluidPressure):  # off both faces of a crack or an interface
-        sheet.title = f"pressure in {load.surface}"
-        lines = lines_of(case, load.surface)
-        for points in lines:
-            chord = points[-1] - points[0] if np.any(points[-1] != points[0]) else points[1] - points[0]
-            across = 0.4 * reach * np.array([-1.0, 1.0]) * _unit(chord[::-1])
-            for place, _ in _spread(_straight(points), APART * size):
-                sheet.arrow(place, place - across)
-                sheet.arrow(place, place + across)
-        place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
-        sheet.label(place, f"p = {component_text(load.pressure)}{held}", LOAD)
+    def _triangle(self, point: Floats, outward: Floats, *, roller: bool) -> None:
+        """A support at a point: a triangle towards `outward`, on ground or, as a roller, on wheels."""
+        size = SIGN * self.size
+        along = np.array([-outward[1], outward[0]])
+        base = point + size * outward
+        self.shape(Polygon(np.array([point, base + 0.6 * size * along, base - 0.6 * size * along])))
+        if roller:
+            for place in (-0.35, 0.35):
+                center = base + 0.18 * size * outward + place * size * along
+                self.shape(Circle(center.tolist(), 0.17 * size))
+            base = base + 0.36 * size * outward
+        self._ground(np.array([base - 0.9 * size * along, base + 0.9 * size * along]), outward, 0.35 * size)
 
+    def _ground(self, line: Floats, outward: Floats, size: float) -> None:
+        """Solid ground: a line (2, 2) with strokes on its outer side."""
+        along = line[1] - line[0]
+        length = float(np.hypot(*along))
+        n = max(2, round(length / (0.9 * size)))
+        feet = line[0] + ((np.arange(n) + 0.75) / n)[:, None] * along
+        slant = (outward - along / max(length, 1e-300)) * size
+        self.strokes(line[None], 1.2)
+        self.strokes(np.stack([feet, feet + slant], axis=1), 0.6)
 
-def _traction(sheet: Sheet, load: model.EdgeTraction | model.EdgePressure, held: str) -> None:
-    """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""
-    case, size = sheet.case, sheet.size
-    hole, below = _hole_of(case, load.region), 0.05 * size
-    if hole is not None:
-        size = min(size, HOLE * float(np.ptp(hole, axis=0).min()))
-    stretches = _stretches(case, load.region, APART * size)
-    _, middle = stretches[len(stretches) // 2]
-    ends = np.concatenate([line for line, _ in stretches])
-    mean = np.array([_typical(along) for along in load.traction_at(ends, np.tile(middle, (len(ends), 1))).T])
-    if not mean.any():
-        return
-    shears = abs(float(_unit(mean) @ middle)) < SHEAR
-    places = _spread(stretches, (SHEAR_APART if shears else APART) * size)
-    points = [support for support in case.supports if isinstance(support, model.PointSupport)]
-    taken = [support.point + 0.8 * SIGN * size * _outward_at(case, support) for support in points]
-    free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in taken)]
-    gap = size * (SHEAR_GAP if shears else GAP if free else 1.7 * SIGN)  # where signs leave no room: outside of them
-    line, outward = stretches[len(stretches) // 2]  # two loads on an edge are mostly one across and one along it
-    away = AWAY * ARROW * size + (0.0 if free else gap)
-    place = line[0] + (0.25 if shears else 0.5) * (line[1] - line[0]) + away * outward
-    pressed = isinstance(load, model.EdgePressure)
-    if isinstance(load, model.EdgePressure):
-        given, values = "p", component_text(load.pressure)
-    else:
-        given = ", ".join(f"t{axis}" for axis, value in zip("xy", mean, strict=True) if value)
-        values = ", ".join(component_text(of) for of, value in zip(load.traction, mean, strict=True) if value)
-    if hole is not None:
-        place = np.array([np.mean(hole[:, 0]), hole[:, 1].min() - below])
-    sheet.title = f"{'pressure' if pressed else 'traction'} on {load.region.body}.{load.region.edge}"
-    _traction_arrows(sheet, load, free or places, gap, ARROW * size)
-    upright = hole is None and abs(outward[0]) > SHEAR
-    sheet.label(place, f"{given} = {values}{held}", LOAD, rotation=90.0 if upright else 0.0)
+    def _given_words(self, displacement: tuple[Component | None, Component | None], place: Floats) -> None:
+        """Displacements other than zero, as numbers or formulas."""
+        scale, unit = length_unit(self.case)
+        words = []
+        for axis, value in zip("xy", displacement, strict=True):
+            if isinstance(value, float | int) and value:
+                words.append(f"u{axis} = {value * scale:.4g} {unit}")
+            elif isinstance(value, CoordinateFormula):
+                words.append(f"u{axis} = {value.text[:40]} [m]")
+        if words:
+            self.label(place + np.array([0.0, 0.04 * self.size]), ", ".join(words), GIVEN)
 
+    def _hole_of(self, region: model.EdgeRegion) -> Floats | None:
+        """The ring (n, 2) m of the hole that an edge bounds; none on an outline."""
+        rings = self._body(region.body).rings
+        last = np.cumsum([len(ring.points) for ring in rings])
+        number = int(np.searchsorted(last, region.sides[0], side="right"))
+        return rings[number].points if number else None
 
-def _traction_arrows(
-    sheet: Sheet, load: model.EdgeLoad, places: Sequence[tuple[Floats, Floats]], gap: float, reach: float
-) -> None:
-    """An arrow for each place and its outward direction, as long as the traction there is large."""
-    points, outwards = (np.array(of) for of in zip(*places, strict=True))
-    traction = load.traction_at(points, outwards)
-    longest = float(np.hypot(*traction.T).max())
-    for place, outward, way in zip(points, outwards, reach * traction / (longest or 1.0), strict=True):
-        length = float(np.hypot(*way))
-        if length < SEEN * reach:
-            continue
-        across, tail = float(way @ outward) / length, place + gap * outward
-        tail = tail - way / 2 if abs(across) < SHEAR else tail - way if across < 0 else tail
-        sheet.arrow(tail, tail + way)
+    def _stretches(self, region: model.EdgeRegion, shortest: float) -> list[tuple[Floats, Floats]]:
+        """Straight parts of an edge, ends (2, 2) m, with their unit normals (2,) out of the rock.
 
+        Sides of an arc or another smooth edge are taken together until they are no shorter than `shortest`.
+        """
+        sides, found, waiting = _sides(self._body(region.body)), [], np.empty((0, 2))
+        for side, limits in zip(region.sides, region.limits, strict=True):
+            a, b = sides[side]
+            waiting = np.vstack([waiting[:1], [a + share * (b - a) for share in limits]])
+            line = waiting[[0, -1]]
+            length = float(np.hypot(*(line[1] - line[0])))
+            if length >= shortest or (side == region.sides[-1] and length > 0.0):
+                found += _straight(line)
+                waiting = np.empty((0, 2))
+        return found
 
-def _triangle(sheet: Sheet, point: Floats, outward: Floats, *, roller: bool) -> None:
-    """A support at a point: a triangle towards `outward`, on ground or, as a roller, on wheels."""
-    size = SIGN * sheet.size
-    along = np.array([-outward[1], outward[0]])
-    base = point + size * outward
-    sheet.shape(Polygon(np.array([point, base + 0.6 * size * along, base - 0.6 * size * along])))
-    if roller:
-        for place in (-0.35, 0.35):
-            center = base + 0.18 * size * outward + place * size * along
-            sheet.shape(Circle(center.tolist(), 0.17 * size))
-        base = base + 0.36 * size * outward
-    _ground(sheet, np.array([base - 0.9 * size * along, base + 0.9 * size * along]), outward, 0.35 * size)
+    def _outward_at(self, support: model.PointSupport) -> Floats:
+        """Where the ground of a support at a point is: across what it holds, outside of the rock if that has a side."""
+        outward = _outside(self._body(support.body), support.point)
+        held = np.array([component is not None for component in support.displacement], dtype=float)
+        direction = outward if held.all() else held
+        along = float(direction @ outward)
+        return (
+            -direction if along < 0.0 or abs(along) < SHEAR else direction
+        )  # along the edge: from left, or from below
 
-
-def _ground(sheet: Sheet, line: Floats, outward: Floats, size: float) -> None:
-    """Solid ground: a line (2, 2) with strokes on its outer side."""
-    along = line[1] - line[0]
-    length = float(np.hypot(*along))
-    n = max(2, round(length / (0.9 * size)))
-    feet = line[0] + ((np.arange(n) + 0.75) / n)[:, None] * along
-    slant = (outward - along / max(length, 1e-300)) * size
-    sheet.strokes(line[None], 1.2)
-    sheet.strokes(np.stack([feet, feet + slant], axis=1), 0.6)
-
-
-def _rollers(sheet: Sheet, line: Floats, outward: Floats, size: float) -> None:
-    """An edge (2, 2) that slides along rigid ground: wheels between the two."""
-    for place, _ in _spread([(line, outward)], 2.0 * size, most=None):
-        sheet.shape(Circle((place + 0.5 * size * outward).tolist(), 0.4 * size))
-    _ground(sheet, line + size * outward, outward, 0.8 * size)
-
-
-def _given_words(sheet: Sheet, displacement: tuple[Component | None, Component | None], place: Floats) -> None:
-    """Displacements other than zero, as numbers or formulas."""
-    scale, unit = length_unit(sheet.case)
-    words = []
-    for axis, value in zip("xy", displacement, strict=True):
-        if isinstance(value, float | int) and value:
-            words.append(f"u{axis} = {value * scale:.4g} {unit}")
-        elif isinstance(value, CoordinateFormula):
-            words.append(f"u{axis} = {value.text[:40]} [m]")
-    if words:
-        sheet.label(place + np.array([0.0, 0.04 * sheet.size]), ", ".join(words), GIVEN)
-
-
-def _values(component: Component | None, places: Floats) -> Floats:
-    """A component (n,) of a displacement at places (n, 2); 0 where it is free."""
-    return np.zeros(len(places)) if component is None else component_at(component, places)
-
-
-def _typical(values: Floats) -> float:
-    """The mean; what it has no sign of is told by the largest value."""
-    return float(values.mean() if values.mean() != 0.0 else values[np.argmax(np.abs(values))])
+    def _body(self, name: str) -> Body:
+        return next(body for body in self.case.bodies if body.name == name)
 
 
 def _unit(vector: object) -> Floats:
@@ -262,46 +283,9 @@ def _spread(
 
 
 def _straight(points: Floats) -> list[tuple[Floats, Floats]]:
-    """The parts of a line (n, 2) with their right-hand normals."""
+    """The parts of a line (n, 2) with their right-hand normals: rock is on the left of an outline."""
     parts = np.stack([points[:-1], points[1:]], axis=1)
     return [(part, _unit((part[1] - part[0])[::-1] * [1.0, -1.0])) for part in parts]
-
-
-def _hole_of(case: Case, region: model.EdgeRegion) -> Floats | None:
-    """The ring (n, 2) m of the hole that an edge bounds; none on an outline."""
-    outline, *holes = [ring.points for ring in _body(case, region.body).rings]
-    last = len(outline) + np.cumsum([len(hole) for hole in holes])
-    number = int(np.searchsorted(last, region.sides[0], side="right"))
-    return holes[number] if holes and region.sides[0] >= len(outline) else None
-
-
-def _stretches(case: Case, region: model.EdgeRegion, shortest: float) -> list[tuple[Floats, Floats]]:
-    """Straight parts of an edge, ends (2, 2) m, with their unit normals (2,) out of the rock.
-
-    Sides of an arc or another smooth edge are taken together until they are no shorter than `shortest`.
-    """
-    body = _body(case, region.body)
-    starts = np.concatenate([ring.points for ring in body.rings])
-    stops = np.concatenate([np.roll(ring.points, -1, axis=0) for ring in body.rings])
-    found, waiting = [], np.empty((0, 2))
-    for side, (first, last) in zip(region.sides, region.limits, strict=True):
-        a, b = starts[side], stops[side]
-        waiting = np.vstack([waiting[:1], [a + first * (b - a), a + last * (b - a)]])
-        line = waiting[[0, -1]]
-        length = float(np.hypot(*(line[1] - line[0])))
-        if length >= shortest or (side == region.sides[-1] and length > 0.0):
-            found += [(part, outward) for part, outward in _straight(line)]  # rock is on the left of an outline
-            waiting = np.empty((0, 2))
-    return found
-
-
-def _outward_at(case: Case, support: model.PointSupport) -> Floats:
-    """Where the ground of a support at a point is: across what it holds, outside of the rock where that has a side."""
-    outward = _outside(_body(case, support.body), support.point)
-    held = np.array([component is not None for component in support.displacement], dtype=float)
-    direction = outward if held.all() else held
-    along = float(direction @ outward)
-    return -direction if along < 0.0 or abs(along) < SHEAR else direction  # along the edge: from left, or from below
 
 
 def _outside(body: Body, point: Floats) -> Floats:
@@ -309,17 +293,13 @@ def _outside(body: Body, point: Floats) -> Floats:
 
     At a corner the side that is nearest to horizontal counts: supports stand below or above rather than beside.
     """
-    best: list[tuple[float, float, Floats]] = []
-    extent = float(np.ptp(body.outline, axis=0).max())
-    for ring in body.rings:
-        sides = np.stack([ring.points, np.roll(ring.points, -1, axis=0)], axis=1)
-        along = sides[:, 1] - sides[:, 0]
-        along /= np.hypot(*along.T)[:, None]
-        distance = np.hypot(*(nearest_places(point, sides) - point).T)
-        best.extend(zip(np.round(distance / extent, 6), np.round(np.abs(along[:, 1]), 6), along, strict=True))
-    _, _, side = min(best, key=lambda item: item[:2])
-    return np.array([side[1], -side[0]])
+    sides = _sides(body)
+    along = (sides[:, 1] - sides[:, 0]) / np.hypot(*(sides[:, 1] - sides[:, 0]).T)[:, None]
+    distance = shapely.distance(shapely.linestrings(sides), shapely.Point(point)) / np.ptp(body.outline, axis=0).max()
+    first = np.lexsort([np.round(np.abs(along[:, 1]), 6), np.round(distance, 6)])[0]
+    return np.array([along[first, 1], -along[first, 0]])
 
 
-def _body(case: Case, name: str) -> Body:
-    return next(body for body in case.bodies if body.name == name)
+def _sides(body: Body) -> Floats:
+    """Ends (n, 2, 2) m of the sides of all rings of a body, rock on their left."""
+    return np.concatenate([np.stack([r.points, np.roll(r.points, -1, axis=0)], axis=1) for r in body.rings])

@@ -1,25 +1,21 @@
-"""What is kept of the steps: for the load curve, and for summary.json, which says how good the run is at its worst."""
+"""What is kept of the steps, and summary.json, which says how a run ended and how good it is at its worst."""
 
 from __future__ import annotations
 
 import functools
-import json
 import math
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
-
-import numpy as np
+from typing import Any, Final
 
 from crackgrow import __version__
-from crackgrow.arrays import Floats
 from crackgrow.case.model import Case, Stages, StrengthReduction
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import or_null
-from crackgrow.run.result import Event, RunEnd, Safety, StepResult, TipResult, event_of, event_record
+from crackgrow.run.result import Event, RunEnd, StepResult, TipResult, event_of, event_record
 
 NOTHING = 1e-3
 """Of what the stress could make of a crack with the radius of a K as its half length: a smaller K is none.
@@ -27,204 +23,17 @@ NOTHING = 1e-3
 Joints that stick under a stress of 12 MPa in the ground have 4e-6 of it, with bounds of 7e-4.
 """
 
-STEADY = 1e-6
-"""Of the largest stress: one that varies by less is the same in all steps, but for round-off."""
-
-MEMORY_FILE = Path("/proc/self/status")  # of Linux
-CHECKS = ("residual", "penetration", "complementarity", "overlap", "energy_error")
+MEMORY_FILE: Final = Path("/proc/self/status")  # of Linux
+CHECKS: Final = ("residual", "penetration", "complementarity", "overlap", "energy_error")
 
 
-@dataclass(slots=True)
-class Tally:
-    """What the summary needs of the steps, gathered one step at a time so that no step has to be kept."""
-
-    steps: list[int] = field(default_factory=list)
-    n_dofs: list[int] = field(default_factory=list)
-    seconds: dict[str, float] = field(default_factory=dict)
-    worst: dict[str, tuple[float, int]] = field(default_factory=dict)
-    remarks: list[str] = field(default_factory=list)  # on how the run was gone on with
-    cautions: Gathered = field(default_factory=Gathered)
-    events: list[Event] = field(default_factory=list)
-    norm_error: float = math.nan  # percent, of the first step
-    K_error: float = math.nan  # percent, bound
-    K_expected: float = math.nan  # percent, error that is expected
-    K_spread: float = math.nan  # percent
-    kink_error: float = math.nan  # degrees, of tips that grow
-    load_factor_error: float = math.nan  # percent
-    goal_error: float = math.nan  # percent
-    time: float = math.nan  # s, of the last step
-    peak: float = math.nan  # the largest load factor
-    peak_step: int = 0
-
-    @property
-    def warnings(self) -> list[str]:
-        """Remarks, then one sentence for each cause, the most important first."""
-        return [*self.remarks, *self.cautions.sentences()]
-
-    def add(self, result: StepResult) -> list[str]:
-        """Count a step in; returns its warnings that are news. A check that is nan counts as worst of all."""
-        self.steps.append(int(result.step))
-        self.n_dofs.append(int(result.n_dofs))
-        if len(self.steps) == 1:
-            self.norm_error = float(result.norm_error)
-        self.K_error = max((self.K_error, K_error(result)), key=_known)
-        self.K_expected = max((self.K_expected, K_expected(result)), key=_known)
-        self.K_spread = max((self.K_spread, K_spread(result)), key=_known)
-        kinks = [tip.kink_error_deg for tip in result.tips if tip.advanced]
-        self.kink_error = max((self.kink_error, *kinks), key=_known)
-        self.load_factor_error = max((self.load_factor_error, result.load_factor_error), key=_known)
-        self.goal_error = max((self.goal_error, result.goal_error), key=_known)
-        self.time = float(result.time)
-        if not result.load_factor <= self.peak:
-            self.peak, self.peak_step = float(result.load_factor), int(result.step)
-        for phase, seconds in result.seconds.items():
-            self.add_seconds(phase, seconds)
-        for check in CHECKS:
-            value = float(result.energy.error if check == "energy_error" else getattr(result, check))
-            if check not in self.worst or _badness(value) > _badness(self.worst[check][0]):
-                self.worst[check] = (value, int(result.step))
-        self.events.extend(result.events)
-        return self.cautions.add(result.step, result.step_warnings)
-
-    def record(self) -> dict[str, object]:
-        """All of it as a mapping that JSON can hold."""
-        found = {each.name: getattr(self, each.name) for each in fields(self)}
-        return found | {"cautions": self.cautions.records(), "events": [event_record(event) for event in self.events]}
-
-    @classmethod
-    def of(cls, record: Mapping[str, Any]) -> Tally:
-        """The tally of a `record`."""
-        worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
-        events = [event_of(event) for event in record["events"]]
-        return cls(**{**record, "worst": worst, "events": events, "cautions": Gathered.of(record["cautions"])})
-
-    def add_seconds(self, phase: str, seconds: float) -> None:
-        """Add wall time to a phase."""
-        self.seconds[phase] = self.seconds.get(phase, 0.0) + float(seconds)
+def _known(value: float) -> float:
+    return -math.inf if math.isnan(value) else value
 
 
-Curve = tuple[str, str, Floats, Floats]
-"""A stress-strain curve: axis, sense, stress (n,) Pa and strain (n,)."""
-
-
-@dataclass(frozen=True, slots=True)
-class LoadPoint:
-    """A step on the load curve."""
-
-    factor: float
-    displacement: float  # m, of the loads
-    crack_length: float  # m, of all cracks
-    stress: Sequence[float]  # Pa, mean of the specimen: xx, yy, xy
-    strain: Sequence[float]
-    slip: Mapping[str, float]  # m, largest slip, with its sign, of every surface that has a contact law
-
-
-def load_point(result: StepResult) -> LoadPoint:
-    """The point of a step."""
-    touching = [face for face in result.faces if face.crack in result.contact.crack]
-    slip = {face.crack: float(face.slip[np.argmax(np.abs(face.slip))]) for face in touching}
-    means = result.mean_stress, result.mean_strain
-    return LoadPoint(result.load_factor, result.load_displacement, result.crack_length, *means, slip)
-
-
-def stress_strain(stresses: Sequence[Sequence[float]], strains: Sequence[Sequence[float]]) -> Curve | None:
-    """The curve along the axis with the larger mean stress: axis, sense, stress (n,) Pa and strain (n,).
-
-    Both are positive in the sense that the largest stress has. None where that stress hardly varies.
-    """
-    stress, strain = np.array(stresses, dtype=float), np.array(strains, dtype=float)
-    largest = np.nan_to_num(np.abs(stress)).max(axis=0)
-    axis = int(np.argmax(largest[:2]))
-    along = stress[:, axis]
-    known = along[np.isfinite(along)]
-    if not len(known) or not np.ptp(known) > STEADY * largest.max():
-        return None
-    sign = -1.0 if known[np.argmax(np.abs(known))] < 0.0 else 1.0
-    return "xy"[axis], "compressive" if sign < 0.0 else "tensile", sign * along, sign * strain[:, axis]
-
-
-def summarize(
-    case: Case,
-    tally: Tally,
-    end: RunEnd,
-    wall_seconds: float,
-    memory: float,
-    resumed: Sequence[int] = (),
-    cpu_seconds: float = math.nan,
-) -> dict[str, object]:
-    """The summary as a mapping that JSON can hold: SI units, seconds, MB; null for what has no value.
-
-    `memory` is the most that the run has taken, `resumed` are the steps with which it was gone on.
-    """
-    commit, modified = _program_state()
-    by_phase: dict[str, object] = {phase: round(seconds, 3) for phase, seconds in tally.seconds.items()}
-    return {
-        "case": case.name,
-        "title": case.title,
-        "status": end.status,
-        "stop_reason": end.reason,
-        "steps_done": tally.steps[-1] if tally.steps else 0,
-        "n_solves": len(tally.steps),
-        "version": __version__,
-        "git_commit": commit,
-        "git_modified": modified,
-        "n_dofs": {"first": tally.n_dofs[0], "last": tally.n_dofs[-1]} if tally.n_dofs else None,
-        "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
-        "cpu_seconds": or_null(round(cpu_seconds, 3)),
-        "peak_memory_mb": round(memory, 1),
-        "resumed_with_steps": list(resumed),
-        **({} if end.safety is None else {"safety": _safety(end.safety)}),
-        **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
-        "worst_checks": {
-            check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
-        },
-        "error_estimate": {
-            "energy_norm_percent": {"first": or_null(tally.norm_error), "last": or_null(end.norm_error)},
-            "K_percent_at_most": or_null(tally.K_error),
-            "K_percent_expected": or_null(tally.K_expected),
-            "K_spread_percent": or_null(tally.K_spread),
-            "kink_degrees_at_most": or_null(tally.kink_error),
-            "load_factor_percent_at_most": or_null(tally.load_factor_error),
-            "goal_percent_at_most": or_null(tally.goal_error),
-        },
-        "peak_load": _peak(case, tally),
-        "events": [{**event_record(event), "words": event.words} for event in (*tally.events, *end.events)],
-        "warnings": tally.warnings,
-        "cautions": [{**record, "size": or_null(record["size"])} for record in tally.cautions.records()],
-    }
-
-
-def _peak(case: Case, tally: Tally) -> dict[str, object] | None:
-    """The largest load factor and its step; None where there is none, or it is no factor of loads."""
-    if not tally.steps or isinstance(case.loading, Stages | StrengthReduction):
-        return None
-    return {"load_factor": or_null(tally.peak), "step": tally.peak_step}
-
-
-def _safety(safety: Safety) -> dict[str, object]:
-    """How safe a scene is; null: it does not fail."""
-    return {
-        "factor": or_null(safety.factor), "percent_at_most": or_null(safety.error),
-        "fails_at": or_null(safety.fails_at), "mechanism": safety.mechanism or None,
-    }  # fmt: skip
-
-
-def error_line(tally: Tally, end: RunEnd) -> str:
-    """The estimated error of the last step and the bound of that of K over all steps, in words; empty if unknown."""
-    parts = []
-    if math.isfinite(end.norm_error):
-        parts.append(f"{end.norm_error:.2g} % of the energy norm")
-    if math.isfinite(tally.K_error):
-        most = f"at most {tally.K_error:.2g} % of the largest"
-        expected = f"an expected {tally.K_expected:.2g} %, " if math.isfinite(tally.K_expected) else ""
-        parts.append(f"K by {expected}{most}")
-    if math.isfinite(tally.kink_error):
-        parts.append(f"directions of growth by {tally.kink_error:.2g} degrees")
-    if math.isfinite(tally.load_factor_error):
-        parts.append(f"critical load factors by {tally.load_factor_error:.2g} %")
-    if math.isfinite(tally.goal_error):
-        parts.append(f"numerics.goal by at most {tally.goal_error:.2g} % of its largest value")
-    return f"estimated error: {', '.join(parts)}" if parts else ""
+def K_error(result: StepResult) -> float:
+    """Largest bound of the error of K, in percent of the largest K of the step; nan where that is nothing."""
+    return _part_of_largest(result, result.tips, [max(tip.K_I_error, tip.K_II_error) for tip in result.tips])
 
 
 def K_spread(result: StepResult) -> float:
@@ -235,16 +44,6 @@ def K_spread(result: StepResult) -> float:
     """
     roomy = [tip for tip in result.tips if not tip.K_note]
     return _part_of_largest(result, roomy, [max(tip.K_I_spread, tip.K_II_spread) for tip in roomy])
-
-
-def K_error(result: StepResult) -> float:
-    """Largest bound of the error of K, in percent of the largest K of the step; nan where that is nothing."""
-    return _part_of_largest(result, result.tips, [max(tip.K_I_error, tip.K_II_error) for tip in result.tips])
-
-
-def K_expected(result: StepResult) -> float:
-    """Largest error of K that is expected, in the same; nan where it was not measured."""
-    return _part_of_largest(result, result.tips, [tip.K_error_expected for tip in result.tips])
 
 
 def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequence[float]) -> float:
@@ -261,9 +60,143 @@ def _part_of_largest(result: StepResult, tips: Sequence[TipResult], values: Sequ
     return 100.0 * max(value for _, value in known) / largest
 
 
-def summary_text(summary: dict[str, object]) -> str:
-    """The summary as JSON text."""
-    return json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+ESTIMATES: Final[Mapping[str, Callable[[StepResult], float]]] = {
+    "K_percent_at_most": K_error,
+    "K_percent_expected": lambda of: _part_of_largest(of, of.tips, [tip.K_error_expected for tip in of.tips]),
+    "K_spread_percent": K_spread,
+    "kink_degrees_at_most": lambda of: max(
+        (tip.kink_error_deg for tip in of.tips if tip.advanced), key=_known, default=math.nan
+    ),
+    "load_factor_percent_at_most": lambda of: of.load_factor_error,
+    "goal_percent_at_most": lambda of: of.goal_error,
+}
+"""What a step estimates of its own error, by name in the summary; nan where it is unknown."""
+
+
+@dataclass(slots=True)
+class Tally:
+    """What the summary and a resumption need of the steps, gathered step by step so that no step has to be kept."""
+
+    steps: list[int] = field(default_factory=list)
+    n_dofs: list[int] = field(default_factory=list)
+    seconds: dict[str, float] = field(default_factory=dict)
+    worst: dict[str, tuple[float, int]] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)  # on how the run was gone on with
+    cautions: Gathered = field(default_factory=Gathered)
+    events: list[Event] = field(default_factory=list)
+    norm_error: float = math.nan  # percent, of the first step
+    estimates: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ESTIMATES, math.nan))  # the worst
+    time: float = math.nan  # s, of the last step
+    peak: float = math.nan  # the largest load factor
+    peak_step: int = 0
+    frames: list[int] = field(default_factory=list)  # steps that have one
+    cracks: list[int] = field(default_factory=list)  # steps whose crack faces are written
+    resumed: list[int] = field(default_factory=list)  # steps with which the run was gone on
+
+    @property
+    def warnings(self) -> list[str]:
+        """Remarks, then one sentence for each cause, the most important first."""
+        return [*self.remarks, *self.cautions.sentences()]
+
+    def add(self, result: StepResult) -> list[str]:
+        """Count a step in; returns its warnings that are news. A check that is nan counts as worst of all."""
+        step = int(result.step)
+        self.steps.append(step)
+        self.n_dofs.append(int(result.n_dofs))
+        if len(self.steps) == 1:
+            self.norm_error = float(result.norm_error)
+        for name, estimate in ESTIMATES.items():
+            self.estimates[name] = max((self.estimates[name], float(estimate(result))), key=_known)
+        self.time = float(result.time)
+        if not result.load_factor <= self.peak:
+            self.peak, self.peak_step = float(result.load_factor), step
+        for phase, seconds in result.seconds.items():
+            self.add_seconds(phase, seconds)
+        for check in CHECKS:
+            value = float(result.energy.error if check == "energy_error" else getattr(result, check))
+            worst, _ = self.worst.get(check, (0.0, 0))
+            if check not in self.worst or (not math.isnan(worst) and not abs(value) <= abs(worst)):
+                self.worst[check] = (value, step)
+        self.events.extend(result.events)
+        return self.cautions.add(step, result.step_warnings)
+
+    def add_seconds(self, phase: str, seconds: float) -> None:
+        """Add wall time to a phase."""
+        self.seconds[phase] = self.seconds.get(phase, 0.0) + float(seconds)
+
+    def record(self) -> dict[str, object]:
+        """All of it as a mapping that JSON can hold."""
+        found = {each.name: getattr(self, each.name) for each in fields(self)}
+        return found | {"cautions": self.cautions.records(), "events": [event_record(event) for event in self.events]}
+
+    @classmethod
+    def of(cls, record: Mapping[str, Any]) -> Tally:
+        """The tally of a `record`."""
+        worst = {check: (value, step) for check, (value, step) in record["worst"].items()}
+        events = [event_of(event) for event in record["events"]]
+        return cls(**{**record, "worst": worst, "events": events, "cautions": Gathered.of(record["cautions"])})
+
+
+def summarize(
+    case: Case, tally: Tally, end: RunEnd, wall_seconds: float, memory: float, cpu_seconds: float = math.nan
+) -> dict[str, object]:
+    """The summary as a mapping that JSON can hold: SI units, seconds, MB; null for what has no value.
+
+    `memory` is the most that the run has taken.
+    """
+    commit, modified = _program_state()
+    by_phase: dict[str, object] = {phase: round(seconds, 3) for phase, seconds in tally.seconds.items()}
+    peak: dict[str, object] | None = None
+    if tally.steps and not isinstance(case.loading, Stages | StrengthReduction):
+        peak = {"load_factor": or_null(tally.peak), "step": tally.peak_step}
+    safety: dict[str, object] = {}
+    if end.safety is not None:
+        factors = {"factor": end.safety.factor, "percent_at_most": end.safety.error, "fails_at": end.safety.fails_at}
+        safety = {name: or_null(value) for name, value in factors.items()} | {"mechanism": end.safety.mechanism or None}
+    return {
+        "case": case.name,
+        "title": case.title,
+        "status": end.status,
+        "stop_reason": end.reason,
+        "steps_done": tally.steps[-1] if tally.steps else 0,
+        "n_solves": len(tally.steps),
+        "version": __version__,
+        "git_commit": commit,
+        "git_modified": modified,
+        "n_dofs": {"first": tally.n_dofs[0], "last": tally.n_dofs[-1]} if tally.n_dofs else None,
+        "wall_seconds": {"total": round(wall_seconds, 3), "by_phase": by_phase},
+        "cpu_seconds": or_null(round(cpu_seconds, 3)),
+        "peak_memory_mb": round(memory, 1),
+        "resumed_with_steps": list(tally.resumed),
+        **({"safety": safety} if safety else {}),
+        **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
+        "worst_checks": {
+            check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
+        },
+        "error_estimate": {
+            "energy_norm_percent": {"first": or_null(tally.norm_error), "last": or_null(end.norm_error)},
+            **{name: or_null(value) for name, value in tally.estimates.items()},
+        },
+        "peak_load": peak,
+        "events": [{**event_record(event), "words": event.words} for event in (*tally.events, *end.events)],
+        "warnings": tally.warnings,
+        "cautions": [{**record, "size": or_null(record["size"])} for record in tally.cautions.records()],
+    }
+
+
+def error_line(tally: Tally, end: RunEnd) -> str:
+    """The estimated error of the last step and the bound of that of K over all steps, in words; empty if unknown."""
+    known = {name: f"{value:.2g}" for name, value in tally.estimates.items() if math.isfinite(value)}
+    expected = f"an expected {known['K_percent_expected']} %, " if "K_percent_expected" in known else ""
+    words = {
+        "K_percent_at_most": f"K by {expected}at most {{}} % of the largest",
+        "kink_degrees_at_most": "directions of growth by {} degrees",
+        "load_factor_percent_at_most": "critical load factors by {} %",
+        "goal_percent_at_most": "numerics.goal by at most {} % of its largest value",
+    }
+    parts = [f"{end.norm_error:.2g} % of the energy norm"] if math.isfinite(end.norm_error) else []
+    parts += [text.format(known[name]) for name, text in words.items() if name in known]
+    return f"estimated error: {', '.join(parts)}" if parts else ""
 
 
 def peak_memory_mb() -> float:
@@ -304,11 +237,3 @@ def git_state(root: Path) -> tuple[str | None, bool | None]:
     except (OSError, subprocess.SubprocessError):
         return None, None
     return answer.removesuffix("-dirty"), answer.endswith("-dirty")
-
-
-def _known(value: float) -> float:
-    return -math.inf if math.isnan(value) else value
-
-
-def _badness(value: float) -> float:
-    return math.inf if math.isnan(value) else abs(value)

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.results import declarations
-from crackgrow.results.atomic import append_text, write_text
-from crackgrow.results.declarations import PHASES, File
+from crackgrow.results.atomic import GrowingFile
+from crackgrow.results.declarations import FILES, PHASES, RUN, File
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
 
 if TYPE_CHECKING:
@@ -24,41 +23,34 @@ Row = tuple[Value, ...]
 
 COMPONENTS: Final = ("xx", "yy", "xy")
 
-HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in declarations.RUN if ".csv" in file.name}
+HEADERS: Final = {file.name.removesuffix(".csv"): file.header for file in RUN if ".csv" in file.name}
 """Columns of the tables by name."""
 
 
-class Table:
-    """Rows in memory and on disk: the file is complete after every `write`, which appends what is new."""
+class Table(GrowingFile):
+    """A table in a run's folder, its rows in memory and on disk: the file is complete after every `write`."""
 
-    def __init__(self, path: Path, columns: Sequence[str]) -> None:
-        self.path = path
-        self._lines = [",".join(columns)]
-        self._n_written = 0  # lines on disk as they are here
+    def __init__(self, folder: Path, name: str, columns: Sequence[str] = ()) -> None:
+        """`columns` are those of the name, unless they are given."""
+        super().__init__(folder / f"{name}.csv", ",".join(columns or HEADERS[name]))
 
     def extend(self, rows: Iterable[Sequence[Value]]) -> None:
         """Append rows, values in the order of the columns."""
-        self._lines.extend(",".join(format_value(value) for value in row) for row in rows)
+        self.lines.extend(",".join(format_value(value) for value in row) for row in rows)
 
     def replace_last(self, row: Sequence[Value]) -> None:
         """Replace the last row."""
-        self._lines[-1] = ",".join(format_value(value) for value in row)
-        self._n_written = 0
+        self.lines.pop()
+        self.extend([row])
+        self.n_written = 0
 
     def __len__(self) -> int:
-        return len(self._lines) - 1
-
-    def write(self) -> None:
-        """Bring the file up to date; raises OutputError."""
-        new = "".join(f"{line}\n" for line in self._lines[self._n_written :])
-        if not (self._n_written and append_text(self.path, new)):
-            write_text(self.path, "\n".join(self._lines) + "\n")
-        self._n_written = len(self._lines)
+        return len(self.lines) - 1
 
     def drop_from(self, step: int) -> None:
         """Take over what the file has of the steps before one, and drop the rest; raises OutputError."""
-        self._lines = lines_before(self.path, step)
-        self._n_written = 0
+        self.lines = lines_before(self.path, step)
+        self.n_written = 0
         self.write()
 
 
@@ -68,9 +60,9 @@ def lines_before(path: Path, step: int) -> list[str]:
     Raises ValueError where it is no table that this version goes on with, OSError where it can't be read.
     """
     header, *rows = path.read_text(encoding="utf-8").split("\n")[:-1]  # a last row without an end was cut off
-    if path.name != declarations.HISTORY.name and header.split(",") != list(HEADERS[path.stem]):
+    if path.name != "history.csv" and header.split(",") != list(HEADERS[path.stem]):
         raise ValueError(f"another header: {header}")
-    if path.name == declarations.EVENTS.name:
+    if path.name == "events.csv":
         step -= 1  # events come with the step after theirs, to which an advance has led
     return [header, *(row for row in rows if int(row.partition(",")[0]) < step)]
 
@@ -86,13 +78,8 @@ def format_value(value: Value) -> str:
 
 def csv_text(columns: Sequence[str], rows: Iterable[Iterable[Value | None]]) -> str:
     """A whole table, as studies write theirs: empty where there is no value, and for nan."""
-    lines = [columns, *([or_empty(value) for value in row] for row in rows)]
+    lines = [columns, *(["" if value is None or value != value else value for value in row] for row in rows)]
     return "".join(",".join(format_value(value) for value in line) + "\n" for line in lines)
-
-
-def or_empty(value: Value | None) -> Value:
-    """The value, or an empty text where there is none."""
-    return "" if value is None or value != value else value  # nan alone is not itself
 
 
 def _row(file: File, sources: Sequence[object], given: Mapping[str, Any]) -> Row:
@@ -107,11 +94,6 @@ def _place(point: Iterable[Any]) -> dict[str, Any]:
     return dict(zip("xy", point, strict=True))
 
 
-def tip_rows(result: StepResult) -> list[Row]:
-    """Rows of tips.csv: m, Pa, Pa sqrt(m), degrees; the point is the tip before its advance."""
-    return [_row(declarations.TIPS, (tip, result), _place(tip.point)) for tip in result.tips]
-
-
 def path_rows(cracks: Iterable[CrackPath]) -> list[Row]:
     """Rows of paths.csv: vertices from start to end, m, with the step whose advance made them."""
     return [
@@ -124,21 +106,13 @@ def path_rows(cracks: Iterable[CrackPath]) -> list[Row]:
 def contact_rows(result: StepResult) -> list[Row]:
     """Rows of contact.csv: m and Pa, state as a word."""
     contact = result.contact
-    given: dict[str, Any] = {
-        **_place(contact.points.T),
-        "step": [result.step] * len(contact.crack),
-        "state": [STATE_NAMES[state] for state in contact.state.tolist()],
-    }
-    columns = []
-    for column in declarations.CONTACT.columns:
-        values = given[column.name] if column.name in given else getattr(contact, column.name)
-        columns.append([column.kind(value) for value in values])
-    return list(zip(*columns, strict=True))
-
-
-def reaction_rows(result: StepResult) -> list[Row]:
-    """Rows of reactions.csv: N per metre of thickness, on the rock; of an interface on its first body."""
-    return [(int(result.step), item.where, *item.force, float(result.load_factor)) for item in result.reactions]
+    given = _place(contact.points.T) | {"step": [result.step] * len(contact.crack)}
+    given["state"] = [STATE_NAMES[state] for state in contact.state.tolist()]
+    columns = [
+        (column.kind, given.get(column.name, getattr(contact, column.name, ())))
+        for column in FILES["contact.csv"].columns
+    ]
+    return list(zip(*([kind(value) for value in values] for kind, values in columns), strict=True))
 
 
 def history_columns(history: History) -> tuple[str, ...]:
@@ -157,7 +131,7 @@ def history_rows(result: StepResult) -> list[Row]:
 
 def event_rows(events: Iterable[Event]) -> list[Row]:
     """Rows of events.csv: the step whose advance made the event, the place in m."""
-    return [_row(declarations.EVENTS, (event,), _place(event.point)) for event in events]
+    return [_row(FILES["events.csv"], (event,), _place(event.point)) for event in events]
 
 
 def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
@@ -174,60 +148,39 @@ def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
     }
     means = {"mean_stress": result.mean_stress, "mean_strain": result.mean_strain}
     parts = {f"{name}_{xx}": part for name, of in means.items() for xx, part in zip(COMPONENTS, of, strict=True)}
-    return _row(declarations.STEPS, (result,), seconds | energies | parts)
+    return _row(FILES["steps.csv"], (result,), seconds | energies | parts)
 
 
 GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
-    "tips": tip_rows,
+    "tips": lambda of: [_row(FILES["tips.csv"], (tip, of), _place(tip.point)) for tip in of.tips],
     "contact": contact_rows,
-    "reactions": reaction_rows,
+    "reactions": lambda of: [(int(of.step), one.where, *one.force, float(of.load_factor)) for one in of.reactions],
     "history": history_rows,
-    "steps": lambda result: [step_row(result)],
-    "events": lambda result: event_rows(result.events),
+    "steps": lambda of: [step_row(of)],
+    "events": lambda of: event_rows(of.events),
 }
 """What a step adds to the tables that grow with the steps."""
 
 
+class TableOf:
+    """A table of a run as a DataFrame, under its name, with the meaning that `columns.yaml` gives it."""
+
+    def __set_name__(self, owner: type, name: str) -> None:
+        self._name = name
+        self.__doc__ = f"{name}.csv: {FILES[f'{name}.csv'].doc}"
+
+    def __get__(self, run: RunTables | None, owner: type) -> pd.DataFrame:
+        return self if run is None else run._frame(self._name)  # type: ignore[return-value]  # the class has itself
+
+
 class RunTables:
-    """The tables of a run, in its folder or in memory, with columns, units and values as in the CSV files."""
+    """The tables of a run, in its folder or in memory, with columns, units and values as in the CSV files.
 
-    @property
-    def steps(self) -> pd.DataFrame:
-        """steps.csv: a row for each step, with load factor, energies, checks, times.
+    In memory `seconds_output` of the steps is without the writing of frames.
+    """
 
-        In memory `seconds_output` is without the writing of frames.
-        """
-        return self._frame("steps")
-
-    @property
-    def tips(self) -> pd.DataFrame:
-        """tips.csv: a row for each step and tip, with place (m), K_I and K_II (Pa sqrt(m)), the criterion."""
-        return self._frame("tips")
-
-    @property
-    def contact(self) -> pd.DataFrame:
-        """contact.csv: a row for each step and contact point, with tractions (Pa), opening and slip (m), state."""
-        return self._frame("contact")
-
-    @property
-    def reactions(self) -> pd.DataFrame:
-        """reactions.csv: a row for each step and support, foundation or interface, with its force (N/m)."""
-        return self._frame("reactions")
-
-    @property
-    def history(self) -> pd.DataFrame:
-        """history.csv: a row for each increment, with what `output.points` see; where the case names points."""
-        return self._frame("history")
-
-    @property
-    def events(self) -> pd.DataFrame:
-        """events.csv: tips that have met a crack, a hole, the outline or an interface."""
-        return self._frame("events")
-
-    @property
-    def paths(self) -> pd.DataFrame:
-        """paths.csv: the cracks at the end, a row for each vertex (m) with the step that made it."""
-        return self._frame("paths")
+    steps, tips, paths, contact = TableOf(), TableOf(), TableOf(), TableOf()
+    reactions, history, events = TableOf(), TableOf(), TableOf()
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
@@ -242,32 +195,25 @@ class RunTables:
 
 def frame_of_results(name: str, results: Sequence[StepResult], last: Sequence[Row] = ()) -> pd.DataFrame:
     """A table of some steps, with the rows `last` behind theirs."""
+    import pandas as pd  # here: who reads tables as text needs none of it
+
     columns = HEADERS[name]
     if name == "history":
         columns = next((history_columns(result.history) for result in results if result.history), ())
     rows = [row for result in results for row in GROWING[name](result)] if name in GROWING else []
-    return _frame(columns, [*rows, *last])
+    return pd.DataFrame([list(row) for row in (*rows, *last)], columns=pd.Index(columns))
 
 
 def frame_of(table: TextTable) -> pd.DataFrame:
     """A table of a run's folder, with the types that the same table has in memory."""
-    import pandas as pd  # here: who reads tables as text needs none of it
-
-    files = [file for file in declarations.RUN if file.name == table.path.name]
-    kinds = {column.name: column.kind for file in files for column in file.columns}
-    columns: dict[str, object] = {}
-    for name, words in table.columns.items():
-        kind = kinds.get(name, float)
-        if kind is str:
-            columns[name] = words
-        elif kind is bool:
-            columns[name] = [word == "true" for word in words]
-        else:
-            columns[name] = table.numbers(name).astype(np.int64 if kind is int else float)
-    return pd.DataFrame(columns)
-
-
-def _frame(columns: Sequence[str], rows: Sequence[Row]) -> pd.DataFrame:
     import pandas as pd  # as above
 
-    return pd.DataFrame([list(row) for row in rows], columns=pd.Index(columns))
+    file = FILES.get(table.path.name)
+    kinds = {column.name: column.kind for column in file.columns} if file else {}
+    read: dict[type, Callable[[str], Any]] = {
+        str: table.words,
+        bool: lambda name: [word == "true" for word in table.words(name)],
+        int: lambda name: table.numbers(name).astype(np.int64),
+        float: table.numbers,
+    }
+    return pd.DataFrame({name: read[kinds.get(name, float)](name) for name in table.columns})

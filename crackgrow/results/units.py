@@ -26,14 +26,10 @@ def unit_of(values: Iterable[float], units: Sequence[Unit]) -> Unit:
     return next((unit for unit in units if largest >= 0.9999 * unit[0]), units[-1])
 
 
-def rounded(value: float, unit: float = 1.0) -> float | None:
-    """A value in a unit of this size, to SIGNIFICANT digits; None where it is no number."""
-    return float(f"{value / unit:.{SIGNIFICANT}g}") if math.isfinite(value) else None
-
-
 def rounded_all(values: Iterable[float], unit: float = 1.0) -> list[float | None]:
-    """Each of the values `rounded`."""
-    return [rounded(float(value), unit) for value in values]
+    """Values in a unit of this size, to SIGNIFICANT digits; None where one is no number."""
+    parts = (float(value) / unit for value in values)
+    return [float(f"{part:.{SIGNIFICANT}g}") if math.isfinite(part) else None for part in parts]
 
 
 def merged(spans: Iterable[range]) -> list[range]:

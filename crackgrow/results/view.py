@@ -10,7 +10,7 @@ from typing import Any
 import pyvista
 
 from crackgrow.errors import CrackgrowError
-from crackgrow.results.drawn_frame import areas, displayed_magnification, drawn_frame
+from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import colours_of
 from crackgrow.results.folder import open_run
 from crackgrow.results.units import factor_text
@@ -48,10 +48,11 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
     run = open_run(folder)
     steps = run.frames_of()
     last = drawn_frame(run, steps[-1], field)
-    factor = displayed_magnification(last) if warp is None else warp
-    (size, name), norm, colour_map = colours_of(field, last.values, areas(last, by_point=last.by_point))
+    factor = last.magnification() if warp is None else warp
+    (size, name), norm, colour_map = colours_of(field, last.values, last.areas(by_point=last.by_point))
     label = f"{field} [{name}]" if name else field
-
+    looks: dict[str, Any] = {"cmap": colour_map, "clim": (norm.vmin, norm.vmax)}
+    looks |= {"show_scalar_bar": False, "lighting": False}
     untyped: Any = plotter  # the declared types of some methods are not those of what they wrap
 
     def show(value: float) -> Any:
@@ -59,14 +60,7 @@ def fill(plotter: pyvista.Plotter, folder: Path, field: str, warp: float | None)
         mesh = run.mesh(step)
         frame = drawn_frame(run, step, field, mesh)
         grid = mesh.warp_by_vector("displacement", factor=factor)
-        data = grid.point_data if frame.by_point else grid.cell_data
-        data[label] = frame.values / size
-        looks: dict[str, Any] = {
-            "cmap": colour_map,
-            "clim": (norm.vmin, norm.vmax),
-            "show_scalar_bar": False,
-            "lighting": False,
-        }
+        (grid.point_data if frame.by_point else grid.cell_data)[label] = frame.values / size
         specimen = plotter.add_mesh(grid, name="specimen", scalars=label, **looks)
         edges = grid.extract_feature_edges(feature_edges=False, manifold_edges=False, non_manifold_edges=False)
         plotter.add_mesh(edges, name="edges", color="black", line_width=1)

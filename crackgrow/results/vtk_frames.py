@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Mapping, Sequence
-from html import escape
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
@@ -15,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
-from crackgrow.results.atomic import write_bytes, write_text
+from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.drawn_frame import VTK_QUAD, VTK_TRIANGLE, principal_stresses
+from crackgrow.results.folder import FACES, FRAME, of_step, series_names
 from crackgrow.run.result import CrackFaces, Frame
 
 if TYPE_CHECKING:
@@ -80,14 +80,19 @@ def write_cracks(path: Path, faces: Sequence[CrackFaces]) -> None:
     _write(path, "PolyData", {"Points": int(sizes.sum()), "Lines": len(faces)}, parts, f"<FieldData>{told}</FieldData>")
 
 
-def write_series(path: Path, files: Sequence[tuple[int, str]]) -> None:
-    """Write the time series `path` (.pvd) of (step, file name relative to it); raises OutputError."""
-    lines = [f'    <DataSet timestep="{step}" part="0" file="{escape(name)}"/>\n' for step, name in files]
-    text = (
-        '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
-        f"  <Collection>\n{''.join(lines)}  </Collection>\n</VTKFile>\n"
-    )
-    write_text(path, text)
+def write_series(folder: Path, case_name: str, frames: Sequence[int], cracks: Sequence[int]) -> None:
+    """Write the time series of the steps with frames, and of those with crack faces, or remove one that has none.
+
+    Raises OutputError.
+    """
+    for name, kind, steps in zip(series_names(case_name), (FRAME, FACES), (frames, cracks), strict=True):
+        if steps:
+            files = ((step, of_step(kind, step)) for step in steps)
+            lines = [f'    <DataSet timestep="{step}" part="0" file="{file}"/>\n' for step, file in files]
+            head = '<?xml version="1.0"?>\n<VTKFile type="Collection" version="0.1" byte_order="LittleEndian">\n'
+            write_text(folder / name, f"{head}  <Collection>\n{''.join(lines)}  </Collection>\n</VTKFile>\n")
+        else:
+            remove_files([folder / name])
 
 
 def as_pyvista(frame: Frame, fields: Sequence[str]) -> pyvista.UnstructuredGrid:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import contextlib
+import json
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict
 from pathlib import Path
+from typing import Final
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
@@ -15,32 +16,20 @@ from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
-from crackgrow.results.checkpoint_file import CheckpointWriter, StoredCheckpoint
-from crackgrow.results.folder import CASE, HISTORY, LOG, REPORT, SUMMARY, cracks_name, frame_name, series_names
-from crackgrow.results.leftovers import check_folder, earlier_files, remove_frames, remove_half_written
-from crackgrow.results.lock import FolderLock
-from crackgrow.results.log import RunLog, event_line, step_line
-from crackgrow.results.resume import Resumption
-from crackgrow.results.summary import (
-    LoadPoint,
-    Tally,
-    error_line,
-    load_point,
-    peak_memory_mb,
-    program_commit,
-    stress_strain,
-    summarize,
-    summary_text,
-)
+from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, RunFolder, of_step, own_files
+from crackgrow.results.lock import FolderLock, earlier_files
+from crackgrow.results.log import RunLog, event_line, logged_line
+from crackgrow.results.resume import CheckpointWriter, Resumption
+from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
-RUNNING = RunEnd("running", "the run goes on, or was broken off without a word", ())
-SPARE = 2**23  # bytes: what the last files of a run take, and more
+RUNNING: Final = RunEnd("running", "the run goes on, or was broken off without a word", ())
+SPARE: Final = 2**23  # bytes: what the last files of a run take, and more
 
 
 def complete_run(case: Case, folder: Path) -> None:
     """Make the report of a finished run that was killed before it had one; raises OutputError."""
-    remove_half_written(folder, case.name)
+    remove_files(own.path for own in own_files(folder, case.name) if not own.whole)
     if case.output.report and not (folder / REPORT).is_file():
         from crackgrow.results.report import write_report  # here: a run without it needs none of it
 
@@ -54,31 +43,26 @@ class RunWriter:
     where the disk refuses. A checkpoint is written before the other files of its step,
     and tells how far they went until then:
 
-        tables     by file name: number of rows
-        frames, cracks     steps and files of the two series
-        tally, curve     what the summary and the load curve need of the steps
+        tables     by name: number of rows
+        tally     what the summary needs of the steps, and which of them have frames
         seconds, cpu, memory     wall and CPU time since the run began and most memory, MB
-        resumed     the steps with which the run was gone on
     """
 
     def __init__(self, case: Case, folder: Path) -> None:
         self.case = case
         self.folder = folder
-        self._lock = FolderLock(folder, f"case {case.name}")
-        self._log = RunLog(folder / LOG)
-        self._checkpoints = CheckpointWriter(folder)
-        self._tally = Tally()
-        growing = [name for name in tables.GROWING if name != "history"]  # whose columns the first step knows
-        self._tables = {name: tables.Table(folder / f"{name}.csv", tables.HEADERS[name]) for name in growing}
         self.error_line = ""  # what `finish` knows of the error of the run
         self._settings = dump_case(case)
-        self._curve: list[LoadPoint] = []
+        self._lock = FolderLock(folder, f"case {case.name}")
+        self._log = RunLog(folder / LOG)
+        self._checkpoints = CheckpointWriter(folder, case.name, self._settings)
+        self._tally = Tally()
+        growing = [name for name in tables.GROWING if name != "history"]  # whose columns the first step knows
+        self._tables = {name: tables.Table(folder, name) for name in growing}
         self._last: StepResult | None = None
-        self._series: dict[str, list[tuple[int, str]]] = {"frames": [], "cracks": []}
         self._memory = 0.0  # MB, of the processes before
         self._cpu_began = time.process_time()  # less what the processes before have taken
         self._spare = bytes(SPARE)  # given back when the run breaks off: memory may have run out
-        self._resumed: list[int] = []
 
     @contextlib.contextmanager
     def held(self) -> Iterator[None]:
@@ -86,7 +70,7 @@ class RunWriter:
 
         Raises LockedError where another one does, OccupiedError and OutputError as `begin`; nothing is changed then.
         """
-        check_folder(self.folder, self.case.name)
+        earlier_files(self.folder, self.case.name)
         with self._lock.held():
             yield
 
@@ -96,17 +80,17 @@ class RunWriter:
         Raises LockedError where another run writes into it, OccupiedError where there are such files but nothing shows
         that a run wrote them.
         """
-        check_folder(self.folder, self.case.name)
+        earlier_files(self.folder, self.case.name)
         self._lock.take()
         earlier = earlier_files(self.folder, self.case.name)
         self._write_summary(RUNNING)  # first of all: it shows that the files are a run's, whatever comes now
         remove_files(path for path in earlier if path.name != SUMMARY)
         write_text(self.folder / CASE, self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
-        self._warn_of_lock()
+        self._warn(self._lock.remark)
         for kind in changes_of(self.case):
             for text in kind:
-                self._log.write(f"changed when it was read: {text}")
+                self._log.tell(f"changed when it was read: {text}")
         for table in self._tables.values():
             table.write()
         self._write_paths(())
@@ -114,38 +98,36 @@ class RunWriter:
     def resume(self, found: Resumption) -> None:
         """Go on where an earlier run was broken off: what it left of the checkpoint's step and behind is removed."""
         self._lock.take()
-        step, results = found.stored.checkpoint.step, found.stored.results
+        step, results = found.checkpoint.step, found.results
         self._tally = Tally.of(results["tally"])
-        self._curve = [LoadPoint(**point) for point in results["curve"]]
-        self._memory, self._resumed = results["memory"], [*results["resumed"], step]
-        self._cpu_began -= results.get("cpu", 0.0)
-        remove_half_written(self.folder, self.case.name)
-        remove_files([self.folder / REPORT])  # of a run that had ended
+        self._tally.resumed.append(step)
+        self._memory = results["memory"]
+        self._cpu_began -= results["cpu"]
+        for own in own_files(self.folder, self.case.name):
+            stale = own.step >= step if own.name in (FRAME, FACES) else own.name.startswith((REPORT, "render/"))
+            if stale or not own.whole:
+                remove_files([own.path])
         write_text(self.folder / CASE, self._settings)
-        if HISTORY in results["tables"]:
-            self._tables["history"] = tables.Table(self.folder / HISTORY, ())
+        if "history" in results["tables"]:
+            self._tables["history"] = tables.Table(self.folder, "history")
         for table in self._tables.values():
             table.drop_from(step)
-        for kind in self._series:
-            self._series[kind] = [(of_step, name) for of_step, name in results[kind]]
-            self._list_series(kind)
-        remove_frames(self.folder, step)
+        vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
-        for text in found.remarks:
-            self._tally.remarks.append(f"resumed with step {step}: {text}")
-            self._log.write(f"warning: {text}")
-        self._warn_of_lock()
+        self._warn(*(f"resumed with step {step}: {text}" for text in found.remarks), self._lock.remark)
         self._write_summary(RUNNING)
 
-    def _warn_of_lock(self) -> None:
-        """Say where the folder could not be locked."""
-        if self._lock.remark:
-            self._tally.remarks.append(self._lock.remark)
-            self._log.write(f"warning: {self._lock.remark}")
+    def _warn(self, *remarks: str) -> None:
+        """Tell how the run goes on, and where the folder could not be locked; empty remarks are none."""
+        for text in filter(None, remarks):
+            self._tally.remarks.append(text)
+            self._log.tell(f"warning: {text}")
 
     def add(self, result: StepResult) -> None:
         """Write what a solved step gives; its frames' writing time goes into seconds_output."""
-        self._write_checkpoint(result)
+        if result.checkpoint is not None:
+            n_rows = {name: len(table) for name, table in self._tables.items()}
+            self._checkpoints.write(result.checkpoint, {"tables": n_rows, "tally": self._tally.record(), **self._cost})
         first = not self._tally.steps
         self._last = result
         policy = self.case.output.frames
@@ -155,18 +137,19 @@ class RunWriter:
         self._tally.add_seconds("output", seconds)
         if result.history is not None and "history" not in self._tables:
             columns = tables.history_columns(result.history)
-            self._tables["history"] = tables.Table(self.folder / HISTORY, columns)
+            self._tables["history"] = tables.Table(self.folder, "history", columns)
         for name, rows in tables.GROWING.items():
             self._extend(name, [tables.step_row(result, seconds)] if name == "steps" else rows(result))
         self._write_paths(result.cracks)
-        self._curve.append(load_point(result))
         self._log_events(result.events)
-        self._log.write(step_line(result, self.case.growth.steps if self.case.growth else None))
+        self._log.tell(logged_line(result, self.case))
         for text in news:
-            self._log.write(f"step {result.step}, warning: {text}")
+            self._log.tell(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)
         if first and self.case.output.figures:
-            self._draw_sigma_1("sigma_1_first.png", result)
+            from crackgrow.results import figures  # here: loading matplotlib takes half a second
+
+            figures.draw_sigma_1(self.folder / "figures" / "sigma_1_first.png", self.case, result)
 
     def finish(self, end: RunEnd) -> None:
         """Write the final paths, what is left of frames, the figures, the summary, and last the report."""
@@ -175,20 +158,31 @@ class RunWriter:
                 self._write_paths(end.cracks)
                 self._extend("events", tables.event_rows(end.events))
                 self._log_events(end.events)
-                self._write_last_frame()
+                if (
+                    self.case.output.frames == "first_and_last"
+                    and self._last is not None
+                    and len(self._tally.steps) > 1
+                ):
+                    seconds = self._write_frames(self._last)  # only now is it known which step was the last
+                    self._tally.add_seconds("output", seconds)
+                    self._tables["steps"].replace_last(tables.step_row(self._last, seconds))
+                    self._tables["steps"].write()
                 if self.case.output.figures and self._last is not None:
-                    began = time.perf_counter()
                     self._draw(self._last, end.cracks)
-                    self._tally.add_seconds("output", time.perf_counter() - began)
             finally:  # a figure that fails doesn't take the summary with it
                 self._write_summary(end)
-                for text in self._tally.warnings:
-                    self._log.write(f"warning: {text}")
                 self.error_line = error_line(self._tally, end)
-                if self.error_line:
-                    self._log.write(self.error_line)
-                self._log.write(f"{end.status}: {end.reason}")
+                warnings = [f"warning: {text}" for text in self._tally.warnings]
+                for text in (*warnings, *filter(None, [self.error_line]), f"{end.status}: {end.reason}"):
+                    self._log.tell(text)
             self._write_report()
+
+    def _write_report(self) -> None:
+        """Made from the files, so it comes last."""
+        if self.case.output.report:
+            from crackgrow.results.report import write_report  # as above
+
+            write_report(self.folder, self.case)
 
     def break_off(self, error: BaseException, reason: str = "") -> str:
         """End a run that broke off: what was solved is kept, the status is `failed`, or `interrupted` by Ctrl-C.
@@ -213,36 +207,15 @@ class RunWriter:
         return ""
 
     def _write_summary(self, end: RunEnd) -> None:
-        memory = max(self._memory, peak_memory_mb())
-        summary = summarize(self.case, self._tally, end, self._log.seconds, memory, self._resumed, self._cpu_seconds)
-        write_text(self.folder / SUMMARY, summary_text(summary))
+        cost = self._cost
+        summary = summarize(self.case, self._tally, end, cost["seconds"], cost["memory"], cost["cpu"])
+        write_text(self.folder / SUMMARY, json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
 
     @property
-    def _cpu_seconds(self) -> float:
-        return time.process_time() - self._cpu_began
-
-    def _write_report(self) -> None:
-        """Made from the files, so it comes last; a run that ends without one has told why."""
-        if self.case.output.report:
-            from crackgrow.results.report import write_report  # as above
-
-            write_report(self.folder, self.case)
-
-    def _write_checkpoint(self, result: StepResult) -> None:
-        if result.checkpoint is None:
-            return
-        results = {
-            "tables": {table.path.name: len(table) for table in self._tables.values()},
-            **self._series,
-            "tally": self._tally.record(),
-            "curve": [asdict(point) for point in self._curve],
-            "seconds": self._log.seconds,
-            "cpu": self._cpu_seconds,
-            "memory": max(self._memory, peak_memory_mb()),
-            "resumed": self._resumed,
-        }
-        case = self.case.name, self._settings
-        self._checkpoints.write(StoredCheckpoint(result.checkpoint, __version__, program_commit(), *case, results))
+    def _cost(self) -> dict[str, float]:
+        """What the run has taken so far: wall and CPU time (s), memory (MB)."""
+        memory = max(self._memory, peak_memory_mb())
+        return {"seconds": self._log.seconds, "cpu": time.process_time() - self._cpu_began, "memory": memory}
 
     def _extend(self, name: str, rows: Sequence[tables.Row]) -> None:
         if rows:
@@ -250,66 +223,38 @@ class RunWriter:
             self._tables[name].write()
 
     def _write_paths(self, cracks: Sequence[CrackPath]) -> None:
-        table = tables.Table(self.folder / "paths.csv", tables.HEADERS["paths"])
+        table = tables.Table(self.folder, "paths")
         table.extend(tables.path_rows(cracks))
         table.write()
 
     def _log_events(self, events: Sequence[Event]) -> None:
         for event in events:
-            self._log.write(event_line(event))
-
-    def _write_last_frame(self) -> None:
-        """The second of first_and_last: only now is it known which step was the last."""
-        if self.case.output.frames != "first_and_last" or self._last is None or len(self._tally.steps) == 1:
-            return
-        seconds = self._write_frames(self._last)
-        self._tally.add_seconds("output", seconds)
-        self._tables["steps"].replace_last(tables.step_row(self._last, seconds))
-        self._tables["steps"].write()
+            self._log.tell(event_line(event))
 
     def _write_frames(self, result: StepResult) -> float:
         """Write a step's frame and crack faces and the series that list them; return the seconds it took."""
         began = time.perf_counter()
         if result.frame is not None:
-            name = frame_name(result.step)
-            vtk_frames.write_frame(self.folder / name, result.frame, self.case.output.fields)
-            self._series["frames"].append((result.step, name))
-            self._list_series("frames")
+            path = self.folder / of_step(FRAME, result.step)
+            vtk_frames.write_frame(path, result.frame, self.case.output.fields)
+            self._tally.frames.append(result.step)
         if result.faces:
-            name = cracks_name(result.step)
-            vtk_frames.write_cracks(self.folder / name, result.faces)
-            self._series["cracks"].append((result.step, name))
-            self._list_series("cracks")
+            vtk_frames.write_cracks(self.folder / of_step(FACES, result.step), result.faces)
+            self._tally.cracks.append(result.step)
+        vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         return time.perf_counter() - began
-
-    def _list_series(self, kind: str) -> None:
-        """Write what lists the files of a series, or remove it where there are none."""
-        path = self.folder / dict(zip(self._series, series_names(self.case.name), strict=True))[kind]
-        if not self._series[kind]:
-            remove_files([path])
-            return
-        vtk_frames.write_series(path, self._series[kind])
 
     def _draw(self, last: StepResult, cracks: Sequence[CrackPath]) -> None:
         from crackgrow.results import figures  # here: loading matplotlib takes half a second
 
-        folder = self.folder / "figures"
+        began, folder, run = time.perf_counter(), self.folder / "figures", RunFolder(self.folder)
+        run.case = self.case
         figures.draw_paths(folder / "path.png", self.case, cracks)
         first = folder / "sigma_1_first.png"
         if len(self._tally.steps) == 1 and first.is_file():
             write_bytes(folder / "sigma_1_last.png", first.read_bytes())
         else:
-            self._draw_sigma_1("sigma_1_last.png", last)
-        if any(face.crack in last.contact.crack for face in last.faces):
-            figures.draw_contact(folder / "contact.png", self.case, last)
-        if len({point.factor for point in self._curve}) > 1:
-            figures.draw_load_curve(folder / "load_curve.png", self.case, self._curve)
-        curve = stress_strain([point.stress for point in self._curve], [point.strain for point in self._curve])
-        if curve is not None:
-            figures.draw_stress_strain(folder / "stress_strain.png", self.case, curve)
-
-    def _draw_sigma_1(self, name: str, result: StepResult) -> None:
-        from crackgrow.results import figures  # as above
-
-        if result.frame is not None:
-            figures.draw_sigma_1(self.folder / "figures" / name, self.case, result)
+            figures.draw_sigma_1(folder / "sigma_1_last.png", self.case, last)
+        figures.draw_contact(folder / "contact.png", self.case, last)
+        figures.draw_curves(folder, run)
+        self._tally.add_seconds("output", time.perf_counter() - began)

@@ -15,8 +15,7 @@ from crackgrow.errors import reason_of
 from crackgrow.results.atomic import OccupiedError, remove_files, write_text
 from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.folder import FINISHED, SUMMARY, FolderError, RunFolder
-from crackgrow.results.leftovers import earlier_files
-from crackgrow.results.lock import FolderLock, LockedError
+from crackgrow.results.lock import FolderLock, LockedError, earlier_files
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.tables import csv_text
 from crackgrow.results.units import counted

@@ -7,7 +7,6 @@ stress there did, and when all of that is released the rest is what it would be 
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,8 +16,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.results.figures import draw_load_curve
-from crackgrow.results.summary import K_error, load_point
+from crackgrow.results.summary import K_error
 from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loading import load
@@ -309,7 +307,7 @@ output: {points: {gap: {interface: [left, right], at: [0, 3]}}}
 """
 
 
-def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) -> None:
+def test_forces_balance_while_benches_go_with_what_holds_them() -> None:
     results, _ = whole_run(case_of(BENCHES))
     low, bench, load = 8 * 2 * 2e4, 4 * 3 * 3e4, 1e4
     forces = [{reaction.where: np.array(reaction.force) for reaction in result.reactions} for result in results]
@@ -322,7 +320,6 @@ def test_forces_balance_while_benches_go_with_what_holds_them(tmp_path: Path) ->
         assert not np.any([found[name] for found in forces[2:]])
     assert np.isnan([seen([result], "gap.slip")[-1] for result in results[2:]]).all()
     assert max(result.energy.error for result in results) < 1e-6
-    draw_load_curve(tmp_path / "curve.png", case_of(BENCHES), [load_point(result) for result in results])
 
 
 SQUARE = {"disk: {center: [0, 0], radius: 2}": "rectangle: {center: [0, 0], width: 4, height: 4}"}

@@ -1,28 +1,21 @@
-"""The plots against the steps and the load curve, as data that `chart.js` draws."""
+"""The plots against the steps and the curves over each other, as data that `chart.js` draws, and figures of the run.
+
+A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each of its
+points.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from functools import partial
 from typing import Any
 
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.results.folder import HISTORY, RunFolder, TextTable
-from crackgrow.results.summary import Curve, stress_strain
+from crackgrow.case.model import Stages
+from crackgrow.results.folder import HISTORY, RunFolder
 from crackgrow.results.tables import COMPONENTS
-from crackgrow.results.units import (
-    ENERGIES,
-    FORCES,
-    INTENSITIES,
-    LENGTHS,
-    STRESSES,
-    TIMES,
-    Unit,
-    rounded_all,
-    unit_of,
-)
+from crackgrow.results.units import ENERGIES, FORCES, INTENSITIES, LENGTHS, STRESSES, TIMES, Unit, rounded_all, unit_of
 
 Chart = dict[str, Any]
 
@@ -39,64 +32,92 @@ HISTORIES = (
 
 ENERGY_COLUMNS = ("work", "strain_energy", "dissipation", "released_energy")
 NO_UNIT = ((1.0, ""),)
+STRAINS = ((1e-3, "1e-3"),)
+DISPLACEMENT = "displacement of the loads"
+STEADY = 1e-6  # of the largest stress: one that varies by less is the same in all steps, but for round-off
 
 
 def charts(run: RunFolder) -> list[Chart]:
-    """The plots that tell something: none against the steps where there is but one.
-
-    A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each
-    of its points.
-    """
-    history = list(_history_charts(run))
+    """The plots that tell something: none against the steps where there is but one."""
+    found = list(_history_charts(run))
     if len(run.solved) < 2:
-        return history
-    by_step = partial(_chart, xlabel="step", x=run.solved, steps=run.solved)
-    table = run.table("steps")
-    factor, length = table.numbers("load_factor"), table.numbers("crack_length")
-    displacement = table.numbers("load_displacement")
-    found = [*history, *_tip_charts(run)]
-    if len(set(factor.tolist())) > 1:
-        size, unit = unit_of(displacement, LENGTHS)
-        x, xlabel = rounded_all(displacement, size), f"displacement of the loads [{unit}]"
-        load = {"load factor": factor}
-        found.append(_chart("Load curve", "load factor", load, NO_UNIT, xlabel=xlabel, x=x, steps=run.solved))
-        found.append(by_step("Load factor", "load factor", load, NO_UNIT))
-    if curve := _stress_strain(table):
-        along, sense, stress, strain = curve
-        x, xlabel = rounded_all(strain, 1e-3), f"{sense} strain along {along} [1e-3]"
-        what = f"{sense} stress along {along}"
-        found.append(_chart("Stress and strain", what, {what: stress}, STRESSES, xlabel=xlabel, x=x, steps=run.solved))
-    for title, values in (("Crack length", length), ("Displacement of the loads", displacement)):
-        found.append(by_step(title, title.lower(), {title.lower(): values}, LENGTHS))
+        return found
+    table, steps = run.table("steps"), run.solved
+    length, way = {"crack length": table.numbers("crack_length")}, {DISPLACEMENT: table.numbers("load_displacement")}
+    found += _tip_charts(run)
+    for curve in load_curves(run)[:1]:
+        label = curve["ylabel"]
+        found += [curve, _chart(label.capitalize(), label, {label: table.numbers("load_factor")}, NO_UNIT, steps)]
+    found += filter(None, [stress_strain(run)])
+    found += [_chart("Crack length", "crack length", length, LENGTHS, steps)]
+    found += [_chart(DISPLACEMENT.capitalize(), DISPLACEMENT, way, LENGTHS, steps)]
     energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
-    found.append(by_step("Energies", "energy per thickness", energies, ENERGIES))
+    found.append(_chart("Energies", "energy per thickness", energies, ENERGIES, steps))
     if run.case.growth is not None and run.case.growth.subcritical is not None:
-        time = table.numbers("time")
-        size, unit = unit_of(time, TIMES)
-        x, xlabel, grown = rounded_all(time, size), f"time [{unit}]", {"crack length": length}
-        found.append(_chart("Growth in time", "crack length", grown, LENGTHS, xlabel=xlabel, x=x, steps=run.solved))
+        time = ("time", table.numbers("time"), TIMES)
+        found.append(_chart("Growth in time", "crack length", length, LENGTHS, steps, over=time))
     return found
 
 
-def _stress_strain(table: TextTable) -> Curve | None:
-    """The stress-strain curve of the steps; None where there is none, as of a run by a version before."""
-    if "mean_stress_xx" not in table.columns:
+def load_curves(run: RunFolder) -> list[Chart]:
+    """The load factor over the displacement of the loads, and over what cracks make of it; none where it is constant.
+
+    That is how much they grow where they do, else the slip of the surface that slips most.
+    """
+    table = run.table("steps")
+    factor, length = table.numbers("load_factor"), table.numbers("crack_length")
+    if len(set(factor.tolist())) < 2:
+        return []
+    ways = {DISPLACEMENT: table.numbers("load_displacement")}
+    ways |= {"crack growth": length - length[0]} if length[-1] > length[0] else _most_slip(run)
+    label = "stages that are over" if isinstance(run.case.loading, Stages) else "load factor"
+    return [
+        _chart("Load curve", label, {label: factor}, NO_UNIT, run.solved, over=(name, way, LENGTHS))
+        for name, way in ways.items()
+    ]
+
+
+def _most_slip(run: RunFolder) -> dict[str, Floats]:
+    """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
+
+    nan where the surface is gone with the rock beside it.
+    """
+    slips: dict[str, Floats] = {}
+    for (name, step), points in run.table("contact").by("crack", "step").items():
+        slip = points.numbers("slip")
+        of_steps = slips.setdefault(name, np.full(len(run.solved), np.nan))
+        of_steps[run.solved.index(int(step))] = slip[np.argmax(np.abs(slip))]
+    sizes = {name: float(np.nan_to_num(np.abs(slip)).max()) for name, slip in slips.items()}
+    largest = max(sizes, key=lambda name: sizes[name], default="")
+    return {f"largest slip of {largest}": slips[largest]} if sizes.get(largest) else {}
+
+
+def stress_strain(run: RunFolder) -> Chart | None:
+    """Mean stress over mean strain, along the axis with the larger stress, positive in the sense of the largest one.
+
+    None where that stress hardly varies.
+    """
+    table = run.table("steps")
+    stress, strain = (np.array([table.numbers(f"mean_{of}_{xx}") for xx in COMPONENTS]) for of in ("stress", "strain"))
+    sizes = np.nan_to_num(np.abs(stress)).max(axis=1, initial=0.0)
+    axis = int(np.argmax(sizes[:2]))
+    known = stress[axis][np.isfinite(stress[axis])]
+    if not len(known) or not np.ptp(known) > STEADY * sizes.max():
         return None
-    means = [[table.numbers(f"mean_{what}_{xx}") for xx in COMPONENTS] for what in ("stress", "strain")]
-    return stress_strain(*(np.array(mean).T.tolist() for mean in means))
-
-
-def drawn_tips(run: RunFolder) -> list[tuple[str, ...]]:
-    """The tips that plots show, those that have grown most first: name of the crack, and which end."""
-    tips = run.table("tips").by("crack", "tip")
-    return sorted(tips, key=lambda tip: -tips[tip].words("advanced").count("true"))[:MOST_TIPS]
+    sense = "compressive" if known[np.argmax(np.abs(known))] < 0.0 else "tensile"
+    sign = -1.0 if sense == "compressive" else 1.0
+    along = f"{sense} stress along {'xy'[axis]}"
+    size, unit = unit_of(stress[axis].tolist(), STRESSES)
+    peak = int(np.nanargmax(sign * stress[axis]))
+    title = f"Stress and strain, peak {sign * stress[axis][peak] / size:.4g} {unit} at step {run.solved[peak]}"
+    over = (along.replace("stress", "strain"), sign * strain[axis], STRAINS)
+    return _chart(title, along, {along: sign * stress[axis]}, STRESSES, run.solved, over=over)
 
 
 def _tip_charts(run: RunFolder) -> list[Chart]:
-    tips = drawn_tips(run)
-    if not tips:
-        return []
+    """What is at the tips, those that have grown most first."""
     tables = run.table("tips").by("crack", "tip")
+    tips = sorted(tables, key=lambda tip: -tables[tip].words("advanced").count("true"))[:MOST_TIPS]
     rest = f" ({len(tips)} of {len(tables)} tips)" if len(tables) > len(tips) else ""
     found = []
     for title, columns, units in (
@@ -113,7 +134,8 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
             steps = tables[tip].steps().tolist()
             for column, dash in zip(columns, ("", "5 3"), strict=False):
                 y = rounded_all(tables[tip].numbers(column), unit[0])
-                series.append(_series(f"{column} {' '.join(tip)}", COLOURS[number], dash, steps, y, steps))
+                line = {"name": f"{column} {' '.join(tip)}", "colour": COLOURS[number], "dash": dash}
+                series.append({**line, "x": steps, "y": y, "steps": steps})
         ylabel = f"{', '.join(columns)} [{unit[1]}]" if unit[1] else columns[0]
         found.append({"title": f"{title}{rest}", "xlabel": "step", "ylabel": ylabel, "series": series})
     return found
@@ -128,14 +150,14 @@ def _history_charts(run: RunFolder) -> Iterator[Chart]:
         return
     steps, increment = table.steps(), table.numbers("increment")
     n_in_step = np.array([(steps == step).sum() for step in steps.tolist()])
-    x = rounded_all(steps - 1.0 + (increment + 1.0) / n_in_step)
+    place = ("step", steps - 1.0 + (increment + 1.0) / n_in_step, NO_UNIT)
     for title, endings, units in HISTORIES:
         columns = [column for column in table.columns if column.rpartition(".")[2] in endings]
         drawn = {column: table.numbers(column) for column in columns[: len(COLOURS)]}
         rest = f" ({len(drawn)} of {len(columns)})" if len(columns) > len(drawn) else ""
         if drawn:
             dashes = ("",) * len(COLOURS)
-            yield _chart(f"{title}{rest}", "", drawn, units, xlabel="step", x=x, steps=steps.tolist(), dashes=dashes)
+            yield _chart(f"{title}{rest}", "", drawn, units, steps.tolist(), over=place, dashes=dashes)
 
 
 def _chart(
@@ -143,21 +165,21 @@ def _chart(
     what: str,
     columns: Mapping[str, Floats],
     units: Sequence[Unit],
-    *,
-    xlabel: str,
-    x: Sequence[float | None],
     steps: Sequence[int],
+    *,
+    over: tuple[str, Floats, Sequence[Unit]] | None = None,
     dashes: Sequence[str] = ("", "5 3", "", ""),
 ) -> Chart:
-    """Columns (n,) by name over x (n,), in one unit."""
+    """Columns (n,) by name in one unit, over another column with its name and units, or else over the steps (n,)."""
+    x, xlabel = list[Any](steps), "step"
+    if over is not None:
+        name, values, choice = over
+        size, unit = unit_of(values, choice)
+        x, xlabel = rounded_all(values, size), f"{name} [{unit}]" if unit else name
     size, unit = unit_of(np.concatenate(list(columns.values())), units)
-    lines = zip(columns.items(), COLOURS, dashes, strict=False)
-    series = [_series(name, colour, dash, x, rounded_all(y, size), steps) for (name, y), colour, dash in lines]
+    series = [
+        {"name": name, "colour": colour, "dash": dash, "x": x, "y": rounded_all(y, size), "steps": list(steps)}
+        for (name, y), colour, dash in zip(columns.items(), COLOURS, dashes, strict=False)
+    ]
     ylabel = f"{what} [{unit}]".strip() if unit else what
     return {"title": title, "xlabel": xlabel, "ylabel": ylabel, "series": series}
-
-
-def _series(
-    name: str, colour: str, dash: str, x: Sequence[float | None], y: Sequence[float | None], steps: Sequence[int]
-) -> dict[str, Any]:
-    return {"name": name, "colour": colour, "dash": dash, "x": list(x), "y": list(y), "steps": list(steps)}

@@ -1,57 +1,44 @@
-"""The page: what its template, `page.html`, shows of a run, how good that is, and the file."""
+"""The page: what its template, `page.html`, shows of a run and of its steps, which move with the slider, and the file.
+
+Pictures are those of `crackgrow render`, or else the figures of the run.
+"""
 
 from __future__ import annotations
 
+import base64
+import io
 import json
-from collections.abc import Iterator
+import re
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from jinja2 import Environment
-from markupsafe import Markup, escape
 
-from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.case.units import Coordinate
 from crackgrow.results.atomic import write_text
+from crackgrow.results.declarations import FILES
 from crackgrow.results.drawing import scene_svg, step_colour
-from crackgrow.results.folder import REPORT, RunFolder, open_run
+from crackgrow.results.folder import PICTURE, REPORT, FolderError, RunFolder, TextTable, open_run, own_files
+from crackgrow.results.log import load_words
 from crackgrow.results.report.charts import charts
-from crackgrow.results.report.step_data import contact_data, event_rows, pictures, step_words, tip_data
-from crackgrow.results.units import counted, cut, shown
+from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, counted, cut, rounded_all, shown, unit_of
 from crackgrow.run.result import CHECK_LIMITS
 
 SHOWN_WARNINGS = 200  # of more the first ones are shown
-SHORT = 12  # characters of a cell that is not broken
-
-WHAT = {
-    "residual": "equilibrium residual",
-    "penetration": "penetration at contact points, by the step's largest jump",
-    "complementarity": "complementarity of contact",
-    "overlap_share": "overlap anywhere along the faces, by what is small beside jump and displacement",
-    "energy_error": "error of the energy balance",
-}
-
-ESTIMATES = {
-    "energy_norm_percent, first": "energy norm, first step [%]",
-    "energy_norm_percent, last": "energy norm, last step [%]",
-    "K_percent_expected": "K, error that is expected, over the largest K of its step [%]",
-    "K_percent_at_most": "K, error at most, over the largest K of its step [%]",
-    "K_spread_percent": "spread of K over discs of its integral, not its error [%]",
-    "kink_degrees_at_most": "directions of growth, at most [°]",
-    "load_factor_percent_at_most": "critical load factors, at most [%]",
-    "goal_percent_at_most": "numerics.goal, at most, over its largest value [%]",
-}
-"""Numbers of the summary in the order of the table, in words."""
-
-
-def tag(name: str, *content: object, **attributes: object) -> Markup:
-    """An element; `_` in the name of an attribute is a dash, at the end of it nothing; None leaves it out."""
-    given = {key.rstrip("_").replace("_", "-"): value for key, value in attributes.items() if value is not None}
-    words = Markup("").join(Markup(' {}="{}"').format(key, value) for key, value in given.items())
-    return Markup("<{0}{1}>{2}</{0}>").format(Markup(name), words, Markup("").join(map(escape, content)))
+MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
+MOST_TIP_ROWS = 8_000  # about 1 MB
+OF_TIPS = ("crack", "tip", "K_I", "K_II", "K_growth", "sigma_1", "sigma_3", "criticality", "criterion", "kink_deg",
+           "advanced")  # fmt: skip
+LABELS = {"K_growth": "grows at K", "kink_deg": "kink", "advanced": "advances"}  # of columns with other names
+FIRST_FIELD = "sigma_1"  # of which the page has pictures rather than of others
+MOST_PICTURES = 40  # of a rendered series
+MOST_PIXELS = 720  # of the longer side of those
+MOST_PIXELS_OF_FIGURES = 1400
+QUALITY = 80  # of JPEG
+MOST_BYTES = 1_500_000  # of all pictures of the page
 
 
 def write_report(folder: Path, case: Case | None = None) -> Path:
@@ -77,24 +64,22 @@ def page(run: RunFolder) -> str:
         "charts": charts(run),
         "pictures": pictures(run),
     }
-    template = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True).from_string(_own_file("page.html"))
-    return template.render(
-        SHORT=SHORT,
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"shown": shown, "counted": counted}
+    return environment.from_string(_own_file("page.html")).render(
         file=_own_file,
         run=run,
         summary=run.summary,
-        badge=status_badge(run.summary["status"]),
-        facts=_facts(run),
         scene=scene_svg(run, data["tips"]["steps"]),
-        legend=Markup("; ").join(_legend(run)),
-        checks=list(check_rows(run)),
-        estimates=estimate_rows(run.summary),
-        phases=_phase_rows(run.summary),
+        last_made=int(run.table("paths").steps().max(initial=0)),
+        ramp=", ".join(step_colour(step, 9) for step in range(1, 10)),
+        checks=check_rows(run),
         warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
         events=event_rows(run.table("events")) if len(run.table("events")) else None,
         actions=describe_actions(run.case),
         data=data,
-        json=_in_script(data),
+        # no text in the data can end the element of the page's scripts
+        json=json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
     )
 
 
@@ -102,118 +87,141 @@ def _own_file(name: str) -> str:
     return files("crackgrow.results.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def _in_script(data: object) -> str:
-    """Data for the scripts of the page; no text in it can end their element."""
-    return json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-
-
-def _legend(run: RunFolder) -> Iterator[str]:
-    """What the lines of the scene mean, those that are there."""
-    last = int(run.table("paths").steps().max(initial=0))
-    if run.case.cracks:
-        yield "black: the given cracks"
-    if last:
-        colours = ", ".join(step_colour(step, 9) for step in range(1, 10))
-        ramp = tag("span", class_="ramp", style=f"background: linear-gradient(to right, {colours})")
-        yield Markup("grown in step 1 {} {}").format(ramp, last)
-    if len(run.table("tips")):
-        yield "circles: tips, filled where they advance"
-    if run.case.interfaces:
-        yield "violet: interfaces, dashed unless bonded"
-
-
-def _facts(run: RunFolder) -> list[str]:
-    summary = run.summary
-    n_dofs = summary["n_dofs"]
-    commit, modified = summary["git_commit"], ", modified" if summary["git_modified"] else ""  # None where installed
-    return [
-        f"crackgrow {summary['version']}{f' ({commit[:12]}{modified})' if commit else ''}",
-        f"plane {run.case.plane}",
-        counted(summary["n_solves"], "solved step"),
-        f"{' to '.join(dict.fromkeys(str(n) for n in n_dofs.values()))} unknowns" if n_dofs else "nothing solved",
-        f"{shown(summary['wall_seconds']['total'], 3)} s, {summary['peak_memory_mb']:.0f} MB",
-    ]
-
-
-def _phase_rows(summary: dict[str, Any]) -> list[tuple[object, ...]]:
-    """Seconds by phase, and what none of them counts, with bars."""
-    seconds = summary["wall_seconds"]
-    phases = dict(seconds["by_phase"])
-    phases["other"] = max(seconds["total"] - sum(phases.values()), 0.0)
-    longest = max(phases.values()) or 1.0
-    return [
-        (phase, shown(value, 3), tag("div", class_="bar", style=f"width: {100 * value / longest:.1f}%"))
-        for phase, value in phases.items()
-    ]
-
-
-def check_rows(run: RunFolder) -> Iterator[tuple[object, ...]]:
-    """Rows of the table of checks: name, worst value, step, limit, verdict."""
-    jumps = _largest_jumps(run)
-    for name, words in WHAT.items():
-        values = np.abs(run.table("steps").numbers(name))
+def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
+    """What is checked in each step: its meaning, worst value, step of that, limit, and whether it is below."""
+    rows = []
+    meanings = {column.name: column.doc for column in FILES["steps.csv"].columns}
+    for name, limit in CHECK_LIMITS.items() if run.solved else ():
+        values, words = np.abs(run.table("steps").numbers(name)), meanings[name]
         if name == "penetration":
+            words += ", by the largest jump of its step"
+            contact = run.table("contact")
+            jumps = np.zeros(len(values))
+            sizes = np.hypot(contact.numbers("opening"), contact.numbers("slip"))
+            np.maximum.at(jumps, np.searchsorted(run.solved, contact.steps()), sizes)
             values = np.divide(values, jumps, out=np.zeros_like(values), where=jumps > 0.0)
-        if len(values) == 0:
-            continue
         worst = int(np.argmax(np.where(np.isnan(values), np.inf, values)))
-        good = bool(values[worst] <= CHECK_LIMITS[name])
-        verdict = tag("span", "ok" if good else "above the limit", class_="good" if good else "bad")
-        yield words, shown(float(values[worst]), 3), run.solved[worst], f"{CHECK_LIMITS[name]:g}", verdict
-
-
-def estimate_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Rows of what the run estimates of its own error, the worst of all steps: any values that the summary has."""
-    known = dict(_flat(summary.get("error_estimate") or {}, ""))
-    order = [*(name for name in ESTIMATES if name in known), *(name for name in known if name not in ESTIMATES)]
-    return [(ESTIMATES.get(name, name), known[name]) for name in order]
-
-
-def _flat(values: dict[str, Any], before: str) -> Iterator[tuple[str, str]]:
-    for key, value in values.items():
-        if isinstance(value, dict):
-            yield from _flat(value, f"{before}{key}, ")
-        elif value is not None:
-            yield f"{before}{key}", value if isinstance(value, str) else shown(value)
-
-
-def _largest_jumps(run: RunFolder) -> Floats:
-    """Largest jump (m) at the contact points of each solved step; 0 where there are none."""
-    contact = run.table("contact")
-    steps = contact.steps()
-    sizes = np.hypot(contact.numbers("opening"), contact.numbers("slip"))
-    largest = np.zeros(len(run.solved))
-    np.maximum.at(largest, np.searchsorted(run.solved, steps), sizes)
-    return largest
-
-
-def status_badge(status: str) -> Markup:
-    """How the run ended, in a word."""
-    kind = {"failed": "bad", "interrupted": "doubtful", "running": "doubtful"}.get(status, "good")
-    return tag("strong", status, class_=f"badge {kind}")
+        rows.append((words, shown(values[worst], 3), run.solved[worst], f"{limit:g}", bool(values[worst] <= limit)))
+    return rows
 
 
 def describe_actions(case: Case) -> list[tuple[str, str]]:
     """What holds and what loads the specimen, in words: name, and what the case says of it, in SI."""
-    rows: list[tuple[str, str]] = []
+    told, rows = case.to_dict(), []
     for kind in ("supports", "loads"):
-        items = case.resolved[kind]
+        items = told[kind]
         assert isinstance(items, list)
-        rows.extend((f"{kind}.{number}", _words(item)) for number, item in enumerate(items))
+        for number, item in enumerate(items):
+            text = json.dumps(item, ensure_ascii=False)[1:-1].replace('"', "")
+            rows.append(
+                (f"{kind}.{number}", re.sub(r"-?\d+\.\d+(e[-+]?\d+)?", lambda found: f"{float(found[0]):.12g}", text))
+            )
     return rows
 
 
-def _words(item: dict[str, object]) -> str:
-    return ", ".join(f"{key}: {_value(value)}" for key, value in item.items())
+def tip_data(run: RunFolder) -> dict[str, Any]:
+    """Rows of the table of tips by step, a row for each tip, under a header with units."""
+    tips = run.table("tips")
+    K, stress = _unit(tips, INTENSITIES, "K_I", "K_II"), _unit(tips, STRESSES, "sigma_1", "sigma_3")
+    units = {"K_I": K, "K_II": K, "K_growth": K, "sigma_1": stress, "sigma_3": stress}
+    header, of_tips = _with_units(tips, OF_TIPS, {**units, "criticality": (1.0, ""), "kink_deg": (1.0, "°")})
+    kept, rows = _kept_steps(tips, MOST_TIP_ROWS), dict[int, list[Any]]()
+    for step, row in zip(tips.steps().tolist(), of_tips, strict=True):
+        if step in kept:
+            rows.setdefault(step, []).append(row)
+    return {"header": header, "steps": rows}
 
 
-def _value(value: object) -> str:
-    if isinstance(value, dict):
-        return "{" + _words(value) + "}"
-    if isinstance(value, list):
-        return "[" + ", ".join(_value(inner) for inner in value) + "]"
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, Coordinate):
-        return value.text
-    return f"{value:g}" if isinstance(value, float) else str(value)
+def event_rows(events: TextTable) -> tuple[list[str], list[list[Any]]]:
+    """Header and rows of the table of events, places in a unit in which they are read easily."""
+    return _with_units(events, tuple(events.columns), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
+
+
+def _unit(table: TextTable, units: Sequence[Unit], *names: str) -> Unit:
+    """The one of some units in which columns are read easily together."""
+    return unit_of(np.concatenate([table.numbers(name) for name in names]), units)
+
+
+def _with_units(table: TextTable, names: Sequence[str], units: Mapping[str, Unit]) -> tuple[list[str], list[list[Any]]]:
+    """Header and rows of some columns of a table, numbers in their units."""
+    told = [(LABELS.get(name, name), units.get(name, (1.0, ""))[1]) for name in names]
+    header = [f"{label} [{unit}]" if unit else label for label, unit in told]
+    columns = [rounded_all(table.numbers(n), units[n][0]) if n in units else table.words(n) for n in names]
+    return header, [list(row) for row in zip(*columns, strict=True)]
+
+
+def contact_data(run: RunFolder) -> dict[str, Any]:
+    """Contact points by surface and step.
+
+    units     by column, the name of its unit; tractions have one, and jumps
+    surfaces     by name and step: the columns s, normal_traction, tangential_traction, opening, slip, state
+    left_out     whether steps were left out to keep the page small
+    """
+    table = run.table("contact")
+    kept = _kept_steps(table, MOST_CONTACT_ROWS)
+    tractions, jumps = ("normal_traction", "tangential_traction"), ("opening", "slip")
+    units = {"s": _unit(table, LENGTHS, "s")}
+    units |= dict.fromkeys(tractions, _unit(table, STRESSES, *tractions))
+    units |= dict.fromkeys(jumps, _unit(table, LENGTHS, *jumps))
+    surfaces: dict[str, dict[int, dict[str, list[Any]]]] = {}
+    for (name, step), points in table.by("crack", "step").items():
+        if int(step) in kept:
+            columns = {column: rounded_all(points.numbers(column), size) for column, (size, _) in units.items()}
+            surfaces.setdefault(name, {})[int(step)] = columns | {"state": list(points.words("state"))}
+    return {
+        "units": {column: unit for column, (_, unit) in units.items()},
+        "surfaces": surfaces,
+        "left_out": len(kept) < len(np.unique(table.steps())),
+    }
+
+
+def _kept_steps(table: TextTable, most: int) -> set[int]:
+    """Steps of a table that the page shows, so that it has about as many rows as `most`; the last one always."""
+    steps = np.unique(table.steps())[::-1]
+    return set(steps[:: max(1, -(-len(table) // most))].tolist())
+
+
+def step_words(run: RunFolder) -> dict[int, str]:
+    """What the slider says of each step."""
+    words = {}
+    steps = run.table("steps")
+    for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
+        words[step] = f"{load_words(run.case, float(factor))}, {n} unknowns"
+    return {place: words.get(place, "after the last advance, not solved") for place in run.places}
+
+
+def pictures(run: RunFolder) -> list[dict[str, Any]]:
+    """Step, caption and data of each picture, in the order of the steps; those of a series at most MOST_BYTES.
+
+    Raises FolderError for one that is damaged.
+    """
+    series: dict[str, dict[int, Path]] = {}
+    for own in own_files(run.folder, names=[PICTURE]):
+        if own.whole and own.step in run.solved:
+            series.setdefault(own.path.parent.name, {})[own.step] = own.path
+    if series:
+        field = min(series, key=lambda name: (name != FIRST_FIELD, name))
+        steps = sorted(series[field], reverse=True)  # evenly spaced, the last one among them
+        chosen = [_picture(k, field, series[field][k], MOST_PIXELS) for k in steps[:: -(-len(steps) // MOST_PICTURES)]]
+        size = sum(len(picture["uri"]) for picture in chosen)
+        return chosen[:: -(-size // MOST_BYTES)][::-1]
+    figures = zip(("first", "last"), (run.solved[:1], run.solved[-1:]), strict=True)
+    paths = [(step, run.folder / "figures" / f"sigma_1_{which}.png") for which, steps in figures for step in steps]
+    words = "major principal stress"
+    return [_picture(step, words, path, MOST_PIXELS_OF_FIGURES) for step, path in paths if path.is_file()]
+
+
+def _picture(step: int, words: str, path: Path, most_pixels: int) -> dict[str, Any]:
+    """A picture as JPEG: of smooth colours PNG takes several times as much."""
+    from PIL import Image  # here: reports without pictures do not need it
+
+    try:
+        with Image.open(path) as image:
+            small = image.convert("RGB")
+    except OSError as error:
+        raise FolderError(f"{path} is damaged: {error}") from error
+    small.thumbnail((most_pixels, most_pixels))
+    data = io.BytesIO()
+    small.save(data, format="JPEG", quality=QUALITY, optimize=True)
+    uri = f"data:image/jpeg;base64,{base64.b64encode(data.getvalue()).decode()}"
+    return {"step": step, "words": words, "uri": uri}

@@ -14,9 +14,9 @@ from crackgrow.case import Case
 from crackgrow.plan.cost import squares_of
 from crackgrow.results import signs
 from crackgrow.results.drawing import draw_scene
-from crackgrow.results.places import size_of
+from crackgrow.results.places import extent
 from crackgrow.results.report.page import describe_actions
-from crackgrow.results.units import LENGTHS, STRESSES, factor_text, rounded, shown, unit_of
+from crackgrow.results.units import LENGTHS, STRESSES, factor_text, rounded_all, shown, unit_of
 from tests.scenes import shipped_case
 
 Arrow = tuple[np.ndarray, np.ndarray]
@@ -26,13 +26,18 @@ CASES = Path(__file__).parents[3] / "cases"
 HELD = "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]"
 
 
+def size_of(case: Case) -> float:
+    low, high = extent(case)
+    return float((high - low).max())
+
+
 def drawn(case: Case) -> tuple[list[Arrow], list[np.ndarray], int]:
     """Arrows, from left to right, the corners of triangles, and the number of wheels of all supports and loads."""
     sheet = signs.Sheet(Figure().add_subplot(), case, size_of(case))
     for support in case.supports:
-        signs.draw_support(sheet, support)
+        sheet.draw_support(support)
     for load in case.loads:
-        signs.draw_load(sheet, load)
+        sheet.draw_load(load)
     found = [text for text in sheet.axes.texts if isinstance(text, Annotation)]
     arrows = [(np.array(text.xyann), np.array(text.xy)) for text in found]
     triangles = [patch.get_xy()[:3] for patch in sheet.axes.patches if isinstance(patch, Polygon)]
@@ -119,14 +124,13 @@ def test_the_picture_shows_cracks_and_what_acts_and_nothing_else(
 def test_actions_are_told_in_words() -> None:
     told = dict(describe_actions(shipped_case("compression30")))
     assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
-    assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 1e+08], held: false"
+    assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 100000000], held: false"
 
 
 def test_numbers_are_shown_in_the_unit_that_suits_them() -> None:
     assert unit_of([3e6, -2.5e8, float("nan")], STRESSES) == (1e6, "MPa")
     assert unit_of([1e-3], LENGTHS) == (1e-3, "mm")
     assert unit_of([], LENGTHS) == unit_of([0.0], LENGTHS) == (1e-9, "nm")
-    assert rounded(1.23456789e6, 1e6) == 1.23457
-    assert rounded(float("inf")) is None
+    assert rounded_all([1.23456789e6, float("inf")], 1e6) == [1.23457, None]
     assert shown(float("nan")) == "\N{EN DASH}"
     assert [factor_text(factor) for factor in (0.5, 18.93, 5502.0, 1e5)] == ["0.5", "18.9", "5500", "100000"]

@@ -17,9 +17,7 @@ import pyvista
 
 from crackgrow import cli
 from crackgrow.cli.command_line import declared
-from crackgrow.results.export import FORMATS, _write, export, frame_mesh
-from crackgrow.results.export_paths import APPLICATION, UNITS
-from crackgrow.results.export_paths import FORMATS as PATHS
+from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, _write, export, frame_mesh
 from crackgrow.results.folder import FolderError, RunFolder, open_run
 from crackgrow.results.vtk_frames import write_frame
 from tests.report_runs import make_run

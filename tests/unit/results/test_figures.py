@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import fields, replace
 from itertools import combinations, pairwise
 from pathlib import Path
-from types import SimpleNamespace
 
 import matplotlib as mpl
 import numpy as np
@@ -18,11 +17,12 @@ from matplotlib.image import imread
 from crackgrow.case import Case
 from crackgrow.plan.cost import squares_of
 from crackgrow.results import drawn_frame, field_picture, figures
-from crackgrow.results.drawing import draw_scene
+from crackgrow.results.drawing import draw_scene, step_colour
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.field_picture import Look
+from crackgrow.results.folder import RunFolder
+from crackgrow.results.report.charts import stress_strain
 from crackgrow.results.style import own_style
-from crackgrow.results.summary import LoadPoint, load_point, stress_strain
 from crackgrow.run.result import STICK
 from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
@@ -35,6 +35,34 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     found: list[Figure] = []
     monkeypatch.setattr(figures, "_save", lambda path, figure: found.append(figure))
     return found
+
+
+def run_of(folder: Path, case: Case, **columns: Sequence[float]) -> RunFolder:
+    """A run with these columns in its steps.csv; one of its two surfaces slips."""
+    n_steps = len(next(iter(columns.values())))
+    slip, usual = columns.pop("slip", [0.0] * n_steps), {"mean_stress_xx": 0.0, "mean_stress_xy": 0.0}
+    usual |= {f"mean_strain_{xx}": 0.0 for xx in ("xx", "yy", "xy")} | {"mean_stress_yy": 0.0}
+    steps = {"step": range(n_steps), **{name: [value] * n_steps for name, value in usual.items()}, **columns}
+    rows = [*((k, "flaw", slip[k]) for k in range(n_steps)), (0, "other", 0.0)]  # the other one goes with its rock
+    folder.mkdir(exist_ok=True)
+    for name, header, table in (
+        ("steps", steps, zip(*steps.values(), strict=True)),
+        ("contact", ("step", "crack", "slip"), rows),
+    ):
+        lines = [header, *table]
+        (folder / f"{name}.csv").write_text("".join(",".join(map(str, line)) + "\n" for line in lines))
+    run = RunFolder(folder)
+    run.case = case
+    return run
+
+
+def falling(size: float, case: Case, folder: Path) -> RunFolder:
+    """A run whose load falls while its crack grows."""
+    k = np.arange(9)
+    lengths = {"load_displacement": 1.1e-5 + 4e-7 * k**2, "crack_length": 0.01 + 0.002 * k}
+    return run_of(
+        folder, case, load_factor=(size * (1.0 - 0.1 * k)).tolist(), **{n: v.tolist() for n, v in lengths.items()}
+    )
 
 
 def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
@@ -53,7 +81,7 @@ def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
     assert np.ptp(pixels(tmp_path / "given.png"), axis=2).max() < 0.02  # black on grey: nothing has grown
     grown = pixels(tmp_path / "grown.png")
     specimen = grown[:, : int(0.82 * grown.shape[1])]  # without the colour bar
-    for colour in figures._step_colours(2).to_rgba(np.arange(1, 3))[:, :3]:
+    for colour in (mpl.colors.to_rgb(step_colour(step, 2)) for step in (1, 2)):
         assert (np.abs(specimen - colour).max(axis=2) < 0.02).sum() > 80  # more than the vertex alone
 
 
@@ -67,9 +95,9 @@ def test_sigma_1_figure_shows_the_field_also_of_a_body_at_rest(scale: float, col
 
 @pytest.mark.parametrize("scale", [1e-6, 1e-3, 1.0])
 def test_magnification_draws_the_largest_displacement_as_four_percent(scale: float) -> None:
-    frame = make_frame(scale)
+    frame = drawn_frame.frame_with_sigma_1(make_frame(scale), 0)
     moved = frame.displacement + np.array([3.0, -1.0])  # a translation changes nothing
-    factor = drawn_frame.displayed_magnification(replace(frame, displacement=moved))
+    factor = replace(frame, displacement=moved).magnification()
     largest = np.linalg.norm(frame.displacement - frame.displacement.mean(axis=0), axis=1).max()
     assert factor * largest / np.ptp(frame.points, axis=0).max() == pytest.approx(0.04, rel=0.05)  # two digits
 
@@ -82,8 +110,8 @@ def test_magnification_leaves_holes_their_shape() -> None:
     quads = np.delete(quads.reshape(-1, 4), [19 * 40 + 19, 19 * 40 + 20, 20 * 40 + 19, 20 * 40 + 20], axis=0)
     points, c = np.column_stack([x, y]), 1e-3
     closing = -c * points / np.maximum((points**2).sum(axis=1), 0.5)[:, None]
-    frame = SimpleNamespace(points=points, displacement=closing, triangles=np.empty((0, 3), dtype=int), quads=quads)
-    factor = drawn_frame.displayed_magnification(frame)
+    frame = DrawnFrame(0, points, quads, closing, np.zeros(len(points)), by_point=True)
+    factor = frame.magnification()
     at_corners = factor * c / 2
     assert drawn_frame.LARGEST_STRAIN / 2 < at_corners < drawn_frame.LARGEST_STRAIN * 1.5
 
@@ -101,22 +129,22 @@ def two_blocks(slip: float, turn: float, apart: float = 0.0) -> DrawnFrame:
     above = (np.arange(len(points)) < len(upper)).astype(float)
     u = turn * np.column_stack([np.zeros(len(points)), points[:, 0]]) + above[:, None] * [slip, apart]
     both = np.stack([quads, quads + len(upper)], axis=1).reshape(-1, 4)
-    return DrawnFrame(0, points, np.empty((0, 3), dtype=np.int64), both, u, above, by_point=True)
+    return DrawnFrame(0, points, both, u, above, by_point=True)
 
 
 def test_magnification_keeps_faces_together_that_slip_and_turn() -> None:
     """A face that has turned by w is left by the slip w along where it was, by w^2 slip turn."""
-    factor = drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01))
+    factor = two_blocks(slip=0.02, turn=-0.01).magnification()
     assert factor**2 * 0.02 * 0.01 == pytest.approx(drawn_frame.TOGETHER * 2.0, rel=0.03)  # two digits of the factor
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.0, turn=-0.01)) > 1.2 * factor
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.02, turn=-0.01, apart=0.002)) > 1.05 * factor
-    assert drawn_frame.displayed_magnification(two_blocks(slip=0.5, turn=0.2)) == 1.0  # never less than they are
+    assert two_blocks(slip=0.0, turn=-0.01).magnification() > 1.2 * factor
+    assert two_blocks(slip=0.02, turn=-0.01, apart=0.002).magnification() > 1.05 * factor
+    assert two_blocks(slip=0.5, turn=0.2).magnification() == 1.0  # never less than they are
 
 
 @pytest.mark.parametrize("by_point", [True, False])
 def test_one_of_two_sides_that_are_drawn_in_each_other_covers_the_other(by_point: bool, tmp_path: Path) -> None:
     frame = two_blocks(slip=0.0, turn=0.0, apart=-0.25)
-    values = frame.values if by_point else np.tile([1.0, 0.0], len(frame.quads) // 2)
+    values = frame.values if by_point else np.tile([1.0, 0.0], len(frame.cells) // 2)
     frame = replace(frame, values=values, by_point=by_point)
     pictures = field_picture.FieldPictures("blocks", "body", [frame], {}, Look(warp=1.0))
     (tmp_path / "a.png").write_bytes(pictures.png(frame))
@@ -142,10 +170,6 @@ def test_words_stay_clear_of_panels_of_the_title_and_of_the_edge(
     size: float, stretch: tuple[float, float], tmp_path: Path, drawn: list[Figure]
 ) -> None:
     case, result, frame = make_case(), make_result(3), make_frame()
-    curve = [
-        LoadPoint(size * (1.0 - 0.1 * k), 1.1e-5 + 4e-7 * k**2, 0.01 + 0.002 * k, (0, 0, 0), (0, 0, 0), {})
-        for k in range(9)
-    ]
     face, at = result.faces[0], result.contact
     faces = tuple(replace(face, crack=name, normal_traction=size * face.normal_traction) for name in "abc")
     parts = {part.name: np.concatenate([np.array(getattr(at, part.name))] * 3) for part in fields(at)}
@@ -154,7 +178,7 @@ def test_words_stay_clear_of_panels_of_the_title_and_of_the_edge(
     )
     rings = [tuple(replace(ring, points=ring.points * stretch) for ring in body.rings) for body in case.bodies]
     bodies = tuple(replace(body, rings=mine) for body, mine in zip(case.bodies, rings, strict=True))
-    figures.draw_load_curve(tmp_path / "a.png", case, curve)
+    figures.draw_curves(tmp_path, falling(size, case, tmp_path))
     figures.draw_contact(tmp_path / "b.png", case, replace(result, faces=faces, contact=contact))
     figures.draw_paths(tmp_path / "c.png", replace(case, bodies=bodies), make_paths(3))
     for figure in drawn:
@@ -177,14 +201,13 @@ def test_a_load_curve_is_in_units_that_suit_its_values_and_its_ticks_do_not_over
     size: float, unit: float, name: str, tmp_path: Path, drawn: list[Figure]
 ) -> None:
     lengths = [size * (1.1e-5 + 4e-7 * k**2) for k in range(9)]
-    curve = [
-        LoadPoint(1.0 - 0.1 * k, length, 0.01 + 0.002 * k, (0, 0, 0), (0, 0, 0), {}) for k, length in enumerate(lengths)
-    ]
-    figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
+    factors, grown = (1.0 - 0.1 * np.arange(9)).tolist(), (0.01 + 0.002 * np.arange(9)).tolist()
+    run = run_of(tmp_path, make_case(), load_factor=factors, load_displacement=lengths, crack_length=grown)
+    figures.draw_curves(tmp_path, run)
     (figure,) = drawn
     displacement, growth = figure.axes
     assert displacement.get_xlabel() == f"displacement of the loads [{name}]"
-    assert np.asarray(displacement.lines[0].get_xdata()) == pytest.approx(np.array(lengths) / unit)
+    assert np.asarray(displacement.lines[0].get_xdata()) == pytest.approx(np.array(lengths) / unit, rel=1e-5)
     assert growth.get_xlabel() == "crack growth [mm]"
     FigureCanvasAgg(figure).draw()
     for axes in figure.axes:
@@ -208,10 +231,10 @@ def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
     values = np.concatenate([np.linspace(1.0, 2.0, 1000), np.full(1000, 50.0)])
     _, norm, _ = field_picture.colours_of("body", values, np.repeat([1.0, 1e-3], 1000))
     assert norm.vmax == pytest.approx(1.98, rel=1e-2)
-    frame = make_frame()
+    frame = drawn_frame.frame_with_sigma_1(make_frame(), 0)
     for by_point in (False, True):
-        areas = drawn_frame.areas(frame, by_point=by_point)
-        assert len(areas) == len(frame.point_stress if by_point else frame.stress)
+        areas = frame.areas(by_point=by_point)
+        assert len(areas) == len(frame.points if by_point else frame.cells)
         assert areas.sum() == pytest.approx(WIDTH * HEIGHT)
 
 
@@ -221,11 +244,10 @@ def test_many_small_cells_at_a_tip_count_by_their_area() -> None:
 def test_load_curve_has_a_second_panel_where_cracks_have_grown_or_slipped(
     lengths: list[float], slip: float, panels: int, tmp_path: Path, drawn: list[Figure]
 ) -> None:
-    factors = np.linspace(1.0, 0.7, len(lengths)).tolist()
+    factors = np.linspace(1.0, 0.7, len(lengths))
     ways = [*np.linspace(1e-5, 2e-5, len(lengths) - 1).tolist(), float("nan")]
-    places = zip(factors, ways, lengths, strict=True)
-    curve = [LoadPoint(*place, (0, 0, 0), (0, 0, 0), {"flaw": slip * place[0], "other": 0.0}) for place in places]
-    figures.draw_load_curve(tmp_path / "a.png", make_case(), curve)
+    columns = {"load_displacement": ways, "crack_length": list(lengths), "slip": (slip * factors).tolist()}
+    figures.draw_curves(tmp_path, run_of(tmp_path, make_case(), load_factor=factors.tolist(), **columns))
     (figure,) = drawn
     assert len(figure.axes) == panels
     assert all(axes.lines for axes in figure.axes)
@@ -264,13 +286,18 @@ def test_round_off_in_tractions_is_not_blown_up_and_the_legend_has_the_states_th
 NO_FORMULA = r"$\frac{1}{0$ & <b> $_$"
 ODD = {"font.family": ["cursive"], "font.size": 30.0, "lines.linewidth": 9.0, "figure.facecolor": "black",
        "axes.grid": True, "savefig.dpi": 20.0, "text.usetex": True, "figure.autolayout": True}  # fmt: skip
+
+
+def draw_falling(path: Path, case: Case) -> None:
+    figures.draw_curves(path.parent, falling(1.0, case, path.parent))
+    (path.parent / "load_curve.png").rename(path)
+
+
 DRAWN: dict[str, Callable[[Path, Case], None]] = {
     "paths": lambda path, case: figures.draw_paths(path, case, make_paths(2)),
     "sigma_1": lambda path, case: figures.draw_sigma_1(path, case, make_result(1)),
     "contact": lambda path, case: figures.draw_contact(path, case, make_result(1)),
-    "load curve": lambda path, case: figures.draw_load_curve(
-        path, case, [load_point(make_result(k, load_factor=1.0 + k)) for k in range(3)]
-    ),
+    "load curve": draw_falling,
     "scene": lambda path, case: draw_scene(path, case, squares_of(case)),
 }
 
@@ -310,18 +337,23 @@ def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monk
 @pytest.mark.parametrize(
     ("stress", "drawn"),
     [
-        ([(0.0, -1e6, 0.0), (0.0, -2e6, 1e3), (0.0, -1.5e6, 0.0)], ("y", "compressive", [1e6, 2e6, 1.5e6])),
+        ([(0.0, -1e6, 0.0), (0.0, -2e6, 1e3), (0.0, -1.5e6, 0.0)], ("y", "compressive", [1.0, 2.0, 1.5])),
         ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan)], None),
-        ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan), (4e6, -1e6, 0.0)], ("x", "tensile", [3e6, np.nan, 4e6])),
+        ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan), (4e6, -1e6, 0.0)], ("x", "tensile", [3.0, None, 4.0])),
         ([(1e-9, 2e-9, 1e6), (3e-9, 1e-9, 2e6)], None),
         ([(0.0, 1e6, 0.0), (0.0, 1e6 + 1e-9, 0.0)], None),
     ],
     ids=["compression", "one step", "nan", "pure shear", "steady"],
 )
-def test_the_curve_is_of_the_axis_that_bears_more_and_none_of_round_off(stress: list, drawn: tuple | None) -> None:
-    found = stress_strain(stress, [(0.0, 0.0, 0.0)] * len(stress))
+def test_the_curve_is_of_the_axis_that_bears_more_and_none_of_round_off(
+    stress: list[tuple[float, ...]], drawn: tuple[str, str, list[float | None]] | None, tmp_path: Path
+) -> None:
+    columns = dict(zip(("mean_stress_xx", "mean_stress_yy", "mean_stress_xy"), zip(*stress, strict=True), strict=True))
+    found = stress_strain(run_of(tmp_path, make_case(), **columns))
     if drawn is None:
         assert found is None
     else:
-        assert found[:2] == drawn[:2]
-        np.testing.assert_allclose(found[2], drawn[2])
+        axis, sense, values = drawn
+        assert found is not None
+        assert found["ylabel"] == f"{sense} stress along {axis} [MPa]"
+        assert found["series"][0]["y"] == values

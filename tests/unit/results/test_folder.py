@@ -15,7 +15,7 @@ import pyvista
 import crackgrow
 from crackgrow import cli
 from crackgrow.results import vtk_frames
-from crackgrow.results.declarations import CRACKS, FRAMES, RUN, SUMMARY
+from crackgrow.results.declarations import FILES, RUN
 from crackgrow.results.folder import FolderError, RunFolder, open_run
 from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_frame, make_result
@@ -46,10 +46,13 @@ def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[cr
         written -= found
     assert written == set()
     of_some_runs = {"safety", "time"}  # of reduced strength, of subcritical growth
-    assert tuple(both[1].summary) == tuple(key for key in SUMMARY.header if key not in of_some_runs)
-    for name, file in (("frames/step_0000.vtu", FRAMES), ("cracks/step_0000.vtp", CRACKS)):
+    assert tuple(both[1].summary) == tuple(key for key in FILES["summary.json"].header if key not in of_some_runs)
+    for name, file in (
+        ("frames/step_0000.vtu", "frames/step_NNNN.vtu"),
+        ("cracks/step_0000.vtp", "cracks/step_NNNN.vtp"),
+    ):
         mesh = pyvista.read(folder / name)
-        assert {*mesh.point_data.keys(), *mesh.cell_data.keys()} == set(file.header)
+        assert {*mesh.point_data.keys(), *mesh.cell_data.keys()} == set(FILES[file].header)
 
 
 @pytest.mark.parametrize("name", TABLES)

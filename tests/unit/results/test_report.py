@@ -18,7 +18,8 @@ from PIL import Image
 from crackgrow.api import run_case
 from crackgrow.errors import SolveError
 from crackgrow.results.folder import FolderError, open_run
-from crackgrow.results.report import step_data, write_report
+from crackgrow.results.report import page as page_module
+from crackgrow.results.report import write_report
 from crackgrow.results.writer import RunWriter
 from tests.report_runs import HOSTILE, make_run, paint
 from tests.scenes import shipped_case
@@ -279,26 +280,27 @@ def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatc
     shown = read(tmp_path).data["pictures"]
     assert [picture["step"] for picture in shown] == [0, 2, 3]
     assert all(picture["uri"].startswith("data:image/jpeg;base64,") for picture in shown)
-    monkeypatch.setattr(step_data, "MOST_PICTURES", 2)
+    monkeypatch.setattr(page_module, "MOST_PICTURES", 2)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [0, 3]
-    monkeypatch.setattr(step_data, "MOST_BYTES", 100)
+    monkeypatch.setattr(page_module, "MOST_BYTES", 100)
     write_report(tmp_path)
     assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
 
 
 COMMIT = "0123456789abcdef"
 ESTIMATE = {"energy_norm_percent": {"first": 4.25, "last": None}, "of_another_version": 7.0,
-            "K_percent_at_most": 0.75, "K_percent_expected": 0.25}  # fmt: skip
+            "K_percent_expected": 0.25, "K_percent_at_most": 0.75}  # fmt: skip
 
 
 @pytest.mark.parametrize(("summary", "steps", "told"), [
-    ({}, {2: {"residual": "2e-10"}}, "|equilibrium residual|2e-10|2|1e-09|ok|"),
-    ({}, {2: {"residual": "2e-9"}}, "|equilibrium residual|2e-09|2|1e-09|above the limit|"),
-    ({}, {2: {"residual": "nan"}}, "|equilibrium residual|\N{EN DASH}|2|1e-09|above the limit|"),
+    ({}, {2: {"residual": "2e-10"}}, "|what equilibrium misses, relative|2e-10|2|1e-09|ok|"),
+    ({}, {2: {"residual": "2e-9"}}, "|what equilibrium misses, relative|2e-09|2|1e-09|above the limit|"),
+    ({}, {2: {"residual": "nan"}}, "|what equilibrium misses, relative|\N{EN DASH}|2|1e-09|above the limit|"),
     ({"error_estimate": ESTIMATE}, {},
-     "|energy norm, first step [%]|4.25|K, error that is expected, over the largest K of its step [%]|0.25|"
-     "K, error at most, over the largest K of its step [%]|0.75|of_another_version|7|"),
+     "|energy norm, first step [%]|4.25|of_another_version|7|"
+     "K, error that is expected, over the largest K of its step [%]|0.25|"
+     "K, error at most, over the largest K of its step [%]|0.75|"),
     ({"version": "7", "git_commit": None, "git_modified": None}, {}, "crackgrow 7 "),  # an installed program
     ({"version": "7", "git_commit": COMMIT, "git_modified": False}, {}, "crackgrow 7 (0123456789ab) "),
     ({"version": "7", "git_commit": COMMIT, "git_modified": True}, {}, "crackgrow 7 (0123456789ab, modified) "),

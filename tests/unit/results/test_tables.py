@@ -5,13 +5,14 @@ from __future__ import annotations
 import csv
 import errno
 import os
+import resource
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from crackgrow.results import tables
-from crackgrow.results.atomic import OutputError, append_text, write_atomically, write_text
+from crackgrow.results.atomic import GrowingFile, OutputError, write_atomically, write_text
 from crackgrow.results.folder import table_of
 from tests.unit.results.synthetic import make_result
 
@@ -42,16 +43,20 @@ def test_what_the_system_refuses_names_the_file_and_asks_for_room(number: int, r
     assert caught.value.exit_code == 3
 
 
-def test_text_is_appended_as_a_whole_to_a_file_that_is_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path, write = tmp_path / "a.csv", os.write
-    assert not append_text(path, "y\n")
-    assert not path.exists()
-    write_text(path, "x\n")
-    assert append_text(path, "µ\n")
-    monkeypatch.setattr(os, "write", lambda file, data: write(file, data[:2]))
-    with pytest.raises(OutputError, match=r"a\.csv: No space left"):
-        append_text(path, "new\n")
-    assert path.read_text(encoding="utf-8") == "x\nµ\n"
+def test_lines_are_appended_as_a_whole_or_not_at_all(tmp_path: Path) -> None:
+    file = GrowingFile(tmp_path / "a.log", "x")
+    file.write()
+    file.lines.append("µ")
+    file.write()
+    file.lines.append("a line that has no room on the disk")
+    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (10, limits[1]))
+    try:
+        with pytest.raises(OutputError, match=r"a\.log: No space left"):
+            file.write()
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+    assert file.path.read_text(encoding="utf-8") == "x\nµ\n"
 
 
 def test_columns_are_those_of_the_contract() -> None:
@@ -72,7 +77,7 @@ def test_columns_are_those_of_the_contract() -> None:
 
 
 def test_a_step_has_its_row_with_the_time_of_its_frames(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "steps.csv", tables.HEADERS["steps"])
+    table = tables.Table(tmp_path, "steps")
     table.extend([tables.step_row(make_result(0), 0.0), tables.step_row(make_result(1), 0.25)])
     table.replace_last(tables.step_row(make_result(1), 0.5))
     table.write()
@@ -101,7 +106,7 @@ def test_a_cell_reads_back_to_the_same_value(value: tables.Value, text: str) -> 
 
 
 def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is_whole_again(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path / "a.csv", ("x", "y"))
+    table = tables.Table(tmp_path, "a", ("x", "y"))
     table.write()
     inode = table.path.stat().st_ino
     table.extend([(1, 2.5), (3, 4.5)])
@@ -122,7 +127,7 @@ def test_rows_from_a_step_on_are_dropped_and_a_row_that_a_kill_cut_off(
     name: str, last: int, rows: int, tmp_path: Path
 ) -> None:
     """An event comes with the step after its own; "1" may be the begin of a row of step 12."""
-    table = tables.Table(tmp_path / f"{name}.csv", tables.HEADERS[name])
+    table = tables.Table(tmp_path, name)
     table.extend([(step, "flaw") for step in (0, 1, 1, 2, 3)])
     table.write()
     whole = table.path.read_text()

@@ -17,7 +17,7 @@ import pyvista
 from crackgrow.errors import SolveError
 from crackgrow.results import writer as writer_module
 from crackgrow.results.atomic import OccupiedError, OutputError
-from crackgrow.results.leftovers import OWN_KEYS
+from crackgrow.results.folder import SUMMARY_KEYS
 from crackgrow.results.lock import LOCK
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import RunEnd, StepResult
@@ -192,7 +192,7 @@ def test_a_folder_that_has_lost_its_summary_is_still_a_run_s(left: str | None, t
     assert summary(tmp_path)["status"] == "running"
 
 
-OWN = json.dumps(dict.fromkeys(OWN_KEYS, "mine"))
+OWN = json.dumps(dict.fromkeys(SUMMARY_KEYS, "mine"))
 FOREIGN = {
     "a text": b"what I found",
     "half a summary": b'{"case": "blo',
