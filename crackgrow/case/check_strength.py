@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from crackgrow.case.declared import keys_of
+from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.model import Growth
 from crackgrow.case.toughness import BY_K, RAY_CRITERIA
@@ -23,7 +23,7 @@ def settle_direction(scene: Scene) -> None:
         tough = strengths(scene, with_toughness=True)
         found = {"direction": "implicit" if tough and growth.get("criterion") in BY_K else "explicit"}
         every = growth | found
-        scene.resolved["growth"] = {key: every[key] for key in keys_of(Growth) if key in every}
+        scene.resolved["growth"] = {key: every[key] for key in FORMAT.keys_of(Growth) if key in every}
     criterion = scene.get("growth", "criterion")
     if scene.get("growth", "direction") == "implicit" and criterion not in (None, *BY_K):
         message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"

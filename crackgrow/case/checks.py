@@ -1,4 +1,4 @@
-"""Whether counts, materials, laws of contact and numerical settings of a case fit together. Faults go to the report."""
+"""Whether bodies, materials, interfaces, laws of contact and numerical settings of a case fit together."""
 
 from __future__ import annotations
 
@@ -6,9 +6,10 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+from crackgrow.case.check_regions import knows_body
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.model import STEEPEST
-from crackgrow.case.report import Path
+from crackgrow.case.report import Path, quoted
 from crackgrow.case.shapes import BodyShape, Resolved
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
@@ -175,3 +176,42 @@ def contact_laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
         for index, item in scene.items(kind, "contact"):
             if isinstance(item["contact"], dict):
                 yield (kind, index, "contact"), item["contact"]
+
+
+def check_interfaces(scene: Scene) -> None:
+    """Report shared boundaries without an interface, and interfaces without a shared boundary."""
+    seen: dict[frozenset[str], int] = {}
+    all_clear = True
+    listing = scene.resolved.get("interfaces")
+    for index, interface in enumerate(listing if isinstance(listing, list) else []):
+        key = ("interfaces", index, "between")
+        if not isinstance(interface, dict) or not scene.report.sound(*key):
+            all_clear = False
+            continue
+        pair = interface["between"]
+        known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+        if all(known):
+            _check_pair(scene, key, pair, seen)
+            seen.setdefault(frozenset(pair), index)
+        else:
+            all_clear = False
+    if all_clear and isinstance(listing, list):  # else the missing one may be that which cannot be read
+        for first, second in scene.shared:
+            if frozenset((first, second)) not in seen:
+                line = f"- {{between: [{first}, {second}], contact: {{friction: 0.5, cohesion: 0}}}}"
+                message = f"bodies '{first}' and '{second}' share a boundary; say what holds there, such as {line}"
+                scene.report.fault(("interfaces",), f"{message}, or with contact: bonded")
+
+
+def _check_pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[str], int]) -> None:
+    """Report a body that meets itself, a pair given before, and a pair without a shared boundary."""
+    first, second = pair
+    if first == second:
+        scene.report.fault(key, f"{quoted(first)} is given twice; wanted: two bodies")
+    elif frozenset(pair) in seen:
+        number = seen[frozenset(pair)]
+        scene.report.fault(key, f"'{first}' and '{second}' have an interface already, interfaces.{number}")
+    elif not scene.lines_between(first, second) and all(scene.report.sound("bodies", name, "shape") for name in pair):
+        gap = scene.bodies[first].polygon.distance(scene.bodies[second].polygon)
+        apart = f"they are {scene.length(gap)} apart" if gap > scene.tolerance else "they touch at points only"
+        scene.report.fault(key, f"'{first}' and '{second}' share no boundary: {apart}")

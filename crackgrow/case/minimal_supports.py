@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.declared import made
-from crackgrow.case.format import MINIMAL
+from crackgrow.case.format import FORMAT, MINIMAL
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction, FarField
 from crackgrow.case.regions import ends_of
@@ -128,11 +127,11 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         lengths = np.outer(np.hypot(*(ends[:, 1] - ends[:, 0]).T), 0.5 * weights).ravel()
         places = points.reshape(-1, 2)
         on_edge: EdgeLoad = (
-            made(EdgePressure, load, region=region)
+            FORMAT.made(EdgePressure, load, region=region)
             if "pressure" in load
-            else made(FarField, load, region=region)
+            else FORMAT.made(FarField, load, region=region)
             if "far_field" in load
-            else made(EdgeTraction, load, region=region)
+            else FORMAT.made(EdgeTraction, load, region=region)
         )
         try:
             traction = on_edge.traction_at(places, outward)

@@ -13,6 +13,7 @@ from jinja2 import Environment
 from markupsafe import Markup, escape
 
 from crackgrow.arrays import Floats
+from crackgrow.case.dump import written
 from crackgrow.case.model import Case
 from crackgrow.case.units import Coordinate
 from crackgrow.results.atomic import write_text
@@ -197,9 +198,7 @@ def describe_actions(case: Case) -> list[tuple[str, str]]:
     """What holds and what loads the specimen, in words: name, and what the case says of it, in SI."""
     rows: list[tuple[str, str]] = []
     for kind in ("supports", "loads"):
-        items = case.resolved[kind]
-        assert isinstance(items, list)
-        rows.extend((f"{kind}.{number}", _words(item)) for number, item in enumerate(items))
+        rows.extend((f"{kind}.{number}", _words(item)) for number, item in enumerate(written(case)[kind]))
     return rows
 
 

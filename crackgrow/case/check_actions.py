@@ -1,4 +1,4 @@
-"""Whether supports stand on the bodies, agree and hold them; foundations lie where no other contact does."""
+"""Whether supports stand on the bodies, agree and hold them; loads act on what there is, with values where they act."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import shapely
 from shapely import LineString, Point
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body
-from crackgrow.case.formula import CoordinateFormula
+from crackgrow.case.check_regions import knows_body, knows_crack, place_in_rock
+from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
@@ -19,7 +19,9 @@ from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
-FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
+FREE_MOTION = 1e-8  # displacements of held components, scaled by the body's size, below which a motion is free
+
+SAMPLES_ACROSS = 17  # places across a body at which the formula of a stress must have a value
 
 ALIKE = 1e-6
 """Of the largest displacement of both supports: two that differ by less are one."""
@@ -97,8 +99,9 @@ def _check_formulas(scene: Scene) -> None:
 
 def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
     """Report a formula that has no finite value at one of some points (n, 2) m."""
-    if isinstance(value, str):
-        _, nowhere = CoordinateFormula(value).values(points)
+    formula = component_of(value) if isinstance(value, str) else None
+    if isinstance(formula, CoordinateFormula):
+        _, nowhere = formula.values(points)
         if nowhere is not None:
             scene.report.fault(key, f"has no finite value at {scene.point(nowhere)}")
 
@@ -115,56 +118,27 @@ def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
 
 
 def _check_held(scene: Scene, body: BodyShape) -> None:
-    """Report the rigid motions that the supports leave free."""
-    motions = free_motions(body, _held_points(scene, body))
-    if motions.size:
-        scale = body.size / 2
-        free = " and ".join(_describe(scene, motion, body.center, scale) for motion in motions)
-        message = f"body '{body.name}' is free to move: {free}; it needs supports against that"
-        scene.report.fault(("supports",), message)
+    """Report the rigid motions that the supports leave free.
 
-
-def free_motions(body: BodyShape, held: list[tuple[Floats, int]]) -> Floats:
-    """Return the rigid motions, `(n, 3) float`, that displace no held component.
-
-    body: the body, whose centre is c and half size R
-    held: points and the component held there (0: x, 1: y)
-
-    A motion (a, b, w) displaces x by a - w (y - c_y) / R and y by b + w (x - c_x) / R. The first ones are pure
-    translations, the last one rotates if any does.
+    A motion (a, b, w) displaces x by a - w (y - c_y) / R and y by b + w (x - c_x) / R, about the body's centre c, with
+    R half its size. Rows are the displacements of held components.
     """
-    if not held:
-        return np.eye(3)
-    rows = []
-    for point, component in held:
-        dx, dy = (point - body.center) / (body.size / 2)
-        rows.append((1.0, 0.0, -dy) if component == 0 else (0.0, 1.0, dx))
-    free = _null_space(np.array(rows))
-    # Combine the basis so that only one motion turns: split off the null space of the rotation component.
-    if len(free) < 2:
-        return free
-    translations = _null_space(free[:, 2][None, :]) @ free
-    turning = free - (free @ translations.T) @ translations
-    turning = turning[[np.argmax(np.abs(turning[:, 2]))]]
-    return np.vstack([translations, turning]) if len(translations) < len(free) else translations
-
-
-def _null_space(A: Floats) -> Floats:
-    """Return an orthonormal basis, as rows, of the vectors that A maps to zero."""
-    n = A.shape[1]
-    _, singular, Vt = np.linalg.svd(np.vstack([A, np.zeros((n, n))]), full_matrices=False)
-    rank = int(np.sum(singular > FREE_MOTION * max(1.0, float(singular.max()))))
-    return np.asarray(Vt[rank:], dtype=float)
-
-
-def _held_points(scene: Scene, body: BodyShape) -> list[tuple[Floats, int]]:
-    held = []
+    held, R = [np.zeros(3)], body.size / 2
     for index, support in scene.items("supports", "displacement"):
         name = support["body"] if "at" in support else support["on"]["body"]
         places = _places(scene, index, ENDS) if name == body.name else None
-        if places is not None:
-            held += [(place, "xy".index(component)) for component in support["displacement"] for place in places]
-    return held
+        for dx, dy in [] if places is None else (places - body.center) / R:
+            rows = {"x": np.array([1.0, 0.0, -dy]), "y": np.array([0.0, 1.0, dx])}
+            held += [rows[component] for component in support["displacement"]]
+    A = np.array(held)
+    free = [f"translation in {axis}" for column, axis in enumerate("xy") if not A[:, column].any()]
+    a, b = np.linalg.lstsq(A[:, :2], -A[:, 2], rcond=None)[0]  # of the turn by w = 1 that comes nearest to free
+    if np.abs(A @ [a, b, 1.0]).max() <= FREE_MOTION:
+        about = body.center + R * np.array([-b, a])
+        free.append(f"rotation about {scene.point(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
+    if free:
+        message = f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
+        scene.report.fault(("supports",), message)
 
 
 def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
@@ -174,15 +148,6 @@ def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
         return np.array([support["at"]])
     region = scene.regions.get(("supports", index, "on"))
     return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
-
-
-def _describe(scene: Scene, motion: Floats, center: Floats, scale: float) -> str:
-    """Say which rigid motion this is."""
-    a, b, w = (float(part) for part in np.where(np.abs(motion) < FREE_MOTION, 0.0, motion))
-    if w:
-        x, y = center + np.array([-b, a]) / w * scale
-        return f"rotation about {scene.point(np.where(np.abs([x, y]) < FREE_MOTION * scale, 0.0, [x, y]))}"
-    return f"translation in {'x' if a else 'y'}"  # never oblique: supports hold x or y
 
 
 def check_foundations(scene: Scene) -> None:
@@ -252,9 +217,10 @@ def _values(value: float | str, places: Floats | None) -> Floats | None:
     """Displacements (n,) m at places (n, 2) m; None where these or the values of a formula are not known."""
     if places is None:
         return None
-    if not isinstance(value, str):
+    formula = component_of(value)
+    if not isinstance(formula, CoordinateFormula):
         return np.full(len(places), value)
-    values, nowhere = CoordinateFormula(value).values(places)
+    values, nowhere = formula.values(places)
     return values if nowhere is None else None
 
 
@@ -270,3 +236,60 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
                 start, end = sides[side]
                 found.append([start + share * (end - start) for share in (low, high)])
     return sampled(np.array(found)) if found else np.empty((0, 2))
+
+
+def check_loads(scene: Scene) -> None:
+    """Report loads on bodies and cracks that the case does not have, and formulas without a value where they act."""
+    for kind in ("gravity", "stress"):
+        for index, load in scene.items("loads", kind):
+            knows_body(scene, ("loads", index, "body"), load["body"])
+            if kind == "stress" and load["body"] in scene.bodies:
+                for axis, component in enumerate(load["stress"]):
+                    places = _places_in(scene.bodies[load["body"]])
+                    check_formula(scene, ("loads", index, "stress", axis), component, places)
+    for index, load in scene.items("loads", "pressure"):
+        if "on" in load:
+            continue
+        lines = _pressed_interface(scene, index, load) if "interface" in load else _pressed_crack(scene, index, load)
+        for points in lines:
+            ends = np.stack([points[:-1], points[1:]], axis=1)
+            check_formula(scene, ("loads", index, "pressure"), load["pressure"], sampled(ends))
+    for index, load in scene.listed("loads"):
+        region = scene.regions.get(("loads", index, "on"))
+        if region is not None and scene.report.sound("loads", index):
+            points = sampled(ends_of(scene.bodies[region.body], region))
+            kind = "far_field" if "far_field" in load else "traction"
+            for axis, component in enumerate(load.get(kind, ())):
+                check_formula(scene, ("loads", index, kind, axis), component, points)
+            check_formula(scene, ("loads", index, "pressure"), load.get("pressure"), points)
+    for index, load in scene.items("loads", "force") if scene.complete else ():
+        place_in_rock(scene, ("loads", index, "at"), load["at"], load)
+
+
+def _pressed_crack(scene: Scene, index: int, load: Resolved) -> list[Floats]:
+    """The line (n, 2) m of the crack that a pressure acts in; reports one that there is not."""
+    name = load["crack"]
+    known = knows_crack(scene, ("loads", index, "crack"), name)
+    return [scene.cracks[name]] if known and len(scene.cracks.get(name, ())) > 1 else []
+
+
+def _pressed_interface(scene: Scene, index: int, load: Resolved) -> tuple[Floats, ...]:
+    """The lines (n, 2) m of the interface that a pressure acts in; reports one that there is not, or that is bonded."""
+    key, pair = ("loads", index, "interface"), load["interface"]
+    known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+    if not all(known) or not scene.report.sound("interfaces"):
+        return ()
+    meant = [item for _, item in scene.items("interfaces", "between") if set(item["between"]) == set(pair)]
+    if not meant:
+        scene.report.fault(key, f"'{pair[0]}' and '{pair[1]}' have no interface that a fluid could press apart")
+    elif meant[0]["contact"] == "bonded":
+        message = "is bonded: no fluid gets between faces that never part; give it a law of contact"
+        scene.report.fault(key, f"the interface of '{pair[0]}' and '{pair[1]}' {message}")
+    return scene.lines_between(pair[0], pair[1])
+
+
+def _places_in(body: BodyShape) -> Floats:
+    """Places (n, 2) m on the rim of a body and in it."""
+    low, high = body.sides.reshape(-1, 2).min(axis=0), body.sides.reshape(-1, 2).max(axis=0)
+    inside = low + (np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T + 0.5) / SAMPLES_ACROSS * (high - low)
+    return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])
