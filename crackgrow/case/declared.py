@@ -17,10 +17,10 @@ from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hi
 import numpy as np
 import yaml
 
-from crackgrow.case.composed import Components, Definitions, ListOf, Named, OneOrList, Reference
+from crackgrow.case.composed import Converted, Named, Reference
 from crackgrow.case.formula import OrFormula, component_of
 from crackgrow.case.scalars import SIGNS, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
-from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, Mapping, OneOf, Same
+from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, OneOf, Same
 from crackgrow.case.shapes import Resolved, frozen
 from crackgrow.case.units import UNITS
 
@@ -43,6 +43,7 @@ class Format:
     kinds: AnyMapping[str, Spec]
     wrapped: AnyMapping[str, Callable[[Any], Spec]]
     _parts: dict[str, Spec] = field(default_factory=dict)  # those that were asked for
+    _keys: dict[Any, dict[str, Field]] = field(default_factory=dict)  # the same, of classes
 
     def part(self, name: str) -> Any:
         """The spec of a part, one for all keys that take it."""
@@ -66,7 +67,7 @@ class Format:
         self, takes: object, doc: str, default: object = "required", more: AnyMapping[str, Any] | None = None
     ) -> Field:
         spec, more = self.spec(takes), more or {}
-        if default == {} and isinstance(spec, Mapping):
+        if default == {} and isinstance(spec.spec if isinstance(spec, Converted) else spec, Mapping):
             default = BY_PARTS
         elif isinstance(default, str) and default.startswith("same as "):
             default = Same(default.removeprefix("same as "))
@@ -97,8 +98,11 @@ class Format:
 
     def keys_of(self, cls: Any) -> dict[str, Field]:
         """The keys of the part, or of all forms, that a class stands for."""
+        if cls in self._keys:
+            return self._keys[cls]
         parts = (self.part(name) for name in self.declared if name.split()[0] == cls.__name__)
-        return {key: field for part in parts for key, field in getattr(part, "spec", part).fields.items()}
+        found = {key: field for part in parts for key, field in getattr(part, "spec", part).fields.items()}
+        return self._keys.setdefault(cls, found)
 
     def made(self, cls: Callable[..., T], values: Resolved, **others: object) -> T:
         """An instance from the values of its keys, sound and in SI; `others` are fields that these do not tell."""
@@ -118,6 +122,9 @@ class Format:
             return None
         if isinstance(value, dict) and cls is not None:
             return self.made(cls, value)
+        if isinstance(spec, Mapping) and spec.read_as:
+            parts = [value.get(key) for key in spec.fields] if isinstance(value, dict) else value
+            return tuple(None if part is None else component_of(part) for part in parts)
         if isinstance(spec, Mapping):  # of keys that are no fields
             parts = tuple(value[key] for key in spec.fields)
             return parts if len(parts) > 1 else parts[0]
@@ -125,9 +132,6 @@ class Format:
             return value == spec.words[1]
         if isinstance(spec, OrFormula):
             return component_of(value)
-        if isinstance(spec, Components):
-            parts = tuple(value.get(key) for key in spec.mapping.fields) if isinstance(value, dict) else tuple(value)
-            return tuple(None if part is None else component_of(part) for part in parts)
         if isinstance(spec, ListOf):
             if any(get_origin(kind) is np.ndarray for kind in kinds):
                 return frozen(value)
@@ -156,15 +160,15 @@ class Format:
         """The value of a key from that of its field."""
         if is_dataclass(value) and not callable(value):
             return self.written(value)
-        if isinstance(spec, Mapping):
+        if isinstance(spec, Mapping) and spec.read_as is dict:
+            parts = zip(spec.fields, value, strict=True)
+            return {key: _text_or_number(part) for key, part in parts if part is not None}
+        if isinstance(spec, Mapping) and not spec.read_as:
             return dict(zip(spec.fields, value if isinstance(value, tuple) else (value,), strict=True))
         if isinstance(spec, Choice) and isinstance(value, bool):
             return spec.words[value]
         if isinstance(spec, Named):
             return {item.name: self.written(item) for item in value}
-        if isinstance(spec, Components) and not spec.as_list:
-            parts = zip(spec.mapping.fields, value, strict=True)
-            return {key: _text_or_number(part) for key, part in parts if part is not None}
         if isinstance(value, tuple):
             return [self._written(None, part) for part in value]
         return _text_or_number(value)
@@ -178,8 +182,8 @@ def format_of(text: str, kinds: AnyMapping[str, Spec], wrapped: AnyMapping[str, 
 _COMPOSED: Final[dict[str, Callable[..., Spec]]] = {
     r"unit of (?P<kind>\w+)": lambda _, kind: Choice(tuple(UNITS[kind])),
     r"definitions of (?P<thing>\w+)( but (?P<words>.+?))?: (?P<inner>.+?)(, at most (?P<most>\d+))?": (
-        lambda its, thing, words, inner, most: Definitions(
-            Named(thing, its.spec(inner), int(most or MOST_ITEMS)), tuple(words.split(", ")) if words else ()
+        lambda its, thing, words, inner, most: Named(
+            thing, its.spec(inner), int(most or MOST_ITEMS), other_words=tuple(words.split(", ")) if words else ()
         )
     ),
     r"(?P<thing>\w+) by (?P<free>any )?name: (?P<inner>.+?)(, at most (?P<most>\d+))?": (
@@ -190,7 +194,7 @@ _COMPOSED: Final[dict[str, Callable[..., Spec]]] = {
             its.spec(inner), None if length == "list" else int(length), int(most or MOST_ITEMS)
         )
     ),
-    r"one or more (?P<inner>.+)": lambda its, inner: OneOrList(its.spec(inner)),
+    r"one or more (?P<inner>.+)": lambda its, inner: ListOf(its.spec(inner), alone=True),
     r"(?P<inner>.+) or a name from (?P<where>\w+)": lambda its, inner, where: Reference(where, its.spec(inner)),
 }
 """How kinds are made of others."""

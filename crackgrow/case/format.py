@@ -4,20 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from importlib.resources import files
-from typing import Final
+from typing import Any, Final
 
-from crackgrow.case.composed import Components, Converted, ListOf
+from crackgrow.case.composed import Converted
 from crackgrow.case.curves import with_curve_points
 from crackgrow.case.declared import Format, format_of
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import OutlineFile, with_file_edges, with_file_holes, with_file_points, without_file
 from crackgrow.case.overrides import OfFile
-from crackgrow.case.reader import Listing, Node, Scalar
+from crackgrow.case.reader import Listing, Node, Scalar, Table
 from crackgrow.case.regions import LengthOrAngle
 from crackgrow.case.report import Path
-from crackgrow.case.scalars import NUMBER, Context, Quantity, Schema, Schemas, Spec, Takes, units_of
-from crackgrow.case.schema import Mapping
-from crackgrow.case.units import parse_quantity
+from crackgrow.case.scalars import NUMBER, Context, Quantity, Schema, Schemas, Takes, units_of
+from crackgrow.case.schema import ListOf, Mapping
+from crackgrow.case.units import Units, parse_quantity
 
 MINIMAL: Final = "minimal"
 EVENTS: Final = "events"
@@ -71,9 +71,19 @@ class QuantityOrFormula(OrFormula):
         return {"anyOf": [Quantity(self.kind).schema(schemas), schemas.named("formula", lambda: formula)]}
 
 
-def _displacement(mapping: Mapping) -> Spec:
-    """One component may be left out, in the mapping alone."""
-    return Components(replace(mapping, at_least_one=True), as_list=False)
+@dataclass(frozen=True, slots=True)
+class UnitsOfCase(Converted):
+    """What bare numbers mean in what is read after it."""
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the units of lengths and stresses, and the origin in m."""
+        values: Any = self.spec.read(node, path, context)
+        if context.report.sound(*path) and isinstance(node, Table):
+            context.units = Units(values["length"], values["stress"])
+            if "origin" in values:  # its bare numbers are in the unit that stands beside it
+                origin: Any = self.spec.fields["origin"].spec.read(node.entries["origin"].node, path, context)
+                values["origin"], context.units = origin, replace(context.units, origin=tuple(origin))
+        return values
 
 
 def _history_or_stages(value: object, path: Path, context: Context) -> object:
@@ -101,12 +111,13 @@ FORMAT: Final[Format] = format_of(
         "settings of the base": OfFile("a mapping"),
     },
     wrapped={
+        "Units": UnitsOfCase,
         "Body": lambda spec: Converted(spec, with_file_edges),
         "Shape": lambda spec: Converted(spec, with_file_holes),
         "Hole": lambda spec: Converted(spec, without_file),
         "Path": lambda spec: Converted(Converted(spec, with_curve_points), with_file_points),
-        "Displacement": _displacement,
-        "Traction": lambda mapping: Components(mapping, as_list=True),
+        "Displacement": lambda mapping: replace(mapping, at_least_one=True, read_as=dict),
+        "Traction": lambda mapping: replace(mapping, read_as=list),
         "Loading": lambda spec: Converted(spec, _history_or_stages),
     },
 )

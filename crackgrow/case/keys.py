@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from crackgrow.case import schema as specs
-from crackgrow.case.composed import ListOf, Named, core
+from crackgrow.case.composed import Named, core
 from crackgrow.case.format import CASE
 
 NAME: Final = "NAME"  # stands for a name of the user's choice
@@ -62,7 +62,8 @@ def _fields(spec: Any) -> list[tuple[str, specs.Field]]:
 
 def _step(spec: Any) -> str:
     """What stands between a key and those of the mapping inside of it."""
-    here = f".{NAME}" if isinstance(spec, Named) else f".{NUMBER}" if isinstance(spec, ListOf) else ""
+    is_list = isinstance(spec, specs.ListOf) and not spec.alone
+    here = f".{NAME}" if isinstance(spec, Named) else f".{NUMBER}" if is_list else ""
     return here + (_step(spec.spec) if hasattr(spec, "spec") else ".")
 
 

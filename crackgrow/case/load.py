@@ -23,7 +23,7 @@ from crackgrow.case.outline import settle_outlines
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Path, Place, Report
-from crackgrow.case.scalars import INVALID, Context
+from crackgrow.case.scalars import Context
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
 from crackgrow.case.spacing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
@@ -102,37 +102,19 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
         raise report.error()
     for override in overrides:
         apply_override(root, override, report)
-    units = _units_of(root)
-    context = Context(report, units or Units(), path.parent, folders)
+    context = Context(report, Units(), path.parent, folders)
     resolved: Any = CASE.read(root, (), context)
-    if units is None:
+    if not report.sound("units"):  # the rest was read in other units
         raise report.error()
     for definitions in DEFINITIONS:  # each is written out where it is referred to
         resolved.pop(definitions, None)
-    scene = scene_of(resolved, report, units)
+    scene = scene_of(resolved, report, context.units)
     for stage in STAGES:
         stage(scene)
     if report.faults:
         raise report.error()
     resolved["units"] |= {"length": "m", "stress": "Pa"}
     return _built(path.stem, scene)
-
-
-def _units_of(root: Table) -> Units | None:
-    """Return what bare numbers mean, None if that is faulty; the faults are reported with the rest of the case."""
-    if "units" not in root.entries:
-        return Units()
-    units: Units | None = Units()
-    for _ in range(2):  # once more for the origin: its bare numbers are in the unit that stands beside it
-        scratch = Report("")
-        context = Context(scratch, units or Units())
-        values: Any = FORMAT.part("Units").read(root.entries["units"].node, ("units",), context)
-        parts = list(values.values()) if isinstance(values, dict) else [INVALID]
-        parts += [each for part in parts if isinstance(part, list) for each in part]
-        if scratch.faults or INVALID in parts:  # what the parser refused is no fault of the scratch report
-            return None
-        units = Units(values["length"], values["stress"], tuple(values["origin"]) if "origin" in values else None)
-    return units
 
 
 def _built(name: str, scene: Scene) -> model.Case:

@@ -192,14 +192,20 @@ class ContactSupport(Drawn):
         return SurfaceName("foundation", (self.region.body, self.region.edge))
 
 
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Loaded(Drawn):
+    """A load."""
+
+    held: bool = False  # whether it acts in full at every load factor
+    name: str | None = None  # by which stages give it factors
+
+
 @dataclass(frozen=True, slots=True, eq=False)
-class EdgeTraction(Drawn):
+class EdgeTraction(Loaded):
     """Traction on an edge."""
 
     region: EdgeRegion
     traction: tuple[Component, Component]  # Pa
-    held: bool = False
-    name: str | None = None
 
     def traction_at(self, places: Floats, outward: Floats) -> Floats:
         """Traction (n, 2) Pa at places (n, 2) m of the edge with unit normals (n, 2) out of the rock."""
@@ -207,13 +213,11 @@ class EdgeTraction(Drawn):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class EdgePressure(Drawn):
+class EdgePressure(Loaded):
     """Pressure of a fluid on an edge, such as the wall of a borehole or a face below water."""
 
     region: EdgeRegion
     pressure: Component  # Pa, positive pushes into the rock
-    held: bool = False
-    name: str | None = None
 
     def traction_at(self, places: Floats, outward: Floats) -> Floats:
         """Traction (n, 2) Pa at places (n, 2) m of the edge with unit normals (n, 2) out of the rock."""
@@ -221,14 +225,12 @@ class EdgePressure(Drawn):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FarField:
+class FarField(Loaded):
     """Traction of a stress, far away, on the outline of a body."""
 
     body: str
     stress: tuple[Component, Component, Component]  # Pa
     region: EdgeRegion  # the outline, as far as no other body lies there
-    held: bool = False
-    name: str | None = None
 
     def traction_at(self, places: Floats, outward: Floats) -> Floats:
         """Traction (n, 2) Pa at places (n, 2) m of the outline with unit normals (n, 2) out of the rock."""
@@ -239,44 +241,36 @@ EdgeLoad = EdgeTraction | EdgePressure | FarField
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Gravity:
+class Gravity(Loaded):
     """Weight of a body."""
 
     body: str
     acceleration: tuple[float, float]  # m/s^2
-    held: bool = False
-    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class FluidPressure(Drawn):
+class FluidPressure(Loaded):
     """Pressure of a fluid on both faces of a crack or of an interface."""
 
     surface: SurfaceName  # a crack, or an interface with all of its lines
     pressure: Component  # Pa, positive pushes the faces apart
-    held: bool = False
-    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class InSituStress:
+class InSituStress(Loaded):
     """Stress that a body holds before anything displaces."""
 
     body: str
     stress: tuple[Component, Component, Component]  # Pa
-    held: bool = False
-    name: str | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PointForce(Drawn):
+class PointForce(Loaded):
     """A force at a point of a body."""
 
     point: Floats  # (2,) m
     force: tuple[float, float]  # N per metre of thickness
     body: str
-    held: bool = False
-    name: str | None = None
 
 
 Support = PointSupport | EdgeSupport | ContactSupport

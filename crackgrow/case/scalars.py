@@ -23,12 +23,12 @@ NUMBER: Final = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"  # pattern of a number 
 _NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(slots=True)
 class Context:
     """What reading a value needs besides its node."""
 
     report: Report
-    units: Units
+    units: Units  # in which what follows is read
     folder: FilePath = FilePath()  # what file names in the case are relative to
     folders: dict[str, FilePath] = field(default_factory=dict)  # the same of the file and its bases, by name in faults
     defined: dict[str, dict[str, Node]] = field(default_factory=dict)  # what other keys refer to, by key and name

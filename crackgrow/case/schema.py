@@ -1,4 +1,4 @@
-"""Specs of mappings: the case format is one tree of specs, `format.CASE`."""
+"""Specs of lists and mappings: the case format is one tree of specs, `format.CASE`."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
 from crackgrow.case.scalars import INVALID, Choice, Context, Measured, Schema, Schemas, Takes, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
+SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
 SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the number is told
 
 REQUIRED: Final = object()  # the key must be given
@@ -48,6 +49,52 @@ class Field:
 
 
 @dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list of values of one kind."""
+
+    spec: Any
+    length: int | None = None  # None: any up to `at_most`
+    at_most: int = MOST_ITEMS
+    alone: bool = False  # whether one item may stand in place of the list
+
+    def describe(self) -> str:
+        if self.alone:
+            return f"{self.spec.describe()}, or a list of them"
+        return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
+
+    def takes(self) -> Takes:
+        kind, units, allowed = self.spec.takes()
+        if self.alone:
+            return Takes(f"{kind}, or list of them", units, allowed)
+        if self.length and len(kind) <= SHORT:
+            return Takes(f"[{', '.join([kind] * self.length)}]", units, allowed)
+        return Takes(f"list of {self.length}, each {kind}" if self.length else f"list, each {kind}", units, allowed)
+
+    def schema(self, schemas: Schemas) -> Schema:
+        sized = {"minItems": self.length, "maxItems": self.length} if self.length else {"maxItems": self.at_most}
+        found = {"type": "array", "items": schemas.of(self.spec), **sized}
+        return {"anyOf": [schemas.of(self.spec), found]} if self.alone else found
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a list, or the item that stands alone; faulty items are INVALID and keep their place."""
+        if not isinstance(node, Listing) and self.alone:
+            found: object = self.spec.read(node, path, context)
+            return found
+        if not isinstance(node, Listing):
+            return refuse(node, self.describe(), path, context)
+        if self.length is not None and len(node.items) != self.length:
+            message = f"a list of {len(node.items)} given; wanted: {self.describe()}"
+            return context.refused(path, message)
+        if len(node.items) > self.at_most:
+            return context.refused(path, f"a list of {len(node.items)} given; wanted: {self.at_most} at most")
+        values = []
+        for index, item in enumerate(node.items):
+            context.report.put((*path, index), item.place)
+            values.append(self.spec.read(item, (*path, index), context))
+        return values
+
+
+@dataclass(frozen=True, slots=True)
 class Mapping:
     """A mapping with known keys.
 
@@ -55,18 +102,29 @@ class Mapping:
     at_least_one: whether an empty mapping is a fault although no key is required.
     short: the key that a value stands for in place of the mapping; empty: none.
     part: its name in the format.
+    read_as: of a vector, which is a list of all components or a mapping that may lack some: which of them it becomes.
     """
 
     fields: AnyMapping[str, Field]
     at_least_one: bool = False
     short: str = ""
     part: str = ""
+    read_as: type | None = None
+
+    @property
+    def listing(self) -> ListOf:
+        """The list of all components."""
+        return ListOf(next(iter(self.fields.values())).spec, len(self.fields))
 
     def describe(self) -> str:
-        word = f"{self.fields[self.short].spec.describe()}, or " if self.short else ""
+        word = f"{self.listing.describe()}, or " if self.read_as else ""
+        word += f"{self.fields[self.short].spec.describe()}, or " if self.short else ""
         return f"{word}a mapping of {', '.join(self.offered())}"
 
     def takes(self) -> Takes:
+        if self.read_as:
+            kind, units, allowed = self.listing.takes()
+            return Takes(f"{kind}, or mapping", units, allowed)
         return Takes(f"{self.fields[self.short].spec.takes().kind}, or mapping" if self.short else "mapping")
 
     def schema(self, schemas: Schemas) -> Schema:
@@ -82,7 +140,8 @@ class Mapping:
             **({"anyOf": either} if either else {}),
             **({"minProperties": 1} if self.at_least_one else {}),
         }
-        return {"anyOf": [schemas.of(self.fields[self.short].spec), found]} if self.short else found
+        other = self.listing if self.read_as else self.fields[self.short].spec if self.short else None
+        return {"anyOf": [schemas.of(other), found]} if other else found
 
     def offered(self) -> list[str]:
         """The keys that are named to users."""
@@ -102,6 +161,11 @@ class Mapping:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
+        if self.read_as and isinstance(node, Listing):
+            listed: Any = self.listing.read(node, path, context)
+            if self.read_as is list or listed is INVALID:
+                return listed
+            return dict(zip(self.fields, listed, strict=True))
         if self.short and self._is_short(node):
             node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
@@ -125,7 +189,7 @@ class Mapping:
                 values[key] = _default(wanted)
         if self.at_least_one and not any(key in self.fields for key in node.entries):
             context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
-        return values
+        return list(values.values()) if self.read_as is list else values
 
     def _is_short(self, node: Node) -> bool:
         """Whether a node stands for the value of the `short` key."""
@@ -172,9 +236,8 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
 
 def _default(wanted: Field) -> object:
     if wanted.default is BY_PARTS:
-        if not isinstance(wanted.spec, Mapping):
-            raise TypeError("BY_PARTS is for mappings")
-        return wanted.spec.defaults()
+        parts: Mapping = getattr(wanted.spec, "spec", wanted.spec)
+        return parts.defaults()
     return deepcopy(wanted.default)
 
 
