@@ -112,20 +112,19 @@ class Mapping:
     read_as: type | None = None
 
     @property
-    def listing(self) -> ListOf:
-        """The list of all components."""
-        return ListOf(next(iter(self.fields.values())).spec, len(self.fields))
+    def other(self) -> Any:
+        """The spec of what may be given in place of the mapping, if there is something."""
+        if self.read_as:
+            return ListOf(next(iter(self.fields.values())).spec, len(self.fields))
+        return self.fields[self.short].spec if self.short else None
 
     def describe(self) -> str:
-        word = f"{self.listing.describe()}, or " if self.read_as else ""
-        word += f"{self.fields[self.short].spec.describe()}, or " if self.short else ""
+        word = f"{self.other.describe()}, or " if self.other else ""
         return f"{word}a mapping of {', '.join(self.offered())}"
 
     def takes(self) -> Takes:
-        if self.read_as:
-            kind, units, allowed = self.listing.takes()
-            return Takes(f"{kind}, or mapping", units, allowed)
-        return Takes(f"{self.fields[self.short].spec.takes().kind}, or mapping" if self.short else "mapping")
+        kind, *rest = self.other.takes() if self.other else ("",)
+        return Takes(f"{kind}, or mapping", *(rest if self.read_as else ())) if kind else Takes("mapping")
 
     def schema(self, schemas: Schemas) -> Schema:
         spelt = {key: [key, *(word for word in field.also if word != "true")] for key, field in self.fields.items()}
@@ -140,8 +139,7 @@ class Mapping:
             **({"anyOf": either} if either else {}),
             **({"minProperties": 1} if self.at_least_one else {}),
         }
-        other = self.listing if self.read_as else self.fields[self.short].spec if self.short else None
-        return {"anyOf": [schemas.of(other), found]} if other else found
+        return {"anyOf": [schemas.of(self.other), found]} if self.other else found
 
     def offered(self) -> list[str]:
         """The keys that are named to users."""
@@ -162,7 +160,7 @@ class Mapping:
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
         if self.read_as and isinstance(node, Listing):
-            listed: Any = self.listing.read(node, path, context)
+            listed: Any = self.other.read(node, path, context)
             if self.read_as is list or listed is INVALID:
                 return listed
             return dict(zip(self.fields, listed, strict=True))
