@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import shapely
-from shapely import LineString, Point
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body, knows_crack, place_in_rock
+from crackgrow.case.check_regions import knows_body, lines_of, place_in_rock
 from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
@@ -42,63 +42,35 @@ def check_supports(scene: Scene) -> None:
 
 
 def _check_points(scene: Scene) -> None:
-    """Report support points off the bodies or on a crack, and a component held twice at a point."""
+    """Report support points off the bodies or on a crack, and a component held twice at a point; note their bodies."""
     seen: list[tuple[int, str, Floats, set[str]]] = []
-    for index, support in scene.items("supports", "at"):
-        point, components = np.array(support["at"]), set(support["displacement"])
-        where, key = scene.point(point), ("supports", index)
-        body = _body_at(scene, key, support, point)
-        for name, line in scene.cracks.items():
-            if len(line) > 1 and LineString(line).dwithin(Point(point), scene.tolerance):
-                message = f"{where} lies on crack '{name}', where the displacement has two values"
-                scene.report.fault((*key, "at"), message)
-        if body is None:
+    for index, support in scene.items("supports", "at") if scene.complete else ():
+        key, components = ("supports", index, "at"), set(support["displacement"])
+        place_in_rock(scene, key, support["at"], support)
+        if key not in scene.holders:
             continue
-        support["body"] = body
+        body, point = scene.holders[key], scene.places[key]
         for other, its_body, at, held in seen:
             twice = sorted(held & components)
             if twice and its_body == body and math.dist(point, at) <= scene.tolerance:
-                message = f"{' and '.join(twice)} at {where} is prescribed already by supports.{other}"
-                scene.report.fault((*key, "displacement"), message)
+                message = f"{' and '.join(twice)} at {scene.point(point)} is prescribed already by supports.{other}"
+                scene.report.fault(("supports", index, "displacement"), message)
                 break
         seen.append((index, body, point, components))
-
-
-def _body_at(scene: Scene, key: Path, support: Resolved, point: Floats) -> str | None:
-    """Return the body that a support holds, None if that cannot be told; report why."""
-    where = scene.point(point)
-    at = [name for name, body in scene.bodies.items() if body.polygon.dwithin(Point(point), scene.tolerance)]
-    if "body" in support:
-        name = str(support["body"])
-        if not knows_body(scene, (*key, "body"), name) or name not in scene.bodies:
-            return None
-        if name not in at:
-            scene.report.fault((*key, "at"), f"{where} is neither in nor on body '{name}'")
-            return None
-        return name
-    if not scene.complete:
-        return None
-    if not at:
-        names = list(scene.bodies)
-        off = f"body '{names[0]}'" if len(names) == 1 else f"any body: {', '.join(names)}"
-        scene.report.fault((*key, "at"), f"{where} is neither in nor on {off}")
-    elif len(at) > 1:
-        message = f"{where} lies on bodies {', '.join(at)}; say which one is held, such as body: {at[0]}"
-        scene.report.fault((*key, "at"), message)
-    return at[0] if len(at) == 1 else None
 
 
 def _check_formulas(scene: Scene) -> None:
     """Report displacements that have no finite value at the point, or at places along the sides of the region."""
     for index, support in scene.items("supports", "displacement"):
-        places = _places(scene, index)
-        for component, value in support["displacement"].items():
-            if places is not None:
-                check_formula(scene, ("supports", index, "displacement", component), value, places)
+        if (places := _places(scene, index)) is not None:
+            check_formula(scene, ("supports", index, "displacement"), support["displacement"], places)
 
 
-def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
-    """Report a formula that has no finite value at one of some points (n, 2) m."""
+def check_formula(scene: Scene, key: Path, value: Any, points: Floats) -> None:
+    """Report a formula, or those of several components, without a finite value at one of some points (n, 2) m."""
+    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for part, component in parts:
+        check_formula(scene, (*key, part), component, points)
     formula = component_of(value) if isinstance(value, str) else None
     if isinstance(formula, CoordinateFormula):
         _, nowhere = formula.values(points)
@@ -125,7 +97,7 @@ def _check_held(scene: Scene, body: BodyShape) -> None:
     """
     held, R = [np.zeros(3)], body.size / 2
     for index, support in scene.items("supports", "displacement"):
-        name = support["body"] if "at" in support else support["on"]["body"]
+        name = scene.holders["supports", index, "at"] if "at" in support else support["on"]["body"]
         places = _places(scene, index, ENDS) if name == body.name else None
         for dx, dy in [] if places is None else (places - body.center) / R:
             rows = {"x": np.array([1.0, 0.0, -dy]), "y": np.array([0.0, 1.0, dx])}
@@ -239,53 +211,30 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
 
 
 def check_loads(scene: Scene) -> None:
-    """Report loads on bodies and cracks that the case does not have, and formulas without a value where they act."""
-    for kind in ("gravity", "stress"):
-        for index, load in scene.items("loads", kind):
-            knows_body(scene, ("loads", index, "body"), load["body"])
-            if kind == "stress" and load["body"] in scene.bodies:
-                for axis, component in enumerate(load["stress"]):
-                    places = _places_in(scene.bodies[load["body"]])
-                    check_formula(scene, ("loads", index, "stress", axis), component, places)
-    for index, load in scene.items("loads", "pressure"):
-        if "on" in load:
-            continue
-        lines = _pressed_interface(scene, index, load) if "interface" in load else _pressed_crack(scene, index, load)
-        for points in lines:
-            ends = np.stack([points[:-1], points[1:]], axis=1)
-            check_formula(scene, ("loads", index, "pressure"), load["pressure"], sampled(ends))
+    """Report loads on what the case does not have, at no place of the rock, or without a value where they act."""
     for index, load in scene.listed("loads"):
-        region = scene.regions.get(("loads", index, "on"))
-        if region is not None and scene.report.sound("loads", index):
-            points = sampled(ends_of(scene.bodies[region.body], region))
-            kind = "far_field" if "far_field" in load else "traction"
-            for axis, component in enumerate(load.get(kind, ())):
-                check_formula(scene, ("loads", index, kind, axis), component, points)
-            check_formula(scene, ("loads", index, "pressure"), load.get("pressure"), points)
-    for index, load in scene.items("loads", "force") if scene.complete else ():
-        place_in_rock(scene, ("loads", index, "at"), load["at"], load)
+        key: Path = ("loads", index)
+        if scene.report.sound(*key) and (places := _loaded_places(scene, key, load)) is not None:
+            for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
+                check_formula(scene, (*key, kind), load[kind], places)
 
 
-def _pressed_crack(scene: Scene, index: int, load: Resolved) -> list[Floats]:
-    """The line (n, 2) m of the crack that a pressure acts in; reports one that there is not."""
-    name = load["crack"]
-    known = knows_crack(scene, ("loads", index, "crack"), name)
-    return [scene.cracks[name]] if known and len(scene.cracks.get(name, ())) > 1 else []
-
-
-def _pressed_interface(scene: Scene, index: int, load: Resolved) -> tuple[Floats, ...]:
-    """The lines (n, 2) m of the interface that a pressure acts in; reports one that there is not, or that is bonded."""
-    key, pair = ("loads", index, "interface"), load["interface"]
-    known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
-    if not all(known) or not scene.report.sound("interfaces"):
-        return ()
-    meant = [item for _, item in scene.items("interfaces", "between") if set(item["between"]) == set(pair)]
-    if not meant:
-        scene.report.fault(key, f"'{pair[0]}' and '{pair[1]}' have no interface that a fluid could press apart")
-    elif meant[0]["contact"] == "bonded":
-        message = "is bonded: no fluid gets between faces that never part; give it a law of contact"
-        scene.report.fault(key, f"the interface of '{pair[0]}' and '{pair[1]}' {message}")
-    return scene.lines_between(pair[0], pair[1])
+def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
+    """Places (n, 2) m where a load may vary, None where they are not known; reports what it cannot act on."""
+    if region := scene.regions.get((*key, "on")):
+        return sampled(ends_of(scene.bodies[region.body], region))
+    if "gravity" in load or "stress" in load:
+        known = knows_body(scene, (*key, "body"), load["body"]) and load["body"] in scene.bodies
+        return _places_in(scene.bodies[load["body"]]) if known and "stress" in load else None
+    if "force" in load and scene.complete:
+        place_in_rock(scene, (*key, "at"), load["at"], load)
+    lines = lines_of(scene, key, load) if "crack" in load or "interface" in load else ()
+    bonded = [set(its["between"]) for _, its in scene.items("interfaces", "between") if its["contact"] == "bonded"]
+    if set(load.get("interface", ())) in bonded:
+        why = "no fluid gets between faces that never part; give it a law of contact"
+        scene.report.fault((*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}")
+    ends = [np.stack([points[:-1], points[1:]], axis=1) for points in lines]
+    return sampled(np.concatenate(ends)) if ends else None
 
 
 def _places_in(body: BodyShape) -> Floats:

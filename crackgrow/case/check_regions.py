@@ -157,10 +157,9 @@ def check_points(scene: Scene) -> None:
                 place_in_rock(scene, (*key, "between", end), point["between"][end], {})
             if np.array_equal(*point["between"]):
                 scene.report.fault((*key, "between"), "the two points are one")
-        elif "crack" in point:
-            _on_crack(scene, key, point)
-        elif "interface" in point:
-            _on_interface(scene, key, point)
+        elif "crack" in point or "interface" in point:
+            if lines := lines_of(scene, key, point):
+                _place_on(scene, key, point, lines)
         else:
             place_in_rock(scene, (*key, "at"), point["at"], point)
 
@@ -196,38 +195,36 @@ def place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) 
         scene.holders[key] = nearest
 
 
-def _on_crack(scene: Scene, key: Path, point: Resolved) -> None:
-    name = point["crack"]
-    if knows_crack(scene, (*key, "crack"), name) and len(scene.cracks.get(name, ())) > 1:
-        _on_lines(scene, key, point, LineString(scene.cracks[name]), f"crack '{name}'")
-
-
-def _on_interface(scene: Scene, key: Path, point: Resolved) -> None:
-    bodies = tuple(point["interface"])
+def lines_of(scene: Scene, key: Path, item: Resolved) -> tuple[Floats, ...]:
+    """The lines (n, 2) m of the crack, or the interface, that an item names; reports one that there is not."""
+    if "crack" in item:
+        known = knows_crack(scene, (*key, "crack"), item["crack"])
+        line = scene.cracks.get(item["crack"], np.empty((0, 2)))
+        return (line,) if known and len(line) > 1 else ()
+    first, second = item["interface"]
     if not scene.report.sound("interfaces"):  # one with a fault may be the one that is meant
-        return
-    given = [set(item["between"]) for _, item in scene.items("interfaces", "between")]
-    if set(bodies) not in given:
-        known = ", ".join(" and ".join(sorted(pair)) for pair in given) or "none"
-        message = f"there is no interface between bodies {' and '.join(map(quoted, bodies))}; those given are: {known}"
-        scene.report.fault((*key, "interface"), message)
-        return
-    lines = scene.lines_between(bodies[0], bodies[1])
-    if lines:
-        shape = shapely.multilinestrings([LineString(line) for line in lines])
-        _on_lines(scene, key, point, shape, f"the interface between bodies {' and '.join(map(quoted, bodies))}")
+        return ()
+    given = [set(its["between"]) for _, its in scene.items("interfaces", "between")]
+    if {first, second} not in given:
+        known_ones = ", ".join(" and ".join(sorted(pair)) for pair in given) or "none"
+        message = f"there is no interface between bodies {quoted(first)} and {quoted(second)}; those given are:"
+        scene.report.fault((*key, "interface"), f"{message} {known_ones}")
+        return ()
+    return scene.lines_between(first, second)
 
 
-def _on_lines(scene: Scene, key: Path, item: Resolved, lines: shapely.Geometry, what: str) -> None:
-    point = Point(item["at"])
-    distance = float(lines.distance(point))
-    if distance > scene.reach:
-        onto = shapely.get_coordinates(shapely.shortest_line(lines, point))[0]
-        off = scene.units.show(distance, "length", 3)
-        where = f"{scene.exact_point(np.array(item['at']))} is {off} from {what}"
-        scene.report.fault((*key, "at"), f"{where}; the nearest point of it is {scene.exact_point(onto)}")
-    else:
-        _note(scene, (*key, "at"), lines, point)
+def _place_on(scene: Scene, key: Path, item: Resolved, lines: Sequence[Floats]) -> None:
+    """Note where on the lines (n, 2) m of a crack or an interface a point lies; report one that is off them."""
+    shape, point = shapely.multilinestrings([LineString(line) for line in lines]), Point(item["at"])
+    distance = float(shape.distance(point))
+    if distance <= scene.reach:
+        _note(scene, (*key, "at"), shape, point)
+        return
+    what = f"crack '{item['crack']}'" if "crack" in item else "the interface between bodies "
+    what += "" if "crack" in item else " and ".join(map(quoted, item["interface"]))
+    onto = shapely.get_coordinates(shapely.shortest_line(shape, point))[0]
+    where = f"{scene.exact_point(np.array(item['at']))} is {scene.units.show(distance, 'length', 3)} from {what}"
+    scene.report.fault((*key, "at"), f"{where}; the nearest point of it is {scene.exact_point(onto)}")
 
 
 def _note(scene: Scene, key: Path, shape: shapely.Geometry, point: Point) -> None:
