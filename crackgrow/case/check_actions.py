@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body, lines_of, place_in_rock
+from crackgrow.case.check_regions import knows_body, lines_of
 from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
@@ -28,10 +28,7 @@ ALIKE = 1e-6
 
 
 def check_supports(scene: Scene) -> None:
-    """Report supports off the bodies, supports given twice, formulas without value and rigid motions left free.
-
-    Every support at a point gets the body that it holds.
-    """
+    """Report supports given twice, formulas without value and rigid motions left free."""
     _check_points(scene)
     _check_formulas(scene)
     settled = all(("supports", index, "on") in scene.regions for index, _ in scene.items("supports", "on"))
@@ -42,11 +39,10 @@ def check_supports(scene: Scene) -> None:
 
 
 def _check_points(scene: Scene) -> None:
-    """Report support points off the bodies or on a crack, and a component held twice at a point; note their bodies."""
+    """Report a component that is held twice at a point."""
     seen: list[tuple[int, str, Floats, set[str]]] = []
-    for index, support in scene.items("supports", "at") if scene.complete else ():
+    for index, support in scene.items("supports", "at"):
         key, components = ("supports", index, "at"), set(support["displacement"])
-        place_in_rock(scene, key, support["at"], support)
         if key not in scene.holders:
             continue
         body, point = scene.holders[key], scene.places[key]
@@ -211,7 +207,7 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
 
 
 def check_loads(scene: Scene) -> None:
-    """Report loads on what the case does not have, at no place of the rock, or without a value where they act."""
+    """Report loads on what the case does not have, or without a value where they act."""
     for index, load in scene.listed("loads"):
         key: Path = ("loads", index)
         if scene.report.sound(*key) and (places := _loaded_places(scene, key, load)) is not None:
@@ -226,8 +222,6 @@ def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
     if "gravity" in load or "stress" in load:
         known = knows_body(scene, (*key, "body"), load["body"]) and load["body"] in scene.bodies
         return _places_in(scene.bodies[load["body"]]) if known and "stress" in load else None
-    if "force" in load and scene.complete:
-        place_in_rock(scene, (*key, "at"), load["at"], load)
     lines = lines_of(scene, key, load) if "crack" in load or "interface" in load else ()
     bonded = [set(its["between"]) for _, its in scene.items("interfaces", "between") if its["contact"] == "bonded"]
     if set(load.get("interface", ())) in bonded:

@@ -140,31 +140,33 @@ def _an(kind: str) -> str:
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
-def check_points(scene: Scene) -> None:
-    """Report points off the rock, or off the crack or interface that they are to lie on; note where they lie.
+def place_points(scene: Scene) -> None:
+    """Note where points of supports, forces and outputs lie, and in which body; report those that are off.
 
-    What is nearer to the rock, or to the line, than ends of cracks are moved, is moved onto it.
+    What is nearer to the rock, or to the line that it is to lie on, than ends of cracks are moved, is moved onto it.
     """
-    points = scene.get("output", "points")
-    if points is None or not scene.complete:
+    if not scene.complete:
         return
-    for name, point in points.items():
+    for kind in ("supports", "loads"):
+        for index, item in scene.items(kind, "at"):
+            _place_in_rock(scene, (kind, index, "at"), item["at"], item)
+    for name, point in (scene.get("output", "points") or {}).items():
         key: Path = ("output", "points", name)
         if not scene.report.sound(*key):
             continue
         if "between" in point:
             for end in range(2):
-                place_in_rock(scene, (*key, "between", end), point["between"][end], {})
+                _place_in_rock(scene, (*key, "between", end), point["between"][end], {})
             if np.array_equal(*point["between"]):
                 scene.report.fault((*key, "between"), "the two points are one")
         elif "crack" in point or "interface" in point:
             if lines := lines_of(scene, key, point):
                 _place_on(scene, key, point, lines)
         else:
-            place_in_rock(scene, (*key, "at"), point["at"], point)
+            _place_in_rock(scene, (*key, "at"), point["at"], point)
 
 
-def place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) -> None:
+def _place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved) -> None:
     """Note the body of a point, and where it lies; it lies on no crack, where fields have two values."""
     place = np.array(at)
     where, point = scene.exact_point(place), Point(place)

@@ -10,7 +10,7 @@ from crackgrow.case import model
 from crackgrow.case.check_actions import check_agreement, check_foundations, check_loads, check_supports
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_loading import check_loading
-from crackgrow.case.check_regions import check_points, check_regions, settle_bodies
+from crackgrow.case.check_regions import check_regions, place_points, settle_bodies
 from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
 from crackgrow.case.checks import check_contacts, check_counts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
@@ -31,7 +31,7 @@ from crackgrow.case.units import Units
 
 REDUCTION: Final = "strength_reduction"
 
-STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+PLACED: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_outlines,
     settle_bodies,
     check_regions,
@@ -39,9 +39,14 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_spacing,
     place_cracks,
     settle_supports,
+    settle_direction,
+    place_points,
+)
+"""What fills the scene, each from what those before it have found."""
+
+CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
     check_counts,
     check_material,
-    settle_direction,
     check_strength,
     check_initiation,
     check_subcritical,
@@ -54,8 +59,8 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_agreement,
     check_loads,
     check_loading,
-    check_points,
 )
+"""What reads it alone."""
 
 
 def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
@@ -109,11 +114,10 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
     for definitions in DEFINITIONS:  # each is written out where it is referred to
         resolved.pop(definitions, None)
     scene = scene_of(resolved, report, context.units)
-    for stage in STAGES:
+    for stage in (*PLACED, *CHECKS):
         stage(scene)
     if report.faults:
         raise report.error()
-    resolved["units"] |= {"length": "m", "stress": "Pa"}
     return _built(path.stem, scene)
 
 
@@ -125,10 +129,7 @@ def _built(name: str, scene: Scene) -> model.Case:
         model.Case,
         resolved,
         name=name,
-        bodies=tuple(
-            FORMAT.made(model.Body, body, name=key, rings=_rings(scene.bodies[key]))
-            for key, body in resolved["bodies"].items()
-        ),
+        bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
         cracks=tuple(_crack(scene, key, crack) for key, crack in resolved["cracks"].items()),
         interfaces=tuple(_interface(scene, its) for its in resolved["interfaces"]),
         supports=tuple(_item(scene, "Support", ("supports", k), its) for k, its in enumerate(resolved["supports"])),
@@ -145,8 +146,9 @@ def _built(name: str, scene: Scene) -> model.Case:
     )
 
 
-def _rings(shape: BodyShape) -> tuple[model.Ring, ...]:
-    return tuple(model.Ring(ring.points, ring.edge_names) for ring in shape.rings)
+def _body(shape: BodyShape, body: Resolved) -> model.Body:
+    rings = tuple(model.Ring(ring.points, ring.edge_names) for ring in shape.rings)
+    return FORMAT.made(model.Body, body, name=shape.name, rings=rings)
 
 
 def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
