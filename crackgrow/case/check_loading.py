@@ -127,7 +127,7 @@ def _check_reduction(scene: Scene) -> None:
         scene.report.fault(("numerics", "accuracy"), message)
     laws = [law for _, law in contact_laws(scene)]
     sound = all(scene.report.sound(key) for key in ("cracks", "interfaces", "supports"))
-    if sound and not any(law[key] > 0.0 for law in laws for key in ("friction", "cohesion")):
+    if sound and not any(law.friction > 0.0 or law.cohesion > 0.0 for law in laws):
         message = "strength_reduction divides friction and cohesion of contact, and no crack, interface or foundation"
         scene.report.fault(("loading",), f"{message} has any")
 

@@ -27,26 +27,20 @@ def check_regions(scene: Scene) -> None:
 
 def settle_bodies(scene: Scene) -> None:
     """Name the only body where supports and loads name none; report where there are several."""
+    names = list(named(scene.resolved, "bodies"))
     for kind in ("supports", "loads"):
         for index, item in scene.listed(kind):
-            if "on" in item and scene.report.sound(kind, index, "on"):
-                item["on"] = _of_body(scene, (kind, index, "on"), item["on"])
-            elif ("gravity" in item or "stress" in item) and scene.report.sound(kind, index):
-                scene.resolved[kind][index] = _of_body(scene, (kind, index), item)
-
-
-def _of_body(scene: Scene, key: Path, item: dict[str, Any]) -> dict[str, Any]:
-    names = list(named(scene.resolved, "bodies"))
-    if "body" in item:
-        return item
-    if len(names) == 1:
-        return {"body": names[0], **item}
-    if names:
-        which = "the case has several, so say which one"
-        scene.report.fault((*key, "body"), f"missing: name of a body; {which}: {', '.join(names)}")
-    else:
-        scene.report.doubt((*key, "body"))  # that there is none is told elsewhere
-    return item
+            key: Path = (kind, index, "on") if "on" in item else (kind, index)
+            wants = item.get("on", item if item.keys() & {"gravity", "stress"} else None)
+            if wants is None or not scene.report.sound(*key) or "body" in wants:
+                continue
+            if len(names) == 1:
+                wants["body"] = names[0]
+            elif names:
+                which = "the case has several, so say which one"
+                scene.report.fault((*key, "body"), f"missing: name of a body; {which}: {', '.join(names)}")
+            else:
+                scene.report.doubt((*key, "body"))  # that there is none is told elsewhere
 
 
 def knows_body(scene: Scene, key: Path, name: str) -> bool:

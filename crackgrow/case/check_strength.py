@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import Scene, named
-from crackgrow.case.model import Growth
 from crackgrow.case.toughness import BY_K, RAY_CRITERIA
 
 MOST_PLACES = 20_000
@@ -21,9 +19,7 @@ def settle_direction(scene: Scene) -> None:
         return
     if "direction" not in growth:
         tough = strengths(scene, with_toughness=True)
-        found = {"direction": "implicit" if tough and growth.get("criterion") in BY_K else "explicit"}
-        every = growth | found
-        scene.resolved["growth"] = {key: every[key] for key in FORMAT.keys_of(Growth) if key in every}
+        growth["direction"] = "implicit" if tough and growth.get("criterion") in BY_K else "explicit"
     criterion = scene.get("growth", "criterion")
     if scene.get("growth", "direction") == "implicit" and criterion not in (None, *BY_K):
         message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"
