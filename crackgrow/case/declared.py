@@ -203,14 +203,18 @@ _COMPOSED: Final[dict[str, Callable[..., Spec]]] = {
 def _measured(said: str) -> Spec:
     """The spec of a number such as "angle >= 0 and < 90"."""
     found = re.fullmatch(r"([a-z ]+?)((?: (?:and )?[<>]=? [-.\d]+)*)(?: in steps of (\S+))?((?:, .+)?)", said)
-    if found is None:
-        raise ValueError(f"{said!r} is nothing that a key can take")
-    kind, limits, step, note = found.groups()
+    kind, limits, step, note = found.groups() if found else ("", "", None, "")
     bounds = Bounds(**{SIGNS[sign][0]: json.loads(limit) for sign, limit in re.findall(r"([<>]=?) (\S+)", limits)})
-    plain: dict[str, Callable[[Bounds], Spec]] = {"whole number": Integer, "share": Share}
-    if kind == "number":
-        return Number(bounds, float(step) if step else None, note)
-    return plain[kind](bounds) if kind in plain else Quantity(kind, bounds)
+    match kind:
+        case "number":
+            return Number(bounds, float(step) if step else None, note)
+        case "whole number":
+            return Integer(bounds)
+        case "share":
+            return Share(bounds)
+        case _ if kind in UNITS:
+            return Quantity(kind, bounds)
+    raise ValueError(f"{said!r} is nothing that a key can take")
 
 
 @cache

@@ -81,8 +81,10 @@ class UnitsOfCase(Converted):
         if context.report.sound(*path) and isinstance(node, Table):
             context.units = Units(values["length"], values["stress"])
             if "origin" in values:  # its bare numbers are in the unit that stands beside it
-                origin: Any = self.spec.fields["origin"].spec.read(node.entries["origin"].node, path, context)
-                values["origin"], context.units = origin, replace(context.units, origin=tuple(origin))
+                of_origin, key = self.spec.fields["origin"].spec, (*path, "origin")
+                values["origin"] = of_origin.read(node.entries["origin"].node, key, context)
+                if context.report.sound(*key):
+                    context.units = replace(context.units, origin=tuple(values["origin"]))
         return values
 
 

@@ -16,7 +16,17 @@ import yaml
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.dump import written
 from crackgrow.case.load import read_case
-from crackgrow.case.model import ContactSupport, CoulombContact, EdgeSupport, LoadHistory, PointSupport
+from crackgrow.case.model import (
+    ContactNumerics,
+    ContactSupport,
+    CoulombContact,
+    EdgeSupport,
+    Initiation,
+    LoadHistory,
+    Numerics,
+    Output,
+    PointSupport,
+)
 from crackgrow.errors import CaseError
 from tests.unit.case.scenes import (
     CASES,
@@ -306,6 +316,16 @@ def test_numerics_may_be_left_out_and_empty(numerics: str, tmp_path: Path):
     (tmp_path / "scene.yaml").write_text(COMPRESSION[: COMPRESSION.index("numerics:")] + numerics, encoding="utf-8")
     numbers = load_case(tmp_path / "scene.yaml").numerics
     assert (numbers.accuracy, numbers.spacing) == ("standard", pytest.approx(0.0031))
+
+
+def test_defaults_of_the_model_are_those_of_the_format():
+    case = compression("growth.initiation=tips", "cracks.flaw.contact={friction: 0.3}", "output={}")
+    numerics = Numerics(spacing=case.numerics.spacing, contact=case.numerics.contact, refine=case.numerics.refine)
+    assert same(replace(case.numerics, auto_rule=None), numerics)
+    assert same(case.numerics.contact, ContactNumerics())
+    assert same(case.output, Output())
+    assert same(case.growth.initiation, Initiation())
+    assert same(case.cracks[0].contact, CoulombContact(0.3, 0.0, 0.3))
 
 
 # --- cases from mappings ---------------------------------------------------------------------------------------------
