@@ -14,7 +14,7 @@ import yaml
 from crackgrow.case.format import CASE, FORMAT
 from crackgrow.case.formula import MapFormula
 from crackgrow.case.load import REDUCTION, read_case
-from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
+from crackgrow.case.model import Case, CriticalLoad
 from crackgrow.case.units import Coordinate
 from crackgrow.errors import CaseError, Fault
 
@@ -67,13 +67,7 @@ def written(case: Case) -> dict[str, Any]:
     """The case as a mapping in its format, whether or not it reads back: what is drawn as it was given."""
     found = FORMAT.written(case)
     units = {"length": "m", "stress": "Pa", **({"origin": list(case.origin)} if any(case.origin) else {})}
-    if isinstance(case.loading, LoadHistory):
-        number = case.loading.increments
-        loading: object = {"history": list(case.loading.factors), **({} if number is None else {"follow": number})}
-    elif isinstance(case.loading, Stages):
-        loading = dict(case.loading.given)
-    else:
-        loading = "critical" if isinstance(case.loading, CriticalLoad) else REDUCTION
+    loading = found["loading"] or ("critical" if isinstance(case.loading, CriticalLoad) else REDUCTION)
     every = {**found, "units": units, "loading": loading}
     return {key: every[key] for key in CASE.fields if key in every}
 

@@ -20,7 +20,6 @@ from crackgrow.case.schema import ListOf, Mapping
 from crackgrow.case.units import Units, parse_quantity
 
 MINIMAL: Final = "minimal"
-EVENTS: Final = "events"
 _NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 DEFINITIONS: Final = ("materials", "laws")  # of the case; resolved cases hold none
 
@@ -88,18 +87,6 @@ class UnitsOfCase(Converted):
         return values
 
 
-def _history_or_stages(value: object, path: Path, context: Context) -> object:
-    """Return a history, [1] where there is neither that nor stages; report both."""
-    if not isinstance(value, dict):
-        return value
-    if "stages" not in value:
-        return {"history": [1.0], **{key: what for key, what in value.items() if what != EVENTS}}
-    for key in sorted(value.keys() & {"history", "follow"}):
-        why = "give one of them: a stage has a `factor`, too" if key == "history" else "stages follow events"
-        context.report.fault(path, f"has {'a ' * (key == 'history')}{key} and stages; {why}")
-    return value
-
-
 FORMAT: Final[Format] = format_of(
     files(__package__).joinpath("format.yaml").read_text(encoding="utf-8"),
     kinds={
@@ -120,7 +107,6 @@ FORMAT: Final[Format] = format_of(
         "Path": lambda spec: Converted(Converted(spec, with_curve_points), with_file_points),
         "Displacement": lambda mapping: replace(mapping, at_least_one=True, read_as=dict),
         "Traction": lambda mapping: replace(mapping, read_as=list),
-        "Loading": lambda spec: Converted(spec, _history_or_stages),
     },
 )
 

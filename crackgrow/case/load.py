@@ -14,7 +14,7 @@ from crackgrow.case.check_regions import check_regions, place_points, settle_bod
 from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
 from crackgrow.case.checks import check_contacts, check_counts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
-from crackgrow.case.format import CASE, DEFINITIONS, EVENTS, FORMAT
+from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
@@ -199,8 +199,7 @@ def _loading(resolved: Resolved) -> model.Loading:
         return model.StrengthReduction() if loading == REDUCTION else model.CriticalLoad()
     if "stages" in loading:
         return _stages(loading["stages"], resolved["loads"])
-    follow = loading.get("follow", EVENTS)
-    return model.LoadHistory(tuple(loading["history"]), None if follow == EVENTS else follow)
+    return FORMAT.made(model.LoadHistory, loading)
 
 
 def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:

@@ -146,8 +146,8 @@ class Mapping:
         return [key for key, field in self.fields.items() if field.offered]
 
     def form(self) -> str:
-        """Write the keys that tell this mapping from others: those that must be given."""
-        return f"{{{', '.join(key for key in self.fields if key in self.required())}}}"
+        """Write the keys that tell this mapping from others: those that must be given, or all if none must."""
+        return f"{{{', '.join(key for key in self.fields if key in (self.required() or self.fields))}}}"
 
     def required(self) -> set[str]:
         """The keys that must be given."""
@@ -266,7 +266,8 @@ class OneOf:
         known, node = list(every), _respelt(node, every)
         free = [key for key in known if key not in node.entries]
         given = node.entries.keys() & every.keys()
-        matches = [form for form in self.forms if given and given <= form.fields.keys()]
+        may_match = self.forms if given else [form for form in self.forms if not node.entries and not form.required()]
+        matches = [form for form in may_match if given <= form.fields.keys()]
         if len(matches) > 1:  # a misspelt key may tell them apart, but never chooses a form alone
             meant = given | ({nearest(key, free) for key in node.entries.keys() - given} - {None})
             matches = [form for form in matches if meant <= form.fields.keys()]
@@ -274,13 +275,16 @@ class OneOf:
             matches = whole if len(whole) == 1 else matches
         if len(matches) == 1:
             return matches[0].read(node, path, context)
+        either = f"give either {' or '.join(form.form() for form in self.forms)}"
         for key, entry in node.entries.items():
             if key not in known:
-                message = f"unknown key; allowed: {', '.join(known)}{did_you_mean(key, free)}"
+                allowed = f"allowed: {', '.join(known)}" if given else either
+                message = f"unknown key; {allowed}{did_you_mean(key, free)}"
                 context.report.fault((*path, key), message, entry.place)
-        either = f"give either {' or '.join(form.form() for form in self.forms)}"
         odd = self._odd(node) if len(given) > 1 and not matches else None
-        if odd is None:
+        if odd is None and node.entries and not given:
+            context.report.doubt(path)  # that none of its keys is one is told
+        elif odd is None:
             context.report.fault(path, either)
         else:
             others = [key for key in node.entries if key in given and key != odd]
