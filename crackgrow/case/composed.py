@@ -1,4 +1,4 @@
-"""Specs that are made of others: things under names, names that stand for them, and what is brought into a form."""
+"""Specs that are made of others: words or something else, things under names, what stands for them or becomes of them."""
 
 from __future__ import annotations
 
@@ -9,11 +9,25 @@ from typing import Any, Final
 
 from crackgrow.case.reader import Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, Schema, Schemas, Takes, WordOr, refuse
+from crackgrow.case.scalars import (
+    INVALID,
+    Choice,
+    Context,
+    Measured,
+    Quantity,
+    Schema,
+    Schemas,
+    Share,
+    Takes,
+    given,
+    refuse,
+)
 from crackgrow.case.schema import MOST_ITEMS, Mapping, OneOf
+from crackgrow.case.units import is_number
 
 CONSTANTS: Final = ("true", "false", "null")  # of YAML
 
+_BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
 _NAME: Final = re.compile(r"\w[\w-]{0,63}")
 _NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
 _NAMES: Final = {"title": "name", "pattern": rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"}
@@ -25,6 +39,40 @@ def core(spec: Any) -> Mapping | OneOf | None:
         return spec
     inner = getattr(spec, "spec", None)
     return core(inner) if inner is not None else None
+
+
+@dataclass(frozen=True, slots=True)
+class WordOr:
+    """One of a few words, or else what another spec allows."""
+
+    words: tuple[str, ...]
+    spec: Any
+    docs: tuple[str, ...] = ()  # a line about each of the words
+
+    def describe(self) -> str:
+        return f"{' | '.join(self.words)} | {self.spec.describe()}"
+
+    def takes(self) -> Takes:
+        kind, units, allowed = self.spec.takes()
+        words = Choice(self.words, self.docs).takes().allowed
+        return Takes(f"word or {kind}", units, ", or ".join(filter(None, (words, allowed))))
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return {"anyOf": [Choice(self.words, self.docs).schema(schemas), schemas.of(self.spec)]}
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the word or the other spec's value."""
+        measured = self.spec if isinstance(self.spec, Measured) else None
+        if not isinstance(node, Scalar):
+            return self.spec.read(node, path, context)
+        if node.text in self.words:
+            return node.text
+        begins = node.text.strip()[:1] in _BEGIN_OF_NUMBER
+        if measured and ((node.plain and is_number(node.text)) or (begins and isinstance(measured, Quantity | Share))):
+            return measured.read(node, path, context)
+        note = measured.note if measured and begins else ""
+        message = f"{given(node)} given; wanted: {self.describe()}{note}{did_you_mean(node.text, self.words)}"
+        return context.refused(path, message)
 
 
 @dataclass(frozen=True, slots=True)

@@ -17,9 +17,9 @@ from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hi
 import numpy as np
 import yaml
 
-from crackgrow.case.composed import Converted, Named, Reference
+from crackgrow.case.composed import Converted, Named, Reference, WordOr
 from crackgrow.case.formula import OrFormula, component_of
-from crackgrow.case.scalars import SIGNS, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text, WordOr
+from crackgrow.case.scalars import SIGNS, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text
 from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, OneOf, Same
 from crackgrow.case.shapes import Resolved, frozen
 from crackgrow.case.units import UNITS

@@ -18,7 +18,6 @@ Schema = dict[str, Any]  # in JSON Schema
 
 INVALID: Final = object()  # stands for a value whose fault is in the report
 
-_BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
 NUMBER: Final = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"  # pattern of a number in JSON Schema
 _NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
 
@@ -380,37 +379,3 @@ def _quantity(kind: str) -> Schema:
             {"type": "string", "pattern": rf"^\s*{NUMBER}\s*({units})\s*$"},
         ],
     }
-
-
-@dataclass(frozen=True, slots=True)
-class WordOr:
-    """One of a few words, or else what another spec allows."""
-
-    words: tuple[str, ...]
-    spec: Any
-    docs: tuple[str, ...] = ()  # a line about each of the words
-
-    def describe(self) -> str:
-        return f"{' | '.join(self.words)} | {self.spec.describe()}"
-
-    def takes(self) -> Takes:
-        kind, units, allowed = self.spec.takes()
-        words = Choice(self.words, self.docs).takes().allowed
-        return Takes(f"word or {kind}", units, ", or ".join(filter(None, (words, allowed))))
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"anyOf": [Choice(self.words, self.docs).schema(schemas), schemas.of(self.spec)]}
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the word or the other spec's value."""
-        measured = self.spec if isinstance(self.spec, Measured) else None
-        if not isinstance(node, Scalar):
-            return self.spec.read(node, path, context)
-        if node.text in self.words:
-            return node.text
-        begins = node.text.strip()[:1] in _BEGIN_OF_NUMBER
-        if measured and ((node.plain and is_number(node.text)) or (begins and isinstance(measured, Quantity | Share))):
-            return measured.read(node, path, context)
-        note = measured.note if measured and begins else ""
-        message = f"{given(node)} given; wanted: {self.describe()}{note}{did_you_mean(node.text, self.words)}"
-        return context.refused(path, message)
