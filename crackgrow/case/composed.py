@@ -1,4 +1,4 @@
-"""Specs that are made of others: words or something else, things under names, what stands for them or becomes of them."""
+"""Specs that are made of others: words or something else, things under names, what stands for or becomes of them."""
 
 from __future__ import annotations
 
