@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from importlib.resources import files
+from pathlib import Path as FilePath
 from typing import Any, Final
 
 from crackgrow.case.composed import Converted
@@ -88,7 +88,7 @@ class UnitsOfCase(Converted):
 
 
 FORMAT: Final[Format] = format_of(
-    files(__package__).joinpath("format.yaml").read_text(encoding="utf-8"),
+    FilePath(__file__).with_name("format.yaml").read_text(encoding="utf-8"),
     kinds={
         "point": Point(Quantity("length"), 2),
         "place on an edge": PlaceOnEdge(),

@@ -6,7 +6,7 @@ import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.resources import files
+from pathlib import Path as FilePath
 from typing import Any
 
 import yaml
@@ -46,7 +46,7 @@ def dotted(path: Path) -> str:
 @cache
 def words_elsewhere() -> dict[str, Any]:
     """What users of other programs and of books write, as `synonyms.yaml` has it."""
-    text = files(__package__).joinpath("synonyms.yaml").read_text(encoding="utf-8")
+    text = FilePath(__file__).with_name("synonyms.yaml").read_text(encoding="utf-8")
     found: dict[str, Any] = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
     return found
 

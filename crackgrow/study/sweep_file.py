@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
-from importlib.resources import files
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -20,7 +19,7 @@ MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
 
 
 FORMAT: Final = format_of(
-    files(__package__).joinpath("sweep.yaml").read_text(encoding="utf-8"),
+    Path(__file__).with_name("sweep.yaml").read_text(encoding="utf-8"),
     kinds={"parameters": KeyedValues(ParameterValues()), "settings": KeyedValues(ValueText())},
     wrapped={},
 )
