@@ -52,10 +52,8 @@ def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, 
 
     `gone` are the bodies taken out so far, with what is released; those of the stage are added.
     """
-    given = stage.get("excavate", [])
-    names = [given] if isinstance(given, str) else given
-    for index, name in enumerate(names):
-        at = (*key, "excavate") if isinstance(given, str) else (*key, "excavate", index)
+    names, at = stage.get("excavate", []), (*key, "excavate")
+    for name in names:
         cracks = [crack for crack, host in scene.hosts.items() if host == name]
         if name in gone:
             scene.report.fault(at, f"body '{name}' is gone already")

@@ -210,8 +210,8 @@ def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:
     stages: list[model.Stage] = []
     for number, item in enumerate(given):
         own.update(item.get("loads", {}))
-        excavate, release = item.get("excavate", []), item.get("release", float("excavate" in item))
-        gone = dict(stage.excavated) | dict.fromkeys([excavate] if isinstance(excavate, str) else excavate, 0.0)
+        release = item.get("release", float("excavate" in item))
+        gone = dict(stage.excavated) | dict.fromkeys(item.get("excavate", []), 0.0)
         excavated = tuple((body, max(share, release)) for body, share in gone.items())
         factor = item.get("factor", stage.factor if number else 1.0)
         stage = model.Stage(item.get("name", f"stage {number}"), factor, tuple(own.items()), excavated)

@@ -76,10 +76,9 @@ class ListOf:
         return {"anyOf": [schemas.of(self.spec), found]} if self.alone else found
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return a list, or the item that stands alone; faulty items are INVALID and keep their place."""
+        """Return a list; faulty items are INVALID and keep their place."""
         if not isinstance(node, Listing) and self.alone:
-            found: object = self.spec.read(node, path, context)
-            return found
+            return [self.spec.read(node, path, context)]
         if not isinstance(node, Listing):
             return refuse(node, self.describe(), path, context)
         if self.length is not None and len(node.items) != self.length:
