@@ -170,8 +170,7 @@ class Reference:
         """Return the thing; faults that are found in it later stand in the lines of its definition."""
         words = self.spec.words if isinstance(self.spec, WordOr) else ()
         if not isinstance(node, Scalar) or node.is_null or node.text in words:
-            found: object = self.spec.read(node, path, context)
-            return found
+            return self.spec.read(node, path, context)
         known = context.defined.get(self.where, {})
         if node.text not in known:
             has = f"`{self.where}` has: {', '.join(known) or 'none'}{did_you_mean(node.text, [*known, *words])}"
@@ -179,5 +178,4 @@ class Reference:
         if not context.report.sound(self.where, node.text):
             context.report.doubt(path)  # its faults are reported where it is defined
             return INVALID
-        found = self.spec.read(known[node.text], path, context)
-        return found
+        return self.spec.read(known[node.text], path, context)

@@ -211,11 +211,19 @@ class Measured:
     """A number within bounds, which is written in one of several ways."""
 
     __slots__ = ()
+    kind: str  # of number, or of quantity
     bounds: Bounds
-    note: str  # added to the message for what is none
+    multiple_of: float | None = None
+    note: str = ""  # added to the message for what is none
 
     def describe(self) -> str:
-        raise NotImplementedError
+        grid = "" if self.multiple_of is None else f" in steps of {self.multiple_of:g}"
+        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}{self.bounds.describe()}{grid}"
+
+    def takes(self) -> Takes:
+        grid = f", in steps of {self.multiple_of:g}" if self.multiple_of else ""
+        units = units_of(self.kind) if self.kind in UNITS else ""
+        return Takes(self.kind, units, self.bounds.describe().strip() + grid)
 
     def parse(self, text: str, context: Context) -> float:
         """The number that a text stands for; raises QuantityError."""
@@ -246,17 +254,10 @@ class Measured:
 class Number(Measured):
     """A number without a unit."""
 
+    kind = "number"
     bounds: Bounds = ANY
     multiple_of: float | None = None
     note: str = ""
-
-    def describe(self) -> str:
-        grid = "" if self.multiple_of is None else f" in steps of {self.multiple_of:g}"
-        return f"a number{self.bounds.describe()}{grid}"
-
-    def takes(self) -> Takes:
-        grid = f", in steps of {self.multiple_of:g}" if self.multiple_of else ""
-        return Takes("number", "", self.bounds.describe().strip() + grid)
 
     def schema(self, schemas: Schemas) -> Schema:
         return {"allOf": [schemas.named("number", lambda: _bare(1.0))], **self.bounds.schema()}
@@ -273,14 +274,8 @@ class Number(Measured):
 class Integer(Measured):
     """A whole number."""
 
+    kind = "whole number"
     bounds: Bounds = ANY
-    note: str = ""
-
-    def describe(self) -> str:
-        return f"a whole number{self.bounds.describe()}"
-
-    def takes(self) -> Takes:
-        return Takes("whole number", "", self.bounds.describe().strip())
 
     def schema(self, _: Schemas) -> Schema:
         return {"type": "integer", **self.bounds.schema()}
@@ -297,11 +292,8 @@ class Integer(Measured):
 class Share(Measured):
     """A part of something, as a number or in percent."""
 
+    kind = "part such as 0.01 or 1 %"
     bounds: Bounds = ANY
-    note: str = ""
-
-    def describe(self) -> str:
-        return f"a part such as 0.01 or 1 %{self.bounds.describe()}"
 
     def takes(self) -> Takes:
         return Takes(self.describe())
@@ -324,12 +316,6 @@ class Quantity(Measured):
     kind: str  # a key of UNITS
     bounds: Bounds = ANY
     note: str = ""
-
-    def describe(self) -> str:
-        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}{self.bounds.describe()}"
-
-    def takes(self) -> Takes:
-        return Takes(self.kind, units_of(self.kind), self.bounds.describe().strip())
 
     def schema(self, schemas: Schemas) -> Schema:
         whole = schemas.named(self.kind, lambda: _quantity(self.kind))
