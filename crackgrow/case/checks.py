@@ -19,15 +19,11 @@ LARGEST_POISSON = 0.4999  # in plane strain; beyond, K of cracks is off by tens 
 STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
-def check_counts(scene: Scene) -> None:
-    """At least one body."""
-    if not named(scene.resolved, "bodies") and scene.report.sound("bodies"):
-        scene.report.fault(("bodies",), "no body given; a case needs one")
-
-
 def check_material(scene: Scene) -> None:
-    """Poisson's ratio near 1/2 is not for plane strain; gravity needs a density."""
+    """There is a body; Poisson's ratio near 1/2 is not for plane strain; gravity needs a density."""
     report = scene.report
+    if not named(scene.resolved, "bodies") and report.sound("bodies"):
+        report.fault(("bodies",), "no body given; a case needs one")
     for name in named(scene.resolved, "bodies"):
         poisson = scene.get("bodies", name, "material", "poisson")
         if scene.get("plane") == "strain" and poisson is not None and poisson > LARGEST_POISSON:

@@ -12,7 +12,7 @@ from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_regions import check_regions, place_points, settle_bodies
 from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
-from crackgrow.case.checks import check_contacts, check_counts, check_interfaces, check_material, check_numerics
+from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
@@ -45,7 +45,6 @@ PLACED: Final[tuple[Callable[[Scene], None], ...]] = (
 """What fills the scene, each from what those before it have found."""
 
 CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
-    check_counts,
     check_material,
     check_strength,
     check_initiation,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 import yaml
 from jsonschema import Draft7Validator
 
+from crackgrow.case import model
 from crackgrow.case.composed import Named
 from crackgrow.case.format import CASE, FORMAT
 from crackgrow.case.json_schema import case_schema, schema_of
@@ -138,6 +140,16 @@ def test_every_key_is_described_and_every_quantity_tells_its_units():
     assert "Pa | kPa | MPa | GPa | psi | ksi; a bare number is in units.stress" in " ".join(titles(named["young"]))
     assert named["support"]["default"] == 2.0
     assert len(named["criterion"]["enum"]) == len(named["criterion"]["enumDescriptions"]) == 3
+
+
+def test_every_key_is_a_field_of_the_model_or_kept_as_it_is_given():
+    kept = {"Case": {"units", "materials", "laws", "base", "set"}}
+    for name in FORMAT.declared:
+        cls = getattr(model, name.split()[0], None)
+        if isinstance(cls, type) and not issubclass(cls, model.Drawn):
+            names = {field.name for field in fields(cls)}
+            lost = {key for key, its in FORMAT.keys_of(cls).items() if (its.field or key) not in names}
+            assert lost == kept.get(name, set()), name
 
 
 # --- other names of keys ---------------------------------------------------------------------------------------------
