@@ -188,21 +188,17 @@ def contact_laws(scene: Scene) -> Iterator[tuple[Path, CoulombContact]]:
 def check_interfaces(scene: Scene) -> None:
     """Report shared boundaries without an interface, and interfaces without a shared boundary."""
     seen: dict[frozenset[str], int] = {}
-    all_clear = True
-    listing = scene.resolved.get("interfaces")
-    for index, interface in enumerate(listing if isinstance(listing, list) else []):
+    listing, clear = scene.resolved.get("interfaces"), 0
+    for index, interface in scene.listed("interfaces"):
         key = ("interfaces", index, "between")
-        if not isinstance(interface, dict) or not scene.report.sound(*key):
-            all_clear = False
-            continue
-        pair = interface["between"]
-        known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
-        if all(known):
-            _check_pair(scene, key, pair, seen)
-            seen.setdefault(frozenset(pair), index)
-        else:
-            all_clear = False
-    if all_clear and isinstance(listing, list):  # else the missing one may be that which cannot be read
+        if scene.report.sound(*key):
+            pair = interface["between"]
+            known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+            if all(known):
+                clear += 1
+                _check_pair(scene, key, pair, seen)
+                seen.setdefault(frozenset(pair), index)
+    if isinstance(listing, list) and clear == len(listing):  # else the missing one may be that which cannot be read
         for first, second in scene.shared:
             if frozenset((first, second)) not in seen:
                 line = f"- {{between: [{first}, {second}], contact: {{friction: 0.5, cohesion: 0}}}}"
