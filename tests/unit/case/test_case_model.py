@@ -125,6 +125,14 @@ def test_overrides(override: str, read: Callable[[Any], object], value: object):
     assert read(compression(override)) == value
 
 
+def test_a_support_that_nearly_stands_on_the_rock_is_moved_onto_it():
+    """As forces and points of outputs are; it is written where it was given."""
+    case = compression("supports.0.at=[-15.5001, -27.5]")
+    assert case.supports[0].point.tolist() == [-0.0155, -0.0275]
+    assert case.to_dict()["supports"][0]["at"] == [-0.0155001, -0.0275]
+    assert same(case, read_case(dump_case(case), "text", case.name))
+
+
 # --- what is written and read again ----------------------------------------------------------------------------------
 
 AWKWARD = [
