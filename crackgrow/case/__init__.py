@@ -1,9 +1,8 @@
 """Case files: YAML text -> a checked, frozen Case in SI units, or every fault with its line.
 
-A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, which come from the
-fields of the model by way of declared, and from spellings), layout (the geometry, made of shapes and neighbours;
-regions), spacing, checks and build. `dump_case` writes a case that reads back to the same bits; `from_dict` and
-`to_dict` do the same in Python.
+A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, which declared makes
+of format.yaml), layout (the geometry), spacing, checks, and becomes the model, which is frozen. `dump_case` writes a
+case that reads back to the same bits; `from_dict` and `to_dict` do the same in Python.
 """
 
 from importlib import import_module

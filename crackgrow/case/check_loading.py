@@ -52,10 +52,8 @@ def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, 
 
     `gone` are the bodies taken out so far, with what is released; those of the stage are added.
     """
-    given = stage.get("excavate", [])
-    names = [given] if isinstance(given, str) else given
-    for index, name in enumerate(names):
-        at = (*key, "excavate") if isinstance(given, str) else (*key, "excavate", index)
+    names, at = stage.get("excavate", []), (*key, "excavate")
+    for name in names:
         cracks = [crack for crack, host in scene.hosts.items() if host == name]
         if name in gone:
             scene.report.fault(at, f"body '{name}' is gone already")
@@ -127,7 +125,7 @@ def _check_reduction(scene: Scene) -> None:
         scene.report.fault(("numerics", "accuracy"), message)
     laws = [law for _, law in contact_laws(scene)]
     sound = all(scene.report.sound(key) for key in ("cracks", "interfaces", "supports"))
-    if sound and not any(law[key] > 0.0 for law in laws for key in ("friction", "cohesion")):
+    if sound and not any(law.friction > 0.0 or law.cohesion > 0.0 for law in laws):
         message = "strength_reduction divides friction and cohesion of contact, and no crack, interface or foundation"
         scene.report.fault(("loading",), f"{message} has any")
 

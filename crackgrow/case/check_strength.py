@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
-from crackgrow.case.declared import keys_of
+from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import Scene, named
-from crackgrow.case.model import Growth
+from crackgrow.case.model import Strength
+from crackgrow.case.report import Path
 from crackgrow.case.toughness import BY_K, RAY_CRITERIA
 
 MOST_PLACES = 20_000
@@ -20,10 +21,8 @@ def settle_direction(scene: Scene) -> None:
     if not isinstance(growth, dict):
         return
     if "direction" not in growth:
-        tough = strengths(scene, with_toughness=True)
-        found = {"direction": "implicit" if tough and growth.get("criterion") in BY_K else "explicit"}
-        every = growth | found
-        scene.resolved["growth"] = {key: every[key] for key in keys_of(Growth) if key in every}
+        tough = bodies_with(scene, toughness=True)
+        growth["direction"] = "implicit" if tough and growth.get("criterion") in BY_K else "explicit"
     criterion = scene.get("growth", "criterion")
     if scene.get("growth", "direction") == "implicit" and criterion not in (None, *BY_K):
         message = f"implicit is for criterion max_hoop_stress, {criterion} given; use explicit"
@@ -32,14 +31,14 @@ def settle_direction(scene: Scene) -> None:
 
 def check_strength(scene: Scene) -> None:
     """Rock in which cracks can grow has a strength; the radius of its criterion is told once, and is a length of it."""
-    report = scene.report
+    report, given = scene.report, strengths(scene)
     for name in named(scene.resolved, "bodies"):
         key = ("bodies", name, "strength")
-        if _has_growing_cracks(scene, name) and report.sound(*key) and scene.get(*key) is None:
+        if name in given:
+            _check_limits(scene, key, given[name])
+        elif report.sound(*key) and _has_growing_cracks(scene, name):
             message = "missing: cracks can grow in it, so it needs a strength {tension, cohesion, friction_angle}"
             report.fault(key, message)
-        _check_tension(scene, name)
-        _check_shear(scene, name)
     if isinstance(scene.resolved.get("growth"), dict) and report.sound("growth", "tip_stress"):
         if report.sound("bodies"):
             _check_told_once(scene)
@@ -55,51 +54,49 @@ def _has_growing_cracks(scene: Scene, body: str) -> bool:
     return any(scene.get("cracks", name, "tips") != "none" for name in cracks)
 
 
-def _check_tension(scene: Scene, name: str) -> None:
-    """The tensile strength cuts off the Mohr-Coulomb cone below its apex, c / tan(phi)."""
-    strength = scene.get("bodies", name, "strength")
-    if strength is None or not scene.report.sound("bodies", name, "strength"):
-        return
-    slope = np.tan(np.deg2rad(strength["friction_angle"]))
-    if strength["tension"] * slope > strength["cohesion"]:
-        apex = scene.units.show(strength["cohesion"] / slope, "stress")
+def _check_limits(scene: Scene, key: Path, strength: Strength) -> None:
+    """The tensile strength cuts off the Mohr-Coulomb cone below its apex, c / tan(phi).
+
+    A toughness in shear stands for a length by the cohesion, and is for criteria that judge shear on rays.
+    """
+    slope, criterion = float(np.tan(np.deg2rad(strength.friction_angle))), scene.get("growth", "criterion")
+    if strength.tension * slope > strength.cohesion:
+        apex = scene.units.show(strength.cohesion / slope, "stress")
         message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
-        scene.report.fault(("bodies", name, "strength", "tension"), message)
-
-
-def _check_shear(scene: Scene, name: str) -> None:
-    """A toughness in shear stands for a length by the cohesion, and is for criteria that judge shear on rays."""
-    key = ("bodies", name, "strength")
-    strength, criterion = scene.get(*key), scene.get("growth", "criterion")
-    if strength is None or not scene.report.sound(*key) or "shear_toughness" not in strength:
+        scene.report.fault((*key, "tension"), message)
+    if strength.shear_toughness is None:
         return
-    if strength["cohesion"] == 0.0:
+    message = ""
+    if strength.cohesion == 0.0:
         message = "stands for a length by the cohesion, which is 0; give a cohesion > 0, or leave it out"
-        scene.report.fault((*key, "shear_toughness"), message)
     elif criterion in BY_K and scene.report.sound("growth", "initiation") and not scene.starts_cracks:
         message = f"is of tips that grow in shear, and {criterion} lets none unless cracks start in shear; leave it out"
-        scene.report.fault((*key, "shear_toughness"), f"{message}, or give growth.initiation: ends")
+        message += ", or give growth.initiation: ends"
     elif criterion not in (None, *RAY_CRITERIA):
-        message = f"is for criteria that judge shear on rays from the tip; {criterion} given"
-        scene.report.fault((*key, "shear_toughness"), f"{message}; wanted: {' or '.join(sorted(RAY_CRITERIA))}")
+        message = f"is for criteria that judge shear on rays from the tip; {criterion} given; wanted: "
+        message += " or ".join(sorted(RAY_CRITERIA))
+    if message:
+        scene.report.fault((*key, "shear_toughness"), message)
 
 
-def strengths(scene: Scene, with_toughness: bool) -> list[str]:
+def strengths(scene: Scene) -> dict[str, Strength]:
+    """The strengths that are given and sound, by body."""
+    found = {name: scene.get("bodies", name, "strength") for name in named(scene.resolved, "bodies")}
+    return {name: FORMAT.made(Strength, given) for name, given in found.items() if isinstance(given, dict)}
+
+
+def bodies_with(scene: Scene, toughness: bool) -> list[str]:
     """The bodies whose strength has a toughness, or has none: with cracks, or all where cracks may start in any."""
     anywhere = scene.get("growth", "initiation", "at") in ("outlines", "anywhere")
     hosts = set(() if anywhere else scene.hosts.values()) or set(named(scene.resolved, "bodies"))
-    strengths = {name: scene.get("bodies", name, "strength") for name in named(scene.resolved, "bodies")}
-    return [
-        name
-        for name, strength in strengths.items()
-        if name in hosts and isinstance(strength, dict) and ("toughness" in strength) == with_toughness
-    ]
+    given = strengths(scene).items()
+    return [name for name, its in given if name in hosts and (its.toughness is not None) == toughness]
 
 
 def _check_told_once(scene: Scene) -> None:
     """A radius is given where rock has no toughness, and nowhere else."""
     key = ("growth", "tip_stress")
-    without, tough = (strengths(scene, with_toughness=known) for known in (False, True))
+    without, tough = (bodies_with(scene, toughness=known) for known in (False, True))
     if "tip_stress" not in scene.resolved["growth"]:
         if without or not tough:
             where = f"bodies.{without[0]}.strength" if without else "the strength of the rock"
@@ -149,7 +146,7 @@ def check_subcritical(scene: Scene) -> None:
     if scene.get("loading") == "critical":
         message = "critical holds a tip at K = K_c, where it is unstable; wanted with growth.law: subcritical"
         report.fault(("loading",), f"{message}: a history of loads, or stages")
-    without = strengths(scene, with_toughness=False) if report.sound("bodies") else []
+    without = bodies_with(scene, toughness=False) if report.sound("bodies") else []
     if without:
         message = f"subcritical needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
         report.fault(("growth", "law"), message)
@@ -168,8 +165,7 @@ def check_initiation(scene: Scene) -> None:
             message = f"spacing is of places on outlines and in the rock; wanted with `at: {at}`: auto"
             scene.report.fault((*key, "spacing"), f"{message}, or `at: outlines | anywhere`")
         return
-    bodies = named(scene.resolved, "bodies")
-    if scene.report.sound("bodies") and not any(scene.get("bodies", name, "strength") for name in bodies):
+    if scene.report.sound("bodies") and not strengths(scene):
         scene.report.fault((*key, "at"), "no body has a strength, and cracks start only where the rock has one")
     if isinstance(spacing, float) and scene.complete:
         _check_number(scene, at, spacing)

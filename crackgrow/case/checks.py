@@ -1,4 +1,4 @@
-"""Whether counts, materials, laws of contact and numerical settings of a case fit together. Faults go to the report."""
+"""Whether bodies, materials, interfaces, laws of contact and numerical settings of a case fit together."""
 
 from __future__ import annotations
 
@@ -6,10 +6,12 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+from crackgrow.case.check_regions import knows_body
+from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import SMALLEST, Scene, named
-from crackgrow.case.model import STEEPEST
-from crackgrow.case.report import Path
-from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.model import STEEPEST, CoulombContact
+from crackgrow.case.report import Path, quoted
+from crackgrow.case.shapes import BodyShape
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
@@ -17,15 +19,11 @@ LARGEST_POISSON = 0.4999  # in plane strain; beyond, K of cracks is off by tens 
 STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
-def check_counts(scene: Scene) -> None:
-    """At least one body."""
-    if not named(scene.resolved, "bodies") and scene.report.sound("bodies"):
-        scene.report.fault(("bodies",), "no body given; a case needs one")
-
-
 def check_material(scene: Scene) -> None:
-    """Poisson's ratio near 1/2 is not for plane strain; gravity needs a density."""
+    """There is a body; Poisson's ratio near 1/2 is not for plane strain; gravity needs a density."""
     report = scene.report
+    if not named(scene.resolved, "bodies") and report.sound("bodies"):
+        report.fault(("bodies",), "no body given; a case needs one")
     for name in named(scene.resolved, "bodies"):
         poisson = scene.get("bodies", name, "material", "poisson")
         if scene.get("plane") == "strain" and poisson is not None and poisson > LARGEST_POISSON:
@@ -99,79 +97,124 @@ def _finest_spacing(width: float, height: float, margin: float) -> float:
 
 def check_contacts(scene: Scene) -> None:
     """Report what is no law: friction that rises, steep dilation, tensile strength beyond what shear allows."""
+    loading = scene.resolved["loading"]
     for key, law in contact_laws(scene):
-        friction, residual, dilation = law["friction"], law["residual_friction"], law["dilation_angle"]
+        friction, residual, dilation = law.friction, law.residual_friction, law.dilation_angle
         if residual > friction:
             message = f"{residual:g} given; wanted: at most the friction, {friction:g}: slip wears faces, it cannot"
             scene.report.fault((*key, "residual_friction"), f"{message} make them rougher")
-        elif math.tan(math.radians(dilation)) > residual and not {"wear", "residual_dilation_angle"} & set(law):
+        elif _slope(dilation) > residual and law.wear is None and law.residual_dilation_angle is None:
             steepest = math.degrees(math.atan(residual))
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
             scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
-        for bent in {"barton", "max_closure"} & law.keys() if isinstance(scene.resolved["loading"], str) else ():
-            message = f"depends on the pressure, which loading: {scene.resolved['loading']} does not follow; wanted: a"
-            scene.report.fault((*key, bent), f"{message} loading.history")
-        if "max_closure" in law and "stiffness" not in law:
+        for bent, given in (("barton", law.barton), ("max_closure", law.max_closure)):
+            if given is not None and isinstance(loading, str):
+                message = f"depends on the pressure, which loading: {loading} does not follow; wanted: a"
+                scene.report.fault((*key, bent), f"{message} loading.history")
+        if law.max_closure is not None and law.stiffness is None:
             scene.report.fault((*key, "max_closure"), "is of a joint; wanted besides: its stiffness {normal, shear}")
-        steepest = max(friction, math.tan(math.radians(STEEPEST))) if "barton" in law else friction
-        if law["tension"] * steepest > law["cohesion"]:
-            apex = scene.units.show(law["cohesion"] / steepest, "stress")
+        steepest = friction if law.barton is None else max(friction, _slope(STEEPEST))
+        if law.tension * steepest > law.cohesion:
+            apex = scene.units.show(law.cohesion / steepest, "stress")
             message = f"above the apex of the shear strength, cohesion / friction = {apex}; wanted: at most that"
             scene.report.fault((*key, "tension"), message)
-        _check_wear(scene, key, law)
-        keeps = law["tension"] == 0.0 and (law["cohesion"] == 0.0 or law["cohesion_after_slip"] == "kept")
-        for length in ("weakening_length", "decay_length"):
-            if length in law and residual == friction and keeps and "residual_dilation_angle" not in law:
-                message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
-                scene.report.fault((*key, length), message)
+        if residual <= friction:
+            _check_wear(scene, key, law)
 
 
-def _check_wear(scene: Scene, key: Path, law: Resolved) -> None:
-    """What wears has one length, is told once, falls, and dilates by less than friction holds back."""
-    ways = [way for way in ("weakening_length", "decay_length", "wear") if way in law]
+def _slope(angle: float) -> float:
+    """The tangent of an angle in degrees."""
+    return math.tan(math.radians(angle))
+
+
+def _check_wear(scene: Scene, key: Path, law: CoulombContact) -> None:
+    """What wears has one length, is told once, weakens, and dilates by less than friction holds back."""
+    friction, residual = law.friction, law.residual_friction
+    angle, last = law.dilation_angle, law.residual_dilation_angle
+    ways = [way for way in ("weakening_length", "decay_length", "wear") if getattr(law, way)]
     if len(ways) > 1:
-        scene.report.fault(
-            (*key, ways[1]), f"is given beside {ways[0]}; wanted: one of them: each says how strength wears"
-        )
+        message = f"is given beside {ways[0]}; wanted: one of them: each says how strength wears"
+        scene.report.fault((*key, ways[1]), message)
         return
-    angle, friction = law["dilation_angle"], law["friction"]
-    slips, frictions = [0.0, 1.0], [friction, law["residual_friction"]]
-    angles, where = [angle, law.get("residual_dilation_angle", angle)], "residual_dilation_angle"
-    if "wear" in law:
-        where, told = "wear", law["wear"]
-        slips, frictions = [0.0, *told["slip"]], [friction, *told["friction"]]
-        angles = [angle, *told.get("dilation_angle", [angle] * len(told["slip"]))]
-        for other in ("residual_friction", "residual_dilation_angle"):
-            if other in law and law[other] != {"residual_friction": friction}.get(other):
-                message = f"is the last one of {'.'.join(map(str, key))}.wear; wanted: one of them"
-                scene.report.fault((*key, other), message)
-                return
-    elif where in law and not ways:
+    if law.wear is not None:
+        given = {"residual_friction": residual != friction, "residual_dilation_angle": last is not None}
+        if any(given.values()):
+            message = f"is the last one of {'.'.join(map(str, key))}.wear; wanted: one of them"
+            scene.report.fault((*key, max(given, key=lambda name: given[name])), message)
+            return
+        angles = law.wear.dilation_angle or [angle] * len(law.wear.slip)
+        if message := _wrong_course([0.0, *law.wear.slip], [friction, *law.wear.friction], [angle, *angles]):
+            scene.report.fault((*key, "wear"), message)
+        return
+    keeps = law.tension == 0.0 and (law.cohesion == 0.0 or law.cohesion_kept)
+    if ways and residual == friction and keeps and last is None:
+        message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
+        scene.report.fault((*key, ways[0]), message)
+    if last is not None and not ways:
         message = "dilation wears over a length of slip; wanted besides: weakening_length or decay_length"
-        scene.report.fault((*key, where), message)
-    message, rising = "", [angles] if where != "wear" else [frictions, angles]
+        scene.report.fault((*key, "residual_dilation_angle"), message)
+    elif last is not None and (message := _wrong_course([0.0, 1.0], [friction, residual], [angle, last])):
+        scene.report.fault((*key, "residual_dilation_angle"), message)
+
+
+def _wrong_course(slips: list[float], frictions: list[float], angles: list[float]) -> str:
+    """What is wrong with frictions and dilation angles (degrees) at slips (m), in words; empty if nothing is."""
     if not len(slips) == len(frictions) == len(angles) > 1:
-        message = f"{len(slips) - 1} slips, {len(frictions) - 1} frictions and {len(angles) - 1} angles given; wanted: "
-        message += "one or more slips, and as many of each"
-    elif any(after <= before for before, after in pairwise(slips)):
-        message = "slips do not rise; wanted: each above the one before it, and the first above 0"
-    elif any(after > before for values in rising for before, after in pairwise(values)):
-        message = "friction or dilation angle rises; wanted: each at most the one before it: slip wears faces"
-    elif where in law and any(math.tan(math.radians(a)) > mu for a, mu in zip(angles, frictions, strict=True)):
-        message = "faces rise more steeply than friction holds them back, and would create energy when they slip; "
-        message += "wanted: tan(dilation angle) at most the friction at each slip"
-    if message:
-        scene.report.fault((*key, where), message)
+        counts = f"{len(slips) - 1} slips, {len(frictions) - 1} frictions and {len(angles) - 1} angles given"
+        return f"{counts}; wanted: one or more slips, and as many of each"
+    if any(after <= before for before, after in pairwise(slips)):
+        return "slips do not rise; wanted: each above the one before it, and the first above 0"
+    if any(after > before for values in (frictions, angles) for before, after in pairwise(values)):
+        return "friction or dilation angle rises; wanted: each at most the one before it: slip wears faces"
+    if any(_slope(angle) > friction for angle, friction in zip(angles, frictions, strict=True)):
+        steep = "faces rise more steeply than friction holds them back, and would create energy when they slip"
+        return f"{steep}; wanted: tan(dilation angle) at most the friction at each slip"
+    return ""
 
 
-def contact_laws(scene: Scene) -> Iterator[tuple[Path, Resolved]]:
+def contact_laws(scene: Scene) -> Iterator[tuple[Path, CoulombContact]]:
     """Yield every law that is given and sound, with its key; that of a set of cracks once."""
     laws = {name: scene.get("cracks", name, "contact") for name in named(scene.resolved, "cracks")}
     for name, law in {id(law): (name, law) for name, law in reversed(laws.items())}.values():
         if isinstance(law, dict):
-            yield ("cracks", name, "contact"), law
+            yield ("cracks", name, "contact"), FORMAT.made(CoulombContact, law)
     for kind in ("interfaces", "supports"):
         for index, item in scene.items(kind, "contact"):
             if isinstance(item["contact"], dict):
-                yield (kind, index, "contact"), item["contact"]
+                yield (kind, index, "contact"), FORMAT.made(CoulombContact, item["contact"])
+
+
+def check_interfaces(scene: Scene) -> None:
+    """Report shared boundaries without an interface, and interfaces without a shared boundary."""
+    seen: dict[frozenset[str], int] = {}
+    listing, clear = scene.resolved.get("interfaces"), 0
+    for index, interface in scene.listed("interfaces"):
+        key = ("interfaces", index, "between")
+        if scene.report.sound(*key):
+            pair = interface["between"]
+            known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+            if all(known):
+                clear += 1
+                _check_pair(scene, key, pair, seen)
+                seen.setdefault(frozenset(pair), index)
+    if isinstance(listing, list) and clear == len(listing):  # else the missing one may be that which cannot be read
+        for first, second in scene.shared:
+            if frozenset((first, second)) not in seen:
+                line = f"- {{between: [{first}, {second}], contact: {{friction: 0.5, cohesion: 0}}}}"
+                message = f"bodies '{first}' and '{second}' share a boundary; say what holds there, such as {line}"
+                scene.report.fault(("interfaces",), f"{message}, or with contact: bonded")
+
+
+def _check_pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[str], int]) -> None:
+    """Report a body that meets itself, a pair given before, and a pair without a shared boundary."""
+    first, second = pair
+    if first == second:
+        scene.report.fault(key, f"{quoted(first)} is given twice; wanted: two bodies")
+    elif frozenset(pair) in seen:
+        number = seen[frozenset(pair)]
+        scene.report.fault(key, f"'{first}' and '{second}' have an interface already, interfaces.{number}")
+    elif not scene.lines_between(first, second) and all(scene.report.sound("bodies", name, "shape") for name in pair):
+        gap = scene.bodies[first].polygon.distance(scene.bodies[second].polygon)
+        apart = f"they are {scene.length(gap)} apart" if gap > scene.tolerance else "they touch at points only"
+        scene.report.fault(key, f"'{first}' and '{second}' share no boundary: {apart}")

@@ -1,196 +1,240 @@
-"""Fields of the model as keys of the case format, and the way from one to the other.
+"""A format as a YAML text declares it: specs that read its parts, and the way from what they read to a model and back.
 
-A field says with its type, and beside it in `Annotated`, what its key takes and means. Reader, JSON Schema and
-documentation take that from `keys_of`, `made` fills the fields from what was read, and `written` goes back.
+The text of the case format, `format.yaml`, says how it is written.
 """
 
 from __future__ import annotations
 
+import json
+import re
 import types
 from collections.abc import Callable
-from dataclasses import MISSING, dataclass, fields, is_dataclass, replace
+from collections.abc import Mapping as AnyMapping
+from dataclasses import dataclass, field, fields, is_dataclass
 from functools import cache
-from typing import Any, Final, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
+import yaml
 
+from crackgrow.case.composed import Converted, Named, Reference, WordOr
 from crackgrow.case.formula import OrFormula, component_of
-from crackgrow.case.references import Reference
-from crackgrow.case.scalars import Choice, Integer, Number, Quantity, Spec, Switch, Text, WordOr
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Components, Field, ListOf, Mapping
+from crackgrow.case.scalars import SIGNS, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text
+from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, OneOf, Same
 from crackgrow.case.shapes import Resolved, frozen
+from crackgrow.case.units import UNITS
 
 T = TypeVar("T")
 
-AS_FIELD: Final = object()
+GIVEN: Final = "given"  # the field of a class that holds the keys that are none of its fields
+PLAIN: Final[dict[str, Spec]] = {"text": Text(), "text or empty": Text(may_be_empty=True), "switch": Switch()}
 
 
-@dataclass(frozen=True, slots=True)
-class Doc:
-    """What the case format says of a field beside its type, and where the key differs from the field."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Format:
+    """A format.
 
-    text: str  # one line for the user
-    words: tuple[str, ...] = ()  # a line about each word of a Literal
-    key: str = ""  # its name, if it is another one
-    default: object = AS_FIELD  # if it is another one: a plain SI value, OPTIONAL, or `Same`
-    offered: bool = True
-    also: tuple[str, ...] = ()
-    drawn: bool = False  # whether the field follows from the geometry, and does not tell the key
-    short: bool = False  # whether a word in place of the whole mapping stands for this key
+    declared: its parts, as a YAML text has them
+    kinds: what keys take besides, by name
+    wrapped: for a part what becomes of the spec of its mapping or forms
+    """
+
+    declared: AnyMapping[str, Any]
+    kinds: AnyMapping[str, Spec]
+    wrapped: AnyMapping[str, Callable[[Any], Spec]]
+    _parts: dict[str, Spec] = field(default_factory=dict)  # those that were asked for
+    _keys: dict[Any, dict[str, Field]] = field(default_factory=dict)  # the same, of classes
+
+    def part(self, name: str) -> Any:
+        """The spec of a part, one for all keys that take it."""
+        if name not in self._parts:
+            said = self.declared[name]
+            if isinstance(said, list):
+                forms = (self.part(form) if isinstance(form, str) else self._mapping(form, "") for form in said)
+                spec: Spec = OneOf(tuple(forms), name)
+            else:
+                is_mapping = isinstance(said, dict) and isinstance(next(iter(said.values())), list)
+                spec = self._mapping(said, name) if is_mapping else self.spec(said)
+            self._parts[name] = self.wrapped[name](spec) if name in self.wrapped else spec
+        return self._parts[name]
+
+    def _mapping(self, said: dict[str, list[Any]], part: str) -> Mapping:
+        short = [key for key, (*_, more) in said.items() if isinstance(more, dict) and "short" in more]
+        fields = {key: self._field(*of_key) for key, of_key in said.items()}
+        return Mapping(fields, short=short[0] if short else "", part=part)
+
+    def _field(
+        self, takes: object, doc: str, default: object = "required", more: AnyMapping[str, Any] | None = None
+    ) -> Field:
+        spec, more = self.spec(takes), more or {}
+        if default == {} and isinstance(spec.spec if isinstance(spec, Converted) else spec, Mapping):
+            default = BY_PARTS
+        elif isinstance(default, str) and default.startswith("same as "):
+            default = Same(default.removeprefix("same as "))
+        elif isinstance(default, str):
+            default = {"required": REQUIRED, "optional": OPTIONAL}.get(default, default)
+        return Field(spec, doc, default, not more.get("hidden"), tuple(more.get("also", ())), more.get("field", ""))
+
+    def spec(self, said: Any) -> Spec:
+        """What a key takes."""
+        if isinstance(said, dict):
+            words = tuple(word for word in said if word != "or")
+            docs = tuple(said[word] for word in words) if any(said[word] for word in words) else ()
+            if "or" not in said:
+                return Choice(words, docs)
+            other, _, where = said["or"].partition(" or a name from ")
+            spec = WordOr(words, self.spec(other), docs)
+            return Reference(where, spec) if where else spec
+        for known in (self.kinds, PLAIN):
+            if said in known:
+                return known[said]
+        if said in self.declared:
+            part: Spec = self.part(said)
+            return part
+        for pattern, make in _COMPOSED.items():
+            if match := re.fullmatch(pattern, said):
+                return make(self, **match.groupdict())
+        return _measured(said)
+
+    def keys_of(self, cls: Any) -> dict[str, Field]:
+        """The keys of the part, or of all forms, that a class stands for."""
+        if cls in self._keys:
+            return self._keys[cls]
+        parts = (self.part(name) for name in self.declared if name.split()[0] == cls.__name__)
+        found = {key: field for part in parts for key, field in getattr(part, "spec", part).fields.items()}
+        return self._keys.setdefault(cls, found)
+
+    def made(self, cls: Callable[..., T], values: Resolved, **others: object) -> T:
+        """An instance from the values of its keys, sound and in SI; `others` are fields that these do not tell."""
+        own, given, kinds = dict(others), {}, kinds_of(cls)
+        for key, its in self.keys_of(cls).items():
+            name = its.field or key
+            if name not in kinds and key in values:
+                given[key] = values[key]
+            elif name not in others and name in kinds and (key in values or types.NoneType in kinds[name]):
+                own[name] = self._made(_plain(its.spec), kinds[name], values.get(key))
+        return cls(**own, **({GIVEN: given} if GIVEN in kinds else {}))
+
+    def _made(self, spec: Any, kinds: tuple[Any, ...], value: Any) -> Any:
+        """The value of a field from that of its key."""
+        cls: Any = next((kind for kind in kinds if is_dataclass(kind)), None)
+        if value is None or (isinstance(value, str) and value == _word_for_none(spec, kinds)):
+            return None
+        if isinstance(value, dict) and cls is not None:
+            return self.made(cls, value)
+        if isinstance(spec, Mapping) and spec.read_as:
+            parts = [value.get(key) for key in spec.fields] if isinstance(value, dict) else value
+            return tuple(None if part is None else component_of(part) for part in parts)
+        if isinstance(spec, Mapping):  # of keys that are no fields
+            parts = tuple(value[key] for key in spec.fields)
+            return parts if len(parts) > 1 else parts[0]
+        if isinstance(spec, Choice) and bool in kinds:
+            return value == spec.words[1]
+        if isinstance(spec, OrFormula):
+            return component_of(value)
+        if isinstance(spec, ListOf):
+            if any(get_origin(kind) is np.ndarray for kind in kinds):
+                return frozen(value)
+            return tuple(component_of(part) if isinstance(spec.spec, OrFormula) else part for part in value)
+        return value
+
+    def written(self, instance: Any) -> Resolved:
+        """The values of the keys of an instance; those that may be left out are, where there is nothing to tell."""
+        cls: Any = type(instance)
+        kinds, given, found = kinds_of(cls), getattr(instance, GIVEN, {}), {}
+        for key, its in self.keys_of(cls).items():
+            name, spec = its.field or key, _plain(its.spec)
+            if key in given:
+                found[key] = given[key]
+            elif name in kinds:
+                value, word = getattr(instance, name), _word_for_none(spec, kinds[name])
+                nothing = value is None or (isinstance(value, tuple) and not value)
+                if (nothing and its.default is OPTIONAL) or (value is None and word is None):
+                    continue
+                if isinstance(spec, Quantity) and not spec.bounds.hold(value):
+                    continue  # nothing, said by a number that the key does not take
+                found[key] = word if value is None else self._written(spec, value)
+        return found
+
+    def _written(self, spec: Any, value: Any) -> object:
+        """The value of a key from that of its field."""
+        if is_dataclass(value) and not callable(value):
+            return self.written(value)
+        if isinstance(spec, Mapping) and spec.read_as is dict:
+            parts = zip(spec.fields, value, strict=True)
+            return {key: _text_or_number(part) for key, part in parts if part is not None}
+        if isinstance(spec, Mapping) and not spec.read_as:
+            return dict(zip(spec.fields, value if isinstance(value, tuple) else (value,), strict=True))
+        if isinstance(spec, Choice) and isinstance(value, bool):
+            return spec.words[value]
+        if isinstance(spec, Named):
+            return {item.name: self.written(item) for item in value}
+        if isinstance(value, tuple):
+            return [self._written(None, part) for part in value]
+        return _text_or_number(value)
 
 
-@dataclass(frozen=True, slots=True)
-class ByName:
-    """That a value may also be the name of one that is defined elsewhere, or a word."""
-
-    thing: str
-    where: str  # the key that holds the definitions
-    words: tuple[str, ...] = ()
+def format_of(text: str, kinds: AnyMapping[str, Spec], wrapped: AnyMapping[str, Callable[[Any], Spec]]) -> Format:
+    """The format of a YAML text."""
+    return Format(yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader)), kinds, wrapped)
 
 
-@dataclass(frozen=True, slots=True)
-class Declared:
-    """A field of a class that is a key of the format."""
+_COMPOSED: Final[dict[str, Callable[..., Spec]]] = {
+    r"unit of (?P<kind>\w+)": lambda _, kind: Choice(tuple(UNITS[kind])),
+    r"definitions of (?P<thing>\w+)( but (?P<words>.+?))?: (?P<inner>.+?)(, at most (?P<most>\d+))?": (
+        lambda its, thing, words, inner, most: Named(
+            thing, its.spec(inner), int(most or MOST_ITEMS), other_words=tuple(words.split(", ")) if words else ()
+        )
+    ),
+    r"(?P<thing>\w+) by (?P<free>any )?name: (?P<inner>.+?)(, at most (?P<most>\d+))?": (
+        lambda its, thing, free, inner, most: Named(thing, its.spec(inner), int(most or MOST_ITEMS), bool(free))
+    ),
+    r"(?P<length>list|\d+) of (?P<inner>.+?)(, at most (?P<most>\d+))?": (
+        lambda its, length, inner, most: ListOf(
+            its.spec(inner), None if length == "list" else int(length), int(most or MOST_ITEMS)
+        )
+    ),
+    r"one or more (?P<inner>.+)": lambda its, inner: ListOf(its.spec(inner), alone=True),
+    r"(?P<inner>.+) or a name from (?P<where>\w+)": lambda its, inner, where: Reference(where, its.spec(inner)),
+}
+"""How kinds are made of others."""
 
-    name: str  # of the field
-    key: str
-    kinds: tuple[Any, ...]  # types of its values
-    field: Field
-    drawn: bool
-    short: bool
 
-    @property
-    def spec(self) -> Spec:
-        """What the key takes; a name stands for what is written out."""
-        return self.field.spec.spec if isinstance(self.field.spec, Reference) else self.field.spec
-
-    @property
-    def word_for_none(self) -> str | None:
-        """The word that stands for None."""
-        spec = self.spec
-        return spec.words[0] if isinstance(spec, WordOr) and types.NoneType in self.kinds else None
+def _measured(said: str) -> Spec:
+    """The spec of a number such as "angle >= 0 and < 90"."""
+    found = re.fullmatch(r"([a-z ]+?)((?: (?:and )?[<>]=? [-.\d]+)*)(?: in steps of (\S+))?((?:, .+)?)", said)
+    kind, limits, step, note = found.groups() if found else ("", "", None, "")
+    bounds = Bounds(**{SIGNS[sign][0]: json.loads(limit) for sign, limit in re.findall(r"([<>]=?) (\S+)", limits)})
+    match kind:
+        case "number":
+            return Number(bounds, float(step) if step else None, note)
+        case "whole number":
+            return Integer(bounds)
+        case "share":
+            return Share(bounds)
+        case _ if kind in UNITS:
+            return Quantity(kind, bounds)
+    raise ValueError(f"{said!r} is nothing that a key can take")
 
 
 @cache
-def declared(cls: Any) -> tuple[Declared, ...]:
-    """The fields of a dataclass that are keys, in their order."""
-    hints, found = get_type_hints(cls, include_extras=True), []
-    for part in fields(cls):
-        said = getattr(hints[part.name], "__metadata__", ())
-        doc = next((item for item in said if isinstance(item, Doc)), None)
-        if doc is None:
-            continue
-        hint = hints[part.name].__origin__
-        kinds = get_args(hint) if get_origin(hint) in (Union, types.UnionType) else (hint,)
-        field = Field(_spec_of(kinds, doc, said), doc.text, doc.default, doc.offered, doc.also)
-        item = Declared(part.name, doc.key or part.name, kinds, field, doc.drawn, doc.short)
-        if doc.default is AS_FIELD:
-            item = replace(item, field=replace(field, default=_default_of(item, part.default)))
-        found.append(item)
-    return tuple(found)
+def kinds_of(cls: Any) -> dict[str, tuple[Any, ...]]:
+    """The types of values that each field of a dataclass takes."""
+    hints = get_type_hints(cls)
+    unions = (Union, types.UnionType)
+    return {
+        part.name: get_args(hint) if get_origin(hint := hints[part.name]) in unions else (hint,) for part in fields(cls)
+    }
 
 
-def keys_of(cls: Any, last: str = "") -> dict[str, Field]:
-    """The keys that the fields of a dataclass are; one of them may come last."""
-    keys = {item.key: item.field for item in declared(cls)}
-    return {**{key: field for key, field in keys.items() if key != last}, **({last: keys[last]} if last else {})}
+def _plain(spec: Spec) -> Spec:
+    """What a key takes; a name stands for what is written out."""
+    return spec.spec if isinstance(spec, Reference) else spec
 
 
-@cache
-def mapping_of(cls: Any) -> Mapping:
-    """The mapping that a dataclass is in the format."""
-    return Mapping(keys_of(cls), short=next((item.key for item in declared(cls) if item.short), ""))
-
-
-def made(cls: Callable[..., T], values: Resolved, **others: object) -> T:
-    """An instance from the values of its keys, sound and in SI; `others` are fields that they do not tell."""
-    told = [item for item in declared(cls) if item.key in values or types.NoneType in item.kinds]
-    own = {item.name: _made(item, values.get(item.key)) for item in told if item.name not in others}
-    return cls(**own, **others)
-
-
-def written(instance: Any) -> Resolved:
-    """The values of the keys of an instance; those that may be left out are, where there is nothing to tell."""
-    cls: Any = type(instance)
-    items = [(item, getattr(instance, item.name)) for item in declared(cls) if not item.drawn]
-    return {item.key: _written(item, value) for item, value in items if _is_told(item, value)}
-
-
-def _is_told(item: Declared, value: Any) -> bool:
-    """Whether a key stands for a value: left out are None without a word, and a number that the key does not take."""
-    if value is None:
-        return item.word_for_none is not None
-    return not isinstance(item.spec, Quantity) or item.spec.bounds.hold(value)
-
-
-def _spec_of(kinds: tuple[Any, ...], doc: Doc, said: tuple[Any, ...]) -> Spec:
-    """What a key takes: what is said beside the type of its field, else what that says alone."""
-    by_name = next((item for item in said if isinstance(item, ByName)), None)
-    spec: Spec = next((item for item in said if item not in (doc, by_name)), None) or _spec_by_type(kinds, doc)
-    if by_name is None:
-        return spec
-    return Reference(by_name.thing, by_name.where, WordOr(by_name.words, spec) if by_name.words else spec)
-
-
-def _spec_by_type(kinds: tuple[Any, ...], doc: Doc) -> Spec:
-    kind: Any = next(kind for kind in kinds if kind is not types.NoneType)
-    if get_origin(kind) is Literal:
-        return Choice(get_args(kind), doc.words)
-    if is_dataclass(kind):
-        cls: Any = kind
-        return mapping_of(cls)
-    plain: dict[Any, Spec] = {str: Text(), bool: Switch(), int: Integer(), float: Number()}
-    return plain[kind]
-
-
-def _default_of(item: Declared, default: Any) -> object:
-    if default is MISSING:
-        return REQUIRED
-    if is_dataclass(default):
-        return BY_PARTS
-    return (item.word_for_none or OPTIONAL) if default is None else _written(item, default)
-
-
-def _made(item: Declared, value: Any) -> Any:
-    """The value of a field from that of its key."""
-    spec: Any = item.spec
-    cls: Any = next((kind for kind in item.kinds if is_dataclass(kind)), None)
-    if value is None or (isinstance(value, str) and value == item.word_for_none):
-        return None
-    if isinstance(value, dict) and cls is not None:
-        return made(cls, value)
-    if isinstance(spec, Mapping):  # of keys that are no fields
-        parts = tuple(value[key] for key in spec.fields)
-        return parts if len(parts) > 1 else parts[0]
-    if isinstance(spec, Choice) and bool in item.kinds:
-        return value == spec.words[1]
-    if isinstance(spec, OrFormula):
-        return component_of(value)
-    if isinstance(spec, Components):
-        parts = tuple(value.get(key) for key in spec.mapping.fields) if isinstance(value, dict) else tuple(value)
-        return tuple(None if part is None else component_of(part) for part in parts)
-    if isinstance(spec, ListOf):
-        if any(get_origin(kind) is np.ndarray for kind in item.kinds):
-            return frozen(value)
-        return tuple(component_of(part) if isinstance(spec.spec, OrFormula) else part for part in value)
-    return value
-
-
-def _written(item: Declared, value: Any) -> object:
-    """The value of a key from that of its field."""
-    spec: Any = item.spec
-    if value is None:
-        return item.word_for_none
-    if is_dataclass(value) and not callable(value):
-        return written(value)
-    if isinstance(spec, Mapping):
-        return dict(zip(spec.fields, value if isinstance(value, tuple) else (value,), strict=True))
-    if isinstance(spec, Choice) and isinstance(value, bool):
-        return spec.words[value]
-    if isinstance(spec, Components) and not spec.as_list:
-        parts = zip(spec.mapping.fields, value, strict=True)
-        return {key: _text_or_number(part) for key, part in parts if part is not None}
-    return [_text_or_number(part) for part in value] if isinstance(value, tuple) else _text_or_number(value)
+def _word_for_none(spec: Spec, kinds: tuple[Any, ...]) -> str | None:
+    """The word that stands for None."""
+    return spec.words[0] if isinstance(spec, WordOr) and types.NoneType in kinds else None
 
 
 def _text_or_number(value: Any) -> object:

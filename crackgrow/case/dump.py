@@ -6,23 +6,19 @@ from collections.abc import Mapping as AnyMapping
 from collections.abc import Sequence
 from dataclasses import fields, is_dataclass, replace
 from pathlib import PurePath
-from typing import Any, Final, TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 import yaml
 
-from crackgrow.case.declared import keys_of, written
+from crackgrow.case.format import CASE, FORMAT
 from crackgrow.case.formula import MapFormula
 from crackgrow.case.load import REDUCTION, read_case
-from crackgrow.case.model import Case, CriticalLoad, LoadHistory, Stages
-from crackgrow.case.read_only import writable
+from crackgrow.case.model import Case, CriticalLoad
 from crackgrow.case.units import Coordinate
 from crackgrow.errors import CaseError, Fault
 
 T = TypeVar("T")
-
-# Of a case: the file does not hold them, or they are what it holds.
-DERIVED: Final = ("name", "resolved", "moved", "cut")
 
 
 class _Dumper(yaml.SafeDumper):
@@ -45,24 +41,19 @@ def dump_case(case: Case) -> str:
     """Return the case as YAML: SI units, every default filled in, floats with all their digits.
 
     All that is not drawn is written as the fields of the case have it. Raises CaseError where the geometry is another
-    one than was read, or bodies, cracks, supports or loads are more or in another order: they cannot be written.
+    one than was read: it cannot be written.
     """
-    return yaml_text(_again(case).resolved)
-
-
-def _again(case: Case) -> Case:
-    """The case read once more from what its fields say; raises CaseError where that is another one."""
-    again = _without_lines(yaml_text(_as_it_is(case)), "the case as it is", case.name)
+    again = _without_lines(yaml_text(written(case)), "the case as it is", case.name)
     changed = [
         part.name
         for part in fields(case)
-        if part.name not in DERIVED and not _same(getattr(case, part.name), getattr(again, part.name))
+        if part.name not in ("moved", "cut") and not _same(getattr(case, part.name), getattr(again, part.name))
     ]
     if changed:
         remedy = "change the case file, or load it with overrides such as 'cracks.flaw.path.angle=30'"
         message = f"differs from what was read, and cannot be written: {remedy}"
         raise CaseError([Fault("the case as it is", None, name, message) for name in changed])
-    return again
+    return yaml_text(written(again))
 
 
 def yaml_text(resolved: object) -> str:
@@ -72,27 +63,13 @@ def yaml_text(resolved: object) -> str:
     )
 
 
-def _as_it_is(case: Case) -> dict[str, Any]:
-    """The case as a mapping in its format: what is drawn as it was given, all else as the fields have it."""
-    given: Any = case.resolved
-    found = {key: value for key, value in given.items() if key not in keys_of(Case)} | written(case)
-    found["loading"] = _loading(case)
-    if case.output.points:
-        found["output"]["points"] = given["output"]["points"]
-    for kind, things in (("bodies", case.bodies), ("cracks", case.cracks)):
-        found[kind] = {its.name: {**given[kind][its.name], **written(its)} for its in things if its.name in given[kind]}
-    for kind, items in (("interfaces", case.interfaces), ("supports", case.supports), ("loads", case.loads)):
-        found[kind] = [{**its, **written(item)} for its, item in zip(given[kind], items, strict=False)]
-    return found
-
-
-def _loading(case: Case) -> object:
-    if isinstance(case.loading, LoadHistory):
-        number = case.loading.increments
-        return {"history": list(case.loading.factors), **({} if number is None else {"follow": number})}
-    if isinstance(case.loading, Stages):
-        return case.resolved["loading"]
-    return "critical" if isinstance(case.loading, CriticalLoad) else REDUCTION
+def written(case: Case) -> dict[str, Any]:
+    """The case as a mapping in its format, whether or not it reads back: what is drawn as it was given."""
+    found = FORMAT.written(case)
+    units = {"length": "m", "stress": "Pa", **({"origin": list(case.origin)} if any(case.origin) else {})}
+    loading = found["loading"] or ("critical" if isinstance(case.loading, CriticalLoad) else REDUCTION)
+    every = {**found, "units": units, "loading": loading}
+    return {key: every[key] for key in CASE.fields if key in every}
 
 
 def _same(one: Any, other: Any) -> bool:
@@ -131,7 +108,7 @@ def changed(case: Case, settings: Sequence[str]) -> Case:
 
     A spacing that was automatic follows from the case as it is then.
     """
-    mapping = writable(_again(case).resolved)
+    mapping = mapping_of(case)
     if mapping["numerics"].pop("auto_rule", None) is not None:
         mapping["numerics"]["spacing"] = "auto"
     return _without_lines(yaml_text(mapping), "the mapping", case.name, settings)

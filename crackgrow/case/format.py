@@ -1,211 +1,113 @@
-"""The case format as one tree of specs: the keys of the model's fields, and what no field of the model is."""
+"""The case format: the parts that `format.yaml` declares, and what no text says of them."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from typing import Final
+from dataclasses import dataclass, replace
+from pathlib import Path as FilePath
+from typing import Any, Final
 
-from crackgrow.case import model
-from crackgrow.case.declared import keys_of, mapping_of
-from crackgrow.case.outline_file import with_file_edges
+from crackgrow.case.composed import Converted
+from crackgrow.case.curves import with_curve_points
+from crackgrow.case.declared import Format, format_of
+from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
+from crackgrow.case.outline_file import OutlineFile, with_file_edges, with_file_holes, with_file_points, without_file
 from crackgrow.case.overrides import OfFile
-from crackgrow.case.references import Definitions
+from crackgrow.case.reader import Listing, Node, Scalar, Table
+from crackgrow.case.regions import LengthOrAngle
 from crackgrow.case.report import Path
-from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Choice, Context, Integer, Number, Quantity, Text, WordOr
-from crackgrow.case.schema import (
-    BY_PARTS,
-    OPTIONAL,
-    Converted,
-    Field,
-    ListOf,
-    Mapping,
-    Named,
-    OneOf,
-    OneOrList,
-)
-from crackgrow.case.spellings import PAIR
-from crackgrow.case.units import UNITS
-
-UNITS_SPEC: Final = Mapping(
-    {
-        "length": Field(Choice(tuple(UNITS["length"])), "unit of bare lengths", "m"),
-        "stress": Field(Choice(tuple(UNITS["stress"])), "unit of bare stresses, tractions and moduli", "Pa"),
-        "origin": Field(
-            ListOf(Quantity("length"), 2),
-            "a round place near the scene, for coordinates of a map",
-            OPTIONAL,
-        ),
-    }
-)
-
-EDGES: Final = Named("edge", OneOrList(Integer(NOT_NEGATIVE)))
-
-BODY: Final = Converted(
-    Mapping(
-        {
-            **keys_of(model.Body),
-            "edges": Field(EDGES, "names for edges of a polygon, by number", OPTIONAL),
-        }
-    ),
-    with_file_edges,
-)
-
-TIPS: Final = Choice(
-    ("both", "start", "end", "none"),
-    ("both ends", "the first point", "the last point", "it does not grow"),
-)
-
-_CRACK_KEYS: Final = keys_of(model.Crack)
-CRACK: Final = Mapping(
-    {
-        "path": _CRACK_KEYS["path"],
-        "tips": Field(TIPS, "ends at which the crack can grow", "both"),
-        "contact": _CRACK_KEYS["contact"],
-        "contact_by": Field(
-            Named("attribute", Named("value", _CRACK_KEYS["contact"].spec, any_name=True), at_most=1, any_name=True),
-            "laws by an attribute of the map's lines",
-            OPTIONAL,
-        ),
-    }
-)
-
-OUTLINE: Final = Field(
-    Choice(("fixed", "rollers"), ("no displacement", "none across it, on sides along x or y")),
-    "how the whole outline is held",
-)
-
-SUPPORT: Final = OneOf(
-    (
-        Mapping(keys_of(model.PointSupport, last="body")),
-        mapping_of(model.EdgeSupport),
-        mapping_of(model.ContactSupport),
-        Mapping({"outline": OUTLINE, "body": Field(Text(), "name of a body; left out: all of them", OPTIONAL)}),
-    )
-)
+from crackgrow.case.scalars import NUMBER, Context, Quantity, Schema, Schemas, Takes, units_of
+from crackgrow.case.schema import ListOf, Mapping
+from crackgrow.case.units import Units, parse_quantity
 
 MINIMAL: Final = "minimal"
-
-SUPPORTS: Final = WordOr(
-    (MINIMAL,),
-    ListOf(SUPPORT),
-    ("three constraints that take no force, for loads that balance",),
-)
-
-_PRESSURE: Final = keys_of(model.FluidPressure)
-_PRESSED: Final = Field(PAIR, "names of two bodies, not bonded")
-
-LOAD: Final = OneOf(
-    (
-        mapping_of(model.EdgeTraction),
-        mapping_of(model.EdgePressure),
-        mapping_of(model.FarField),
-        mapping_of(model.Gravity),
-        Mapping({"crack": Field(Text(), "name of a crack"), **_PRESSURE}),
-        mapping_of(model.InSituStress),
-        mapping_of(model.PointForce),
-        Mapping({"interface": _PRESSED, **_PRESSURE}),
-    )
-)
-
-STAGE: Final = Mapping(
-    {
-        "name": Field(Text(), "name of the stage", OPTIONAL),
-        "factor": Field(Number(), "of given displacements and all other loads; left out: as before", OPTIONAL),
-        "loads": Field(Named("load", Number()), "factors of loads by their name, from this stage on", OPTIONAL),
-        "excavate": Field(OneOrList(Text()), "bodies that are taken out", OPTIONAL),
-        "release": Field(
-            Number(Bounds(at_least=0, at_most=1)),
-            "share of the removed rock's action that ends; left out: 1 where it excavates, else as before",
-            OPTIONAL,
-        ),
-    }
-)
-
-EVENTS: Final = "events"
-
-_HISTORY: Final = Mapping(
-    {
-        "history": Field(ListOf(Number()), "load factors applied in turn; left out: [1], or stages", OPTIONAL),
-        "stages": Field(ListOf(STAGE), "stages of a construction, in turn", OPTIONAL),
-        "follow": Field(
-            WordOr(
-                (EVENTS,),
-                Integer(Bounds(at_least=1, at_most=10_000)),
-                ("from one change of contact status to the next",),
-            ),
-            "load path; a number: in so many equal increments",
-            OPTIONAL,
-        ),
-    },
-    short="history",
-)
-
-
-def _history_or_stages(value: object, path: Path, context: Context) -> object:
-    """Return a history, [1] where there is neither that nor stages; report both."""
-    if not isinstance(value, dict):
-        return value
-    if "stages" not in value:
-        return {"history": [1.0], **{key: what for key, what in value.items() if what != EVENTS}}
-    for key in sorted(value.keys() & {"history", "follow"}):
-        why = "give one of them: a stage has a `factor`, too" if key == "history" else "stages follow events"
-        context.report.fault(path, f"has {'a ' * (key == 'history')}{key} and stages; {why}")
-    return value
-
-
-LOADING: Final = WordOr(
-    ("critical", "strength_reduction"),
-    Converted(_HISTORY, _history_or_stages),
-    (
-        "each step finds the load factor at which the criterion is just met",
-        "the factor of safety: friction and cohesion divided by a factor until the scene fails",
-    ),
-)
-
-
-_ON_A_CRACK: Final = Field(Text(), "name of a crack: its opening and slip")
-_ON_AN_INTERFACE: Final = Field(PAIR, "names of two bodies: opening and slip between them")
-
-HISTORY_POINT: Final = OneOf(
-    (
-        mapping_of(model.RockPoint),
-        Mapping({"crack": _ON_A_CRACK, **keys_of(model.FacePoint)}),
-        Mapping({"interface": _ON_AN_INTERFACE, **keys_of(model.FacePoint)}),
-        mapping_of(model.PointPair),
-    )
-)
-
-OUTPUT: Final = Mapping(
-    {
-        **keys_of(model.Output),
-        "points": Field(Named("point", HISTORY_POINT), "places for history.csv", OPTIONAL),
-    }
-)
-
-MATERIALS: Final = Definitions(Named("material", mapping_of(model.Material), at_most=200))
-LAWS: Final = Definitions(Named("law", mapping_of(model.CoulombContact)), words=("none", "bonded"))
+_NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 DEFINITIONS: Final = ("materials", "laws")  # of the case; resolved cases hold none
 
-_CASE_KEYS: Final = keys_of(model.Case)
 
-CASE: Final = Mapping(
-    {
-        "title": _CASE_KEYS["title"],
-        "source": _CASE_KEYS["source"],
-        "units": Field(UNITS_SPEC, "what bare numbers mean", BY_PARTS),
-        "plane": _CASE_KEYS["plane"],
-        "materials": Field(MATERIALS, "elastic constants by name", OPTIONAL),
-        "laws": Field(LAWS, "laws of contact by name", OPTIONAL),
-        "bodies": Field(Named("body", BODY, at_most=200), "the pieces of rock"),
-        "cracks": Field(Named("crack", CRACK), "cracks at the start", {}),
-        "interfaces": Field(ListOf(mapping_of(model.Interface)), "contact between bodies that share a boundary", []),
-        "supports": Field(SUPPORTS, "prescribed displacements and rigid foundations", []),
-        "loads": Field(ListOf(LOAD), "loads", []),
-        "loading": Field(LOADING, "how the loads are applied in time", {"history": [1.0]}),
-        "growth": _CASE_KEYS["growth"],
-        "numerics": _CASE_KEYS["numerics"],
-        "output": replace(_CASE_KEYS["output"], spec=OUTPUT),
-        "base": Field(OfFile("a case file"), "the case that this one changes", OPTIONAL),
-        "set": Field(OfFile("a mapping"), "keys of the base that differ, such as growth.steps: 3", OPTIONAL),
-    }
+@dataclass(frozen=True, slots=True)
+class Point(ListOf):
+    """Both coordinates of a place, from the origin of the case."""
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return them in m."""
+        values = ListOf.read(self, node, path, context)
+        if context.units.origin is None or not isinstance(node, Listing) or not context.report.sound(*path):
+            return values
+        texts = (item.text for item in node.items if isinstance(item, Scalar))
+        return [parse_quantity(text, "length", context.units, axis) for axis, text in enumerate(texts)]
+
+
+class PlaceOnEdge(LengthOrAngle):
+    """A place on an edge."""
+
+    def takes(self) -> Takes:
+        return Takes("length, or angle on an arc", f"{units_of('length')}; on an arc {units_of('angle')}")
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return {"anyOf": [Quantity(kind).schema(schemas) for kind in ("length", "angle")]}
+
+
+class File(OutlineFile):
+    """The name of a file with what is drawn."""
+
+    def takes(self) -> Takes:
+        return Takes("file name", "", f"ends in {', '.join(self.endings)}")
+
+    def schema(self, _: Schemas) -> Schema:
+        letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in self.endings]
+        return {"title": self.describe(), "type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
+
+
+class QuantityOrFormula(OrFormula):
+    """A quantity that may vary from place to place."""
+
+    def takes(self) -> Takes:
+        return Takes(self.describe(), units_of(self.kind))
+
+    def schema(self, schemas: Schemas) -> Schema:
+        pattern = rf"^(?!\s*{NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"
+        formula = {"title": "formula (in x and y, such as 0.09*x - 0.1)", "type": "string", "pattern": pattern}
+        return {"anyOf": [Quantity(self.kind).schema(schemas), schemas.named("formula", lambda: formula)]}
+
+
+@dataclass(frozen=True, slots=True)
+class UnitsOfCase(Converted):
+    """What bare numbers mean in what is read after it."""
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the units of lengths and stresses, and the origin in m."""
+        values: Any = self.spec.read(node, path, context)
+        if context.report.sound(*path) and isinstance(node, Table):
+            context.units = Units(values["length"], values["stress"])
+            if "origin" in values:  # its bare numbers are in the unit that stands beside it
+                of_origin, key = self.spec.fields["origin"].spec, (*path, "origin")
+                values["origin"] = of_origin.read(node.entries["origin"].node, key, context)
+                if context.report.sound(*key):
+                    context.units = replace(context.units, origin=tuple(values["origin"]))
+        return values
+
+
+FORMAT: Final[Format] = format_of(
+    FilePath(__file__).with_name("format.yaml").read_text(encoding="utf-8"),
+    kinds={
+        "point": Point(Quantity("length"), 2),
+        "place on an edge": PlaceOnEdge(),
+        "file": File(),
+        "file of cracks": File(of_cracks=True),
+        "formula of length": QuantityOrFormula("length"),
+        "formula of stress": QuantityOrFormula("stress"),
+        "base file": OfFile("a case file"),
+        "settings of the base": OfFile("a mapping"),
+    },
+    wrapped={
+        "Units": UnitsOfCase,
+        "Body": lambda spec: Converted(spec, with_file_edges),
+        "Shape": lambda spec: Converted(spec, with_file_holes),
+        "Hole": lambda spec: Converted(spec, without_file),
+        "Path": lambda spec: Converted(Converted(spec, with_curve_points), with_file_points),
+        "Displacement": lambda mapping: replace(mapping, at_least_one=True, read_as=dict),
+        "Traction": lambda mapping: replace(mapping, read_as=list),
+    },
 )
+
+CASE: Final[Mapping] = FORMAT.part("Case")

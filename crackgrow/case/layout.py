@@ -39,10 +39,10 @@ class Scene:
     resolved: dict[str, Any]
     report: Report
     units: Units
+    box: Floats  # (2, 2) m, lower left and upper right of the bodies
+    size: float  # m, diameter of the least circle round all bodies
     bodies: dict[str, BodyShape] = field(default_factory=dict)  # those with a sound shape
     cracks: dict[str, Floats] = field(default_factory=dict)  # points (n, 2) m of those with a sound path
-    box: Floats = field(default_factory=lambda: np.zeros((2, 2)))  # (2, 2) m, lower left and upper right of the bodies
-    diameter: Floats = field(default_factory=lambda: np.zeros(1))  # (1,) m, of the least circle round the bodies
     moves: list[Move] = field(default_factory=list)  # what was brought to what it nearly touched
     cuts: list[Cut] = field(default_factory=list)  # what of sets of cracks was left out
     shared: dict[tuple[str, str], tuple[Floats, ...]] = field(default_factory=dict)  # of bodies with a common boundary
@@ -50,11 +50,6 @@ class Scene:
     regions: dict[Path, EdgeRegion] = field(default_factory=dict)  # by key of `on`, filled by check_regions
     places: dict[Path, Floats] = field(default_factory=dict)  # (2,) m by key, where `output.points` lie
     holders: dict[Path, str] = field(default_factory=dict)  # by key, the bodies that they lie in
-
-    @property
-    def size(self) -> float:
-        """Diameter of the least circle round all bodies in m."""
-        return float(self.diameter[0])
 
     @property
     def tolerance(self) -> float:
@@ -146,13 +141,16 @@ def named(resolved: dict[str, Any], key: str) -> dict[str, Any]:
 
 def scene_of(resolved: dict[str, Any], report: Report, units: Units) -> Scene:
     """Collect the bodies whose shapes are sound and bring them together; report shapes that are not, and overlaps."""
-    scene = Scene(resolved, report, units)
-    for name, body in named(resolved, "bodies").items():
-        shape = shape_of(name, body, report, units) if report.sound("bodies", name, "shape") else None
-        if shape is not None:
-            scene.bodies[name] = shape
-    if scene.bodies:
-        _place(scene)
+    shapes = [
+        shape
+        for name, body in named(resolved, "bodies").items()
+        if report.sound("bodies", name, "shape") and (shape := shape_of(name, body, report, units)) is not None
+    ]
+    outlines = np.concatenate([shape.outline for shape in shapes] or [np.zeros((1, 2))])
+    box, size = np.stack([outlines.min(axis=0), outlines.max(axis=0)]), size_of(outlines) if shapes else 0.0
+    scene = Scene(resolved, report, units, box, size)
+    if shapes:
+        _place(scene, shapes)
     return scene
 
 
@@ -205,21 +203,17 @@ def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
     return frozen(points[kept])
 
 
-def _place(scene: Scene) -> None:
-    """Measure the scene, bring neighbours together and find out what lies where."""
-    outlines = np.concatenate([body.outline for body in scene.bodies.values()])
-    scene.box[:], scene.diameter[:] = (outlines.min(axis=0), outlines.max(axis=0)), size_of(outlines)
-    far = {name: float(np.abs(body.outline).max()) for name, body in scene.bodies.items()}
-    name, distance = max(far.items(), key=lambda item: item[1])
+def _place(scene: Scene, shapes: list[BodyShape]) -> None:
+    """Bring neighbours together and find out what lies where."""
+    distance, name = max((float(np.abs(shape.outline).max()), shape.name) for shape in shapes)
     if distance > FARTHEST * scene.size:
         message = f"{scene.length(distance)} from the origin is too far for a scene of size {scene.length(scene.size)}"
         step = 10.0 ** np.ceil(np.log10(scene.size))
         near = step * np.round(scene.box[0] / step) / float(UNITS["length"][scene.units.length])
         remedy = f"give the map an origin near it, such as `units: {{origin: [{near[0]:.0f}, {near[1]:.0f}]}}`"
         scene.report.fault(("bodies", name, "shape"), f"{message}: coordinates lose accuracy; {remedy}")
-        scene.bodies.clear()
         return
-    bodies, moves = snapped_bodies(list(scene.bodies.values()), scene.reach)
+    bodies, moves = snapped_bodies(shapes, scene.reach)
     scene.moves.extend(moves)
     for body in bodies:
         shortest = np.hypot(*(body.sides[:, 1] - body.sides[:, 0]).T).min()
@@ -228,7 +222,6 @@ def _place(scene: Scene) -> None:
             scene.report.fault(("bodies", body.name, "shape"), message)
     bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
     overlapping = _check_overlaps(scene, bodies)
-    scene.bodies.clear()
     scene.bodies.update((body.name, body) for body in bodies)
     for first, second in close_pairs(bodies, scene.tolerance):
         if (first, second) not in overlapping:

@@ -3,29 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from pathlib import Path
+from pathlib import Path as FilePath
 from typing import Any, Final
 
 from crackgrow.case import model
-from crackgrow.case.check_bodies import check_interfaces, check_loads
+from crackgrow.case.check_actions import check_agreement, check_foundations, check_loads, check_supports
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_loading import check_loading
-from crackgrow.case.check_points import check_points
-from crackgrow.case.check_regions import check_regions, settle_bodies
+from crackgrow.case.check_regions import check_regions, place_points, settle_bodies
 from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
-from crackgrow.case.check_supports import check_agreement, check_foundations, check_supports
-from crackgrow.case.checks import check_contacts, check_counts, check_material, check_numerics
+from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
-from crackgrow.case.declared import made
-from crackgrow.case.format import CASE, DEFINITIONS, EVENTS, UNITS_SPEC
+from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.outline import settle_outlines
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
-from crackgrow.case.report import Place, Report
-from crackgrow.case.scalars import INVALID, Context
+from crackgrow.case.report import Path, Place, Report
+from crackgrow.case.scalars import Context
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
 from crackgrow.case.sizing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
@@ -34,7 +31,7 @@ from crackgrow.case.units import Units
 
 REDUCTION: Final = "strength_reduction"
 
-STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
+PLACED: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_outlines,
     settle_bodies,
     check_regions,
@@ -42,9 +39,13 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_spacing,
     place_cracks,
     settle_supports,
-    check_counts,
-    check_material,
     settle_direction,
+    place_points,
+)
+"""What fills the scene, each from what those before it have found."""
+
+CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
+    check_material,
     check_strength,
     check_initiation,
     check_subcritical,
@@ -57,11 +58,11 @@ STAGES: Final[tuple[Callable[[Scene], None], ...]] = (
     check_agreement,
     check_loads,
     check_loading,
-    check_points,
 )
+"""What reads it alone."""
 
 
-def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
+def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
     """Return the checked case of a YAML file, in SI units.
 
     path: the case file; the case is named after it
@@ -73,12 +74,12 @@ def load_case(path: str | Path, overrides: Sequence[str] = ()) -> Case:
         raise TypeError(f"overrides are a list of settings such as [{overrides!r}], not a text")
     report = Report(str(path))
     root = read_file(path, report)
-    name, place = Path(path).stem, Place(str(path), None)
+    name, place = FilePath(path).stem, Place(str(path), None)
     if name in ("", ".", ".."):  # the case is named after its file, and its results after the case
         report.fault((), "the file has no name of its own; wanted: such as my_case.yaml", place)
     elif has_half_pair(name):  # what the system has of bytes that are no text
         report.fault((), "the file's name is no text in UTF-8, and the case is named after it; rename it", place)
-    return _case_of(root, report, overrides, Path(path))
+    return _case_of(root, report, overrides, FilePath(path))
 
 
 def read_case(text: str, source: str, name: str, overrides: Sequence[str] = ()) -> Case:
@@ -87,10 +88,10 @@ def read_case(text: str, source: str, name: str, overrides: Sequence[str] = ()) 
     Raises CaseError with every fault found.
     """
     report = Report(source)
-    return _case_of(parse(text, report, Place(source, 1)), report, overrides, Path(f"{name}.yaml"))
+    return _case_of(parse(text, report, Place(source, 1)), report, overrides, FilePath(f"{name}.yaml"))
 
 
-def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: Path) -> Case:
+def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: FilePath) -> Case:
     """The checked case of a node tree. Raises CaseError with every fault found."""
     if not isinstance(root, Table):
         if root is not None and not report.faults:
@@ -99,60 +100,45 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
     if "base" in root.entries and "parameters" in root.entries:
         report.fault((), f"this is a sweep file, not a case: `crackgrow sweep {report.source}` runs it", root.place)
         raise report.error()
-    folders: dict[str, Path] = {}
+    folders: dict[str, FilePath] = {}
     root = with_base(root, path, report, folders)
     if root is None:
         raise report.error()
     for override in overrides:
         apply_override(root, override, report)
-    units = _units_of(root)
-    context = Context(report, units or Units(), path.parent, folders)
+    context = Context(report, Units(), path.parent, folders)
     resolved: Any = CASE.read(root, (), context)
-    if units is None:
+    if not report.sound("units"):  # the rest was read in other units
         raise report.error()
     for definitions in DEFINITIONS:  # each is written out where it is referred to
         resolved.pop(definitions, None)
-    scene = scene_of(resolved, report, units)
-    for stage in STAGES:
+    scene = scene_of(resolved, report, context.units)
+    for stage in (*PLACED, *CHECKS):
         stage(scene)
     if report.faults:
         raise report.error()
-    resolved["units"] |= {"length": "m", "stress": "Pa"}
     return _built(path.stem, scene)
-
-
-def _units_of(root: Table) -> Units | None:
-    """Return what bare numbers mean, None if that is faulty; the faults are reported with the rest of the case."""
-    if "units" not in root.entries:
-        return Units()
-    units: Units | None = Units()
-    for _ in range(2):  # once more for the origin: its bare numbers are in the unit that stands beside it
-        scratch = Report("")
-        context = Context(scratch, units or Units())
-        values: Any = UNITS_SPEC.read(root.entries["units"].node, ("units",), context)
-        parts = list(values.values()) if isinstance(values, dict) else [INVALID]
-        parts += [each for part in parts if isinstance(part, list) for each in part]
-        if scratch.faults or INVALID in parts:  # what the parser refused is no fault of the scratch report
-            return None
-        units = Units(values["length"], values["stress"], tuple(values["origin"]) if "origin" in values else None)
-    return units
 
 
 def _built(name: str, scene: Scene) -> model.Case:
     """The frozen case of a scene that has no faults: its resolved mapping is all SI and checked."""
     resolved = scene.resolved
-    return made(
+    output, points = resolved["output"], resolved["output"].get("points", {}).items()
+    return FORMAT.made(
         model.Case,
         resolved,
         name=name,
         bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
         cracks=tuple(_crack(scene, key, crack) for key, crack in resolved["cracks"].items()),
-        interfaces=tuple(_interface(scene, interface) for interface in resolved["interfaces"]),
-        supports=tuple(_support(scene, index, support) for index, support in enumerate(resolved["supports"])),
-        loads=tuple(_load(scene, index, load) for index, load in enumerate(resolved["loads"])),
+        interfaces=tuple(_interface(scene, its) for its in resolved["interfaces"]),
+        supports=tuple(_item(scene, "Support", ("supports", k), its) for k, its in enumerate(resolved["supports"])),
+        loads=tuple(_item(scene, "Load", ("loads", k), its) for k, its in enumerate(resolved["loads"])),
         loading=_loading(resolved),
-        output=_output(scene, resolved["output"]),
-        resolved=resolved,
+        output=FORMAT.made(
+            model.Output,
+            {**output, "fields": list(dict.fromkeys(output["fields"]))},
+            points=tuple(_item(scene, "HistoryPoint", ("output", "points", key), its, name=key) for key, its in points),
+        ),
         origin=scene.units.origin or (0.0, 0.0),
         moved=tuple(move for move in scene.moves if move.distance > scene.tolerance),
         cut=tuple(scene.cuts),
@@ -161,12 +147,12 @@ def _built(name: str, scene: Scene) -> model.Case:
 
 def _body(shape: BodyShape, body: Resolved) -> model.Body:
     rings = tuple(model.Ring(ring.points, ring.edge_names) for ring in shape.rings)
-    return made(model.Body, body, name=shape.name, rings=rings)
+    return FORMAT.made(model.Body, body, name=shape.name, rings=rings)
 
 
 def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
     tips, points = scene.tips_of(name), scene.cracks[name]
-    return made(
+    return FORMAT.made(
         model.Crack,
         crack,
         name=name,
@@ -179,40 +165,31 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
 
 
 def _interface(scene: Scene, interface: Resolved) -> model.Interface:
-    first, second = interface["between"]
-    lines = shared_lines(scene.bodies[first], scene.bodies[second], scene.tolerance)
-    return made(model.Interface, interface, lines=lines)
+    first, second = (scene.bodies[name] for name in interface["between"])
+    return FORMAT.made(model.Interface, interface, lines=shared_lines(first, second, scene.tolerance))
 
 
-def _support(scene: Scene, index: int, support: Resolved) -> model.Support:
-    if "at" in support:
-        return made(model.PointSupport, support)
-    region = scene.regions["supports", index, "on"]
-    return (
-        made(model.ContactSupport, support, region=region)
-        if "contact" in support
-        else made(model.EdgeSupport, support, region=region)
-    )
-
-
-def _load(scene: Scene, index: int, load: Resolved) -> model.Load:
-    if "traction" in load:
-        return made(model.EdgeTraction, load, region=scene.regions["loads", index, "on"])
-    if "on" in load:
-        return made(model.EdgePressure, load, region=scene.regions["loads", index, "on"])
-    if "far_field" in load:
-        return made(model.FarField, load, region=scene.regions["loads", index, "on"])
-    if "pressure" in load:
-        return made(model.FluidPressure, load, surface=_surface(load))
-    if "force" in load:
-        key = ("loads", index, "at")
-        return made(model.PointForce, load, body=scene.holders[key], point=scene.places[key])
-    return made(model.Gravity, load) if "gravity" in load else made(model.InSituStress, load)
-
-
-def _surface(item: Resolved) -> SurfaceName:
-    """The crack or the interface that is named."""
-    return crack_name(item["crack"]) if "crack" in item else SurfaceName("interface", tuple(item["interface"]))
+def _item(scene: Scene, kind: str, key: Path, item: Resolved, **others: Any) -> Any:
+    """A support, a load or a history point: an instance of the class that its form stands for."""
+    forms = {form: FORMAT.part(form) for form in FORMAT.declared[kind]}
+    its = next(form for form, spec in forms.items() if spec.required() <= item.keys() <= spec.fields.keys())
+    if (*key, "on") in scene.regions:
+        others["region"] = scene.regions[*key, "on"]
+    if "crack" in item or "interface" in item:
+        others["surface"] = (
+            crack_name(item["crack"]) if "crack" in item else SurfaceName("interface", tuple(item["interface"]))
+        )
+    if "at" in item:
+        at = (*key, "at")
+        others["point"] = scene.places[at] if at in scene.places else frozen(item["at"])
+        others |= {"body": scene.holders[at]} if at in scene.holders else {}
+    if "between" in item:
+        ends = [(*key, "between", end) for end in range(2)]
+        others |= {
+            "bodies": tuple(scene.holders[end] for end in ends),
+            "points": frozen([scene.places[end] for end in ends]),
+        }
+    return FORMAT.made(getattr(model, its.split()[0]), item, **others)
 
 
 def _loading(resolved: Resolved) -> model.Loading:
@@ -221,8 +198,7 @@ def _loading(resolved: Resolved) -> model.Loading:
         return model.StrengthReduction() if loading == REDUCTION else model.CriticalLoad()
     if "stages" in loading:
         return _stages(loading["stages"], resolved["loads"])
-    follow = loading.get("follow", EVENTS)
-    return model.LoadHistory(tuple(loading["history"]), None if follow == EVENTS else follow)
+    return FORMAT.made(model.LoadHistory, loading)
 
 
 def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:
@@ -233,27 +209,10 @@ def _stages(given: list[Resolved], loads: list[Resolved]) -> model.Stages:
     stages: list[model.Stage] = []
     for number, item in enumerate(given):
         own.update(item.get("loads", {}))
-        excavate, release = item.get("excavate", []), item.get("release", float("excavate" in item))
-        gone = dict(stage.excavated) | dict.fromkeys([excavate] if isinstance(excavate, str) else excavate, 0.0)
+        release = item.get("release", float("excavate" in item))
+        gone = dict(stage.excavated) | dict.fromkeys(item.get("excavate", []), 0.0)
         excavated = tuple((body, max(share, release)) for body, share in gone.items())
         factor = item.get("factor", stage.factor if number else 1.0)
         stage = model.Stage(item.get("name", f"stage {number}"), factor, tuple(own.items()), excavated)
         stages.append(stage)
-    return model.Stages(before, tuple(stages))
-
-
-def _output(scene: Scene, output: Resolved) -> model.Output:
-    points = tuple(_history_point(scene, name, point) for name, point in output.get("points", {}).items())
-    return made(model.Output, {**output, "fields": list(dict.fromkeys(output["fields"]))}, points=points)
-
-
-def _history_point(scene: Scene, name: str, point: Resolved) -> model.HistoryPoint:
-    key = ("output", "points", name)
-    if "between" in point:
-        ends = [(*key, "between", end) for end in range(2)]
-        first, second = (scene.holders[end] for end in ends)
-        return model.PointPair(name, (first, second), frozen([scene.places[end] for end in ends]))
-    place = scene.places[*key, "at"]
-    if "crack" in point or "interface" in point:
-        return made(model.FacePoint, point, name=name, surface=_surface(point), point=place)
-    return made(model.RockPoint, point, name=name, body=scene.holders[*key, "at"], point=place)
+    return model.Stages(before, tuple(stages), given={"stages": given})

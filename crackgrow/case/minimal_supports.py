@@ -9,8 +9,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.declared import made
-from crackgrow.case.format import MINIMAL
+from crackgrow.case.format import FORMAT, MINIMAL
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction, FarField
 from crackgrow.case.regions import ends_of
@@ -127,7 +126,7 @@ def _forces(scene: Scene, index: int, load: Resolved) -> Iterator[tuple[Floats, 
         kind: type[Any] = EdgePressure if "pressure" in load else FarField if "far_field" in load else EdgeTraction
         try:
             outward = np.repeat(outward_normals(step), GAUSS_POINTS, axis=0)
-            on_edge: EdgeLoad = made(kind, load, region=region)
+            on_edge: EdgeLoad = FORMAT.made(kind, load, region=region)
             yield places, lengths[:, None] * on_edge.traction_at(places, outward)
         except CaseError:
             return  # a formula without a value, which is told elsewhere

@@ -9,7 +9,7 @@ from typing import Final
 
 from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse, read_file
 from crackgrow.case.report import Path, Place, Report, clean, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, given
+from crackgrow.case.scalars import INVALID, Context, Schema, Schemas, Takes, given
 
 WORD_OR_MAPPING: Final = {("loading",): "", ("growth", "initiation"): "at"}
 """Keys that take a word or a mapping: with an override of a key inside, the word stands for this key, or gives way."""
@@ -66,24 +66,17 @@ def set_value(root: Table, parts: tuple[str, ...], value: Node, place: Place, re
                 node.entries[part] = Entry(place, Table({}, place), implied=True)
             node = node.entries[part].node
         elif isinstance(node, Listing):
-            index = _index(part, len(node.items))
-            if index is None:
+            if not re.fullmatch("[0-9]{1,9}", part) or int(part) >= len(node.items):
                 here = f"a list of {len(node.items)}, counted from 0; {quoted(part)} is none of its numbers"
                 report.fault(parts[: depth + 1], f"{'.'.join(parts[:depth])} is {here}", place)
                 return
             if last:
-                node.items[index] = value
-            node = node.items[index]
+                node.items[int(part)] = value
+            node = node.items[int(part)]
         elif not isinstance(node, Broken):
             here = clean(".".join(parts[:depth]))
             report.fault(parts[: depth + 1], f"{here} is the single value {quoted(node.text)}: no key inside it", place)
             return
-
-
-def _index(text: str, length: int) -> int | None:
-    if not re.fullmatch("[0-9]{1,9}", text):
-        return None
-    return int(text) if int(text) < length else None
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,6 +87,12 @@ class OfFile:
 
     def describe(self) -> str:
         return self.kind
+
+    def takes(self) -> Takes:
+        return Takes(self.kind)
+
+    def schema(self, _: Schemas) -> Schema:
+        return {"type": "object" if self.kind == "a mapping" else "string"}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Refuse an override: the base has been read by then."""

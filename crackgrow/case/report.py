@@ -5,8 +5,12 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from functools import cache
+from pathlib import Path as FilePath
+from typing import Any
 
-from crackgrow.case.synonyms import EXPLAINED, SYNONYMS
+import yaml
+
 from crackgrow.errors import CaseError, Fault
 
 Path = tuple[str | int, ...]
@@ -39,10 +43,18 @@ def dotted(path: Path) -> str:
     return ".".join(clean(str(part)) for part in path)
 
 
+@cache
+def words_elsewhere() -> dict[str, Any]:
+    """What users of other programs and of books write, as `synonyms.yaml` has it."""
+    text = FilePath(__file__).with_name("synonyms.yaml").read_text(encoding="utf-8")
+    found: dict[str, Any] = yaml.load(text, getattr(yaml, "CSafeLoader", yaml.SafeLoader))
+    return found
+
+
 def nearest(text: str, allowed: Iterable[str]) -> str | None:
     """Return the allowed word that `text` is another name for, or else the one that looks most like it."""
     known = {word.lower(): word for word in allowed}
-    for meant in SYNONYMS.get(text.lower(), ()):
+    for meant in words_elsewhere()["meant"].get(text.lower(), ()):
         if meant in known:
             return known[meant]
     near = difflib.get_close_matches(text[:SHOWN_LENGTH].lower(), list(known), n=1, cutoff=SIMILARITY)
@@ -58,8 +70,10 @@ def did_you_mean(text: str, allowed: Iterable[str]) -> str:
 
 def explained(text: str, allowed: Iterable[str]) -> str:
     """Return "; what to do instead" of a word that no allowed one stands for, or nothing."""
-    key, instead = EXPLAINED.get(text.lower(), ("", ""))
-    return f"; {instead}" if key in allowed else ""
+    for words, key, instead in words_elsewhere()["explained"]:
+        if text.lower() in words and key in allowed:
+            return f"; {instead}"
+    return ""
 
 
 @dataclass(slots=True)

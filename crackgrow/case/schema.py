@@ -1,21 +1,18 @@
-"""Specs of mappings and lists: the case format is one tree of these, `format.CASE`."""
+"""Specs of lists and mappings: the case format is one tree of specs, `format.CASE`."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Callable
 from collections.abc import Mapping as AnyMapping
 from copy import deepcopy
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
-from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest, quoted
-from crackgrow.case.scalars import INVALID, Context, Spec, refuse
-
-_NAME = re.compile(r"\w[\w-]{0,63}")
+from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
+from crackgrow.case.scalars import INVALID, Choice, Context, Measured, Schema, Schemas, Takes, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
+SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
 SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the number is told
 
 REQUIRED: Final = object()  # the key must be given
@@ -34,17 +31,66 @@ class Same:
 class Field:
     """One key of a mapping."""
 
-    spec: Spec
+    spec: Any
     doc: str  # one line for the user
     default: object = REQUIRED  # a plain SI value, `Same`, REQUIRED, OPTIONAL, BY_PARTS
     offered: bool = True  # whether messages name the key; else the program writes it
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
+    field: str = ""  # of the model that it is, if that has another name
 
-    @property
-    def default_value(self) -> dict[str, object]:
-        """The default, under that name, if it is a plain value."""
-        plain = self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same)
-        return {"default": self.default} if plain else {}
+    def schema(self, schemas: Schemas) -> Schema:
+        """What the key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
+        measured = isinstance(getattr(self.spec, "spec", self.spec), Measured)
+        found: Schema = {"description": f"{self.doc}: {self.spec.describe()}" if measured else self.doc}
+        if self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same):
+            found["default"] = self.default
+        accepted = schemas.of(self.spec)
+        return {**found, "allOf": [accepted]} if "$ref" in accepted else {**accepted, **found}
+
+
+@dataclass(frozen=True, slots=True)
+class ListOf:
+    """A list of values of one kind."""
+
+    spec: Any
+    length: int | None = None  # None: any up to `at_most`
+    at_most: int = MOST_ITEMS
+    alone: bool = False  # whether one item may stand in place of the list
+
+    def describe(self) -> str:
+        if self.alone:
+            return f"{self.spec.describe()}, or a list of them"
+        return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
+
+    def takes(self) -> Takes:
+        kind, units, allowed = self.spec.takes()
+        if self.alone:
+            return Takes(f"{kind}, or list of them", units, allowed)
+        if self.length and len(kind) <= SHORT:
+            return Takes(f"[{', '.join([kind] * self.length)}]", units, allowed)
+        return Takes(f"list of {self.length}, each {kind}" if self.length else f"list, each {kind}", units, allowed)
+
+    def schema(self, schemas: Schemas) -> Schema:
+        sized = {"minItems": self.length, "maxItems": self.length} if self.length else {"maxItems": self.at_most}
+        found = {"type": "array", "items": schemas.of(self.spec), **sized}
+        return {"anyOf": [schemas.of(self.spec), found]} if self.alone else found
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a list; faulty items are INVALID and keep their place."""
+        if not isinstance(node, Listing) and self.alone:
+            return [self.spec.read(node, path, context)]
+        if not isinstance(node, Listing):
+            return refuse(node, self.describe(), path, context)
+        if self.length is not None and len(node.items) != self.length:
+            message = f"a list of {len(node.items)} given; wanted: {self.describe()}"
+            return context.refused(path, message)
+        if len(node.items) > self.at_most:
+            return context.refused(path, f"a list of {len(node.items)} given; wanted: {self.at_most} at most")
+        values = []
+        for index, item in enumerate(node.items):
+            context.report.put((*path, index), item.place)
+            values.append(self.spec.read(item, (*path, index), context))
+        return values
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,23 +100,53 @@ class Mapping:
     fields: what each key takes, in the order of the resolved case.
     at_least_one: whether an empty mapping is a fault although no key is required.
     short: the key that a value stands for in place of the mapping; empty: none.
+    part: its name in the format.
+    read_as: of a vector, which is a list of all components or a mapping that may lack some: which of them it becomes.
     """
 
     fields: AnyMapping[str, Field]
     at_least_one: bool = False
     short: str = ""
+    part: str = ""
+    read_as: type | None = None
+
+    @property
+    def other(self) -> Any:
+        """The spec of what may be given in place of the mapping, if there is something."""
+        if self.read_as:
+            return ListOf(next(iter(self.fields.values())).spec, len(self.fields))
+        return self.fields[self.short].spec if self.short else None
 
     def describe(self) -> str:
-        word = f"{self.fields[self.short].spec.describe()}, or " if self.short else ""
+        word = f"{self.other.describe()}, or " if self.other else ""
         return f"{word}a mapping of {', '.join(self.offered())}"
+
+    def takes(self) -> Takes:
+        kind, *rest = self.other.takes() if self.other else ("",)
+        return Takes(f"{kind}, or mapping", *(rest if self.read_as else ())) if kind else Takes("mapping")
+
+    def schema(self, schemas: Schemas) -> Schema:
+        spelt = {key: [key, *(word for word in field.also if word != "true")] for key, field in self.fields.items()}
+        needed = [spelt[key] for key in self.fields if key in self.required()]
+        required = [names[0] for names in needed if len(names) == 1]
+        either = [{"required": [name]} for names in needed if len(names) > 1 for name in names]
+        found = {
+            "type": "object",
+            "properties": {name: self.fields[key].schema(schemas) for key, names in spelt.items() for name in names},
+            "additionalProperties": False,
+            **({"required": required} if required else {}),
+            **({"anyOf": either} if either else {}),
+            **({"minProperties": 1} if self.at_least_one else {}),
+        }
+        return {"anyOf": [schemas.of(self.other), found]} if self.other else found
 
     def offered(self) -> list[str]:
         """The keys that are named to users."""
         return [key for key, field in self.fields.items() if field.offered]
 
     def form(self) -> str:
-        """Write the keys that tell this mapping from others: those that must be given."""
-        return f"{{{', '.join(key for key in self.fields if key in self.required())}}}"
+        """Write the keys that tell this mapping from others: those that must be given, or all if none must."""
+        return f"{{{', '.join(key for key in self.fields if key in (self.required() or self.fields))}}}"
 
     def required(self) -> set[str]:
         """The keys that must be given."""
@@ -82,6 +158,11 @@ class Mapping:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
+        if self.read_as and isinstance(node, Listing):
+            listed: Any = self.other.read(node, path, context)
+            if self.read_as is list or listed is INVALID:
+                return listed
+            return dict(zip(self.fields, listed, strict=True))
         if self.short and self._is_short(node):
             node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
@@ -105,13 +186,13 @@ class Mapping:
                 values[key] = _default(wanted)
         if self.at_least_one and not any(key in self.fields for key in node.entries):
             context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
-        return values
+        return list(values.values()) if self.read_as is list else values
 
     def _is_short(self, node: Node) -> bool:
         """Whether a node stands for the value of the `short` key."""
-        if isinstance(self.fields[self.short].spec, ListOf):
-            return isinstance(node, Listing)
-        return isinstance(node, Scalar) and not node.is_null
+        if isinstance(self.fields[self.short].spec, Measured | Choice):
+            return isinstance(node, Scalar) and not node.is_null
+        return isinstance(node, Listing)
 
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""
@@ -152,9 +233,8 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
 
 def _default(wanted: Field) -> object:
     if wanted.default is BY_PARTS:
-        if not isinstance(wanted.spec, Mapping):
-            raise TypeError("BY_PARTS is for mappings")
-        return wanted.spec.defaults()
+        parts: Mapping = getattr(wanted.spec, "spec", wanted.spec)
+        return parts.defaults()
     return deepcopy(wanted.default)
 
 
@@ -163,9 +243,17 @@ class OneOf:
     """One of several mappings, told apart by the keys that are given."""
 
     forms: tuple[Mapping, ...]
+    part: str = ""  # its name in the format
 
     def describe(self) -> str:
         return " or ".join(form.describe() for form in self.forms)
+
+    def takes(self) -> Takes:
+        short = [form.takes().kind for form in self.forms if form.short]
+        return Takes((short or ["mapping"])[0], "", f"with {' or '.join(form.form() for form in self.forms)}")
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return {"anyOf": [schemas.of(form) for form in self.forms]}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the value of the form that is given."""
@@ -177,7 +265,8 @@ class OneOf:
         known, node = list(every), _respelt(node, every)
         free = [key for key in known if key not in node.entries]
         given = node.entries.keys() & every.keys()
-        matches = [form for form in self.forms if given and given <= form.fields.keys()]
+        may_match = self.forms if given else [form for form in self.forms if not node.entries and not form.required()]
+        matches = [form for form in may_match if given <= form.fields.keys()]
         if len(matches) > 1:  # a misspelt key may tell them apart, but never chooses a form alone
             meant = given | ({nearest(key, free) for key in node.entries.keys() - given} - {None})
             matches = [form for form in matches if meant <= form.fields.keys()]
@@ -185,13 +274,16 @@ class OneOf:
             matches = whole if len(whole) == 1 else matches
         if len(matches) == 1:
             return matches[0].read(node, path, context)
+        either = f"give either {' or '.join(form.form() for form in self.forms)}"
         for key, entry in node.entries.items():
             if key not in known:
-                message = f"unknown key; allowed: {', '.join(known)}{did_you_mean(key, free)}"
+                allowed = f"allowed: {', '.join(known)}" if given else either
+                message = f"unknown key; {allowed}{did_you_mean(key, free)}"
                 context.report.fault((*path, key), message, entry.place)
-        either = f"give either {' or '.join(form.form() for form in self.forms)}"
         odd = self._odd(node) if len(given) > 1 and not matches else None
-        if odd is None:
+        if odd is None and node.entries and not given:
+            context.report.doubt(path)  # that none of its keys is one is told
+        elif odd is None:
             context.report.fault(path, either)
         else:
             others = [key for key in node.entries if key in given and key != odd]
@@ -217,121 +309,3 @@ def _instead(path: Path, key: str, node: Table) -> str:
     if node.entries[key].place.line is not None or not any(lines):
         return ""
     return f"; --set '{dotted(path)}={{{key}: ...}}' takes the place of all of them"
-
-
-@dataclass(frozen=True, slots=True)
-class Converted:
-    """What another spec reads, brought into another form."""
-
-    spec: Spec
-    convert: Callable[[object, Path, Context], object]
-
-    def describe(self) -> str:
-        return self.spec.describe()
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the converted value, INVALID if any part of it is."""
-        value = self.spec.read(node, path, context)
-        return self.convert(value, path, context) if context.report.sound(*path) else value
-
-
-@dataclass(frozen=True, slots=True)
-class ListOf:
-    """A list of values of one kind."""
-
-    spec: Spec
-    length: int | None = None  # None: any up to `at_most`
-    at_most: int = MOST_ITEMS
-
-    def describe(self) -> str:
-        return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return a list; faulty items are INVALID and keep their place."""
-        if not isinstance(node, Listing):
-            return refuse(node, self.describe(), path, context)
-        if self.length is not None and len(node.items) != self.length:
-            message = f"a list of {len(node.items)} given; wanted: {self.describe()}"
-            return context.refused(path, message)
-        if len(node.items) > self.at_most:
-            return context.refused(path, f"a list of {len(node.items)} given; wanted: {self.at_most} at most")
-        values = []
-        for index, item in enumerate(node.items):
-            context.report.put((*path, index), item.place)
-            values.append(self.spec.read(item, (*path, index), context))
-        return values
-
-
-@dataclass(frozen=True, slots=True)
-class OneOrList:
-    """A single value or a list of them."""
-
-    spec: Spec
-
-    def describe(self) -> str:
-        return f"{self.spec.describe()}, or a list of them"
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the value or the list."""
-        return (ListOf(self.spec) if isinstance(node, Listing) else self.spec).read(node, path, context)
-
-
-@dataclass(frozen=True, slots=True)
-class Components:
-    """A vector as a list [x, y], or as a mapping of x and y; resolved cases hold one of the two forms."""
-
-    mapping: Mapping  # of x and y; one that may be left out can be left out in the mapping alone
-    as_list: bool  # the form in resolved cases
-
-    @property
-    def listing(self) -> ListOf:
-        """The list of all components."""
-        return ListOf(next(iter(self.mapping.fields.values())).spec, len(self.mapping.fields))
-
-    def describe(self) -> str:
-        return f"{self.listing.describe()}, or {self.mapping.describe()}"
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the components, as a list or as a dict."""
-        if not isinstance(node, Listing | Table):
-            return refuse(node, self.describe(), path, context)
-        value = (self.listing if isinstance(node, Listing) else self.mapping).read(node, path, context)
-        if self.as_list and isinstance(value, dict):
-            return list(value.values())
-        if not self.as_list and isinstance(value, list):
-            return dict(zip(self.mapping.fields, value, strict=True))
-        return value
-
-
-@dataclass(frozen=True, slots=True)
-class Named:
-    """Things under names of the user's choice."""
-
-    thing: str
-    spec: Spec
-    at_most: int = MOST_ITEMS
-    any_name: bool = False  # whether names are those of another file, whatever they are
-
-    def describe(self) -> str:
-        return f"a mapping of names, each a {self.thing}"
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return a dict of the values in file order."""
-        if not isinstance(node, Table):
-            return refuse(node, self.describe(), path, context)
-        if len(node.entries) > self.at_most:
-            return context.refused(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
-        values: dict[str, object] = {}
-        for name, entry in node.entries.items():
-            inner = (*path, name)
-            context.report.put(inner, entry.place)
-            if entry.implied:
-                known = [other for other, its in node.entries.items() if not its.implied]
-                message = f"the case has no {self.thing} {quoted(name)}; it has: {', '.join(known) or 'none'}"
-                context.report.fault(inner, message + did_you_mean(name, known), entry.place)
-            elif not (self.any_name or _NAME.fullmatch(name)):
-                message = f"{quoted(name)} is not a name; use letters, digits, _ and -, 64 at most"
-                context.report.fault(inner, message, entry.place)
-            else:
-                values[name] = self.spec.read(entry.node, inner, context)
-        return values

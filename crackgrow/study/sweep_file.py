@@ -6,27 +6,33 @@ import math
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final, Literal
 
-from crackgrow.case.declared import Doc, made, mapping_of, written
+from crackgrow.case.declared import format_of
 from crackgrow.case.reader import Table, read_file
 from crackgrow.case.report import Path as KeyPath
 from crackgrow.case.report import Place, Report, did_you_mean
-from crackgrow.case.scalars import NOT_NEGATIVE, Bounds, Context, Integer, Text
-from crackgrow.case.schema import OPTIONAL, ListOf
+from crackgrow.case.scalars import Context
 from crackgrow.case.units import Units
 from crackgrow.study.values import KeyedValues, Listed, ParameterValues, Range, ValueText
 
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
 
 
+FORMAT: Final = format_of(
+    Path(__file__).with_name("sweep.yaml").read_text(encoding="utf-8"),
+    kinds={"parameters": KeyedValues(ParameterValues()), "settings": KeyedValues(ValueText())},
+    wrapped={},
+)
+
+
 @dataclass(frozen=True, slots=True)
 class Kept:
     """Which files each run keeps."""
 
-    frames: Annotated[Literal["every_step", "first_and_last", "none"], Doc("frames of each run")] = "none"
-    figures: Annotated[bool, Doc("pictures of each run")] = False
-    report: Annotated[bool, Doc("report.html of each run")] = False
+    frames: Literal["every_step", "first_and_last", "none"]
+    figures: bool
+    report: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,36 +41,20 @@ class SweepFile:
 
     path: Path
     places: AnyMapping[KeyPath, Place]  # of all keys
-    base: Annotated[Path, Text(), Doc("the case file, relative to the sweep file")]
-    parameters: Annotated[
-        AnyMapping[str, Listed | Range],
-        KeyedValues(ParameterValues()),
-        Doc("keys of the case, each with a list of values or {from, to, n, scale}"),
-    ]
-    settings: Annotated[
-        AnyMapping[str, str],
-        KeyedValues(ValueText()),
-        Doc("keys of the case with the values that all runs have", key="set", default={}),
-    ]
-    reference: Annotated[
-        AnyMapping[str, str],
-        KeyedValues(ValueText()),
-        Doc("keys of the case with finer values: each run is held against the same one with these", default={}),
-    ]
-    design: Annotated[Literal["grid", "zip", "latin_hypercube"], Doc("how values are combined")] = "grid"
-    samples: Annotated[int | None, Integer(Bounds(at_least=1, at_most=MOST_RUNS)), Doc("runs of a Latin hypercube")] = (
-        None
-    )
-    seed: Annotated[int, Integer(NOT_NEGATIVE), Doc("of the random numbers of a Latin hypercube", default=OPTIONAL)] = 0
-    output: Annotated[Kept, Doc("which files the runs keep")] = Kept()
-    responses: Annotated[tuple[str, ...] | None, ListOf(Text()), Doc("columns of the table that the picture shows")] = (
-        None
-    )
+    base: Path
+    parameters: AnyMapping[str, Listed | Range]
+    settings: AnyMapping[str, str]
+    reference: AnyMapping[str, str]
+    design: Literal["grid", "zip", "latin_hypercube"]
+    output: Kept
+    samples: int | None
+    responses: tuple[str, ...] | None
+    seed: int = 0
 
     @property
     def fixed(self) -> tuple[str, ...]:
         """Overrides that all runs have."""
-        kept = (f"output.{key}={str(value).lower()}" for key, value in written(self.output).items())
+        kept = (f"output.{key}={str(value).lower()}" for key, value in FORMAT.written(self.output).items())
         return (*kept, *(f"{key}={text}" for key, text in self.settings.items()))
 
 
@@ -80,7 +70,7 @@ def read_sweep_file(path: Path) -> SweepFile:
         sweep = f"a sweep has `base: {path.name}` and `parameters`, such as cases/sweeps/angle_friction.yaml"
         report.fault((), f"this is a case, not a sweep file: `crackgrow run {path}` runs it; {sweep}", root.place)
         raise report.error()
-    values: Any = mapping_of(SweepFile).read(root, (), Context(report, Units(), path.parent))
+    values: Any = FORMAT.part("SweepFile").read(root, (), Context(report, Units(), path.parent))
     base = path.parent / values["base"] if report.sound("base") else path
     if report.sound("base") and not base.is_file():
         names = sorted(file.name for file in base.parent.glob("*.yaml"))
@@ -93,7 +83,7 @@ def read_sweep_file(path: Path) -> SweepFile:
         _check_design(values, report)
     if report.faults:
         raise report.error()
-    return made(SweepFile, values, path=path, base=base, places=report.places)
+    return FORMAT.made(SweepFile, values, path=path, base=base, places=report.places)
 
 
 def _check_design(values: Any, report: Report) -> None:

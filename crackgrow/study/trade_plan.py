@@ -11,7 +11,8 @@ from typing import Final
 
 from crackgrow.case import Case
 from crackgrow.case.accuracy import TARGETS
-from crackgrow.case.declared import keys_of
+from crackgrow.case.dump import written
+from crackgrow.case.format import FORMAT
 from crackgrow.case.model import ContactNumerics, Numerics
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.tolerance import SAME_PART
@@ -70,7 +71,7 @@ def plan_trade(
         base = file.load()
     made = _settings(file, settings)
     asked = {name: accuracy_overrides(one.numerics.accuracy) for name, one in made.items()}
-    own = next((name for name, one in made.items() if one.resolved["numerics"] == base.resolved["numerics"]), OWN)
+    own = next((name for name, one in made.items() if written(one)["numerics"] == written(base)["numerics"]), OWN)
     cells = {**asked, **({} if own in asked else {OWN: ()})}
     shorter = {name: (*cells[own], *growth) for name, growth in _increments(file, base, increments).items()}
     names = [*cells, *shorter]
@@ -85,7 +86,7 @@ def plan_trade(
 
 def accuracy_overrides(accuracy: str | float) -> tuple[str, ...]:
     """All that a preset or a target sets or counts on, given as keys, which a case's own would win over otherwise."""
-    numerics, contact = keys_of(Numerics), keys_of(ContactNumerics)
+    numerics, contact = FORMAT.keys_of(Numerics), FORMAT.keys_of(ContactNumerics)
     return (
         f"numerics.accuracy={accuracy}",
         "numerics.spacing=auto",

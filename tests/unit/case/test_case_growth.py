@@ -51,7 +51,7 @@ def test_law_with_every_key_and_with_defaults(
 
 
 def test_defaults_of_the_law_are_in_the_resolved_case():
-    assert list(compression("cracks.flaw.contact.friction=0.3").resolved["cracks"]["flaw"]["contact"].items()) == [
+    assert list(compression("cracks.flaw.contact.friction=0.3").to_dict()["cracks"]["flaw"]["contact"].items()) == [
         ("friction", 0.3),
         ("cohesion", 0.0),
         ("tension", 0.0),

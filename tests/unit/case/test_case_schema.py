@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -12,18 +13,14 @@ import pytest
 import yaml
 from jsonschema import Draft7Validator
 
-from crackgrow.case.declared import keys_of, mapping_of
-from crackgrow.case.format import CRACK, LOAD, LOADING, SUPPORT
-from crackgrow.case.formula import OrFormula
+from crackgrow.case import model
+from crackgrow.case.composed import Named
+from crackgrow.case.format import CASE, FORMAT
 from crackgrow.case.json_schema import case_schema, schema_of
 from crackgrow.case.keys import case_keys
-from crackgrow.case.model import CoulombContact, Material, Numerics, Strength
 from crackgrow.case.reader import parse
-from crackgrow.case.report import Place, Report, nearest
+from crackgrow.case.report import Place, Report, nearest, words_elsewhere
 from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
-from crackgrow.case.schema import Named
-from crackgrow.case.spellings import PATH, REGION, SHAPE
-from crackgrow.case.synonyms import SYNONYMS
 from crackgrow.case.units import Units
 from tests.unit.case.scenes import CASES, fault, held, load, rectangle, with_body
 from tests.yaml12 import read_yaml12
@@ -68,38 +65,41 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
         (Quantity("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
         (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
          ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
-        (LOADING, ["critical", "{history: [1, -0.5]}", "{}", "[0.5, 1]"],
+        (CASE.fields["loading"].spec, ["critical", "{history: [1, -0.5]}", "{}", "[0.5, 1]"],
          ["crit", "{history: 1}", "{histry: [1]}", "[one]"]),
-        (mapping_of(Numerics),
+        ("Numerics",
          ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
           "{support: 2}"],
          ["{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
           "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
-        (mapping_of(CoulombContact), ["{friction: 0.3, cohesion: 0}", "{friction: 0.3}"],
+        ("CoulombContact", ["{friction: 0.3, cohesion: 0}", "{friction: 0.3}"],
          ["{cohesion: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
-        (CRACK, ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
+        ("Crack", ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
          ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
           "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
-        (PATH, ["{center: [0, 0], length: 3, angle: 30 deg}", "[[0, 0], [1, 2]]", "{spline: [[0, 0], [1, 2], [3, 2]]}",
+        ("Path", ["{center: [0, 0], length: 3, angle: 30 deg}", "[[0, 0], [1, 2]]",
+                  "{spline: [[0, 0], [1, 2], [3, 2]]}",
                 "{arc: {center: [0, 0], radius: 2, from: 90, to: -45 deg}}"],
          ["{center: [0, 0], length: 3}", "[0, 0]", "{arc: {center: [0, 0], radius: 2, from: 90}}"]),
-        (SHAPE, ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
+        ("Shape", ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
          ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dwg}", "{circle: 1}"]),
-        (REGION, ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
-        (OrFormula(), ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
+        ("Region", ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
+        (FORMAT.spec("formula of length"),
+         ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
          ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),
-        (SUPPORT, ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
+        ("Support", ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
                    "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],
          ["{at: [0, 0], displacement: {}}", "{at: [0, 0]}", '{at: [0, 0], displacement: {y: "0.09*z"}}',
           '{at: [0, 0], displacement: {y: "5"}}']),
-        (LOAD, ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
+        ("Load", ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
          ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
           "{crack: a, pressure: 1, held: 1}"]),
         (Named("crack", Number()), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
          ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}", '{"a\\u0301": 1}', '{"a\\u202e": 1}']),
     ],
 )  # fmt: skip
-def test_schema_and_reader_agree(spec: Spec, good: list[str], bad: list[str]):
+def test_schema_and_reader_agree(spec: Spec | str, good: list[str], bad: list[str]):
+    spec = FORMAT.part(spec) if isinstance(spec, str) else spec
     for judge in (reader_accepts, schema_accepts):
         assert [text for text in good if not judge(spec, text)] == []
         assert [text for text in bad if judge(spec, text)] == []
@@ -142,20 +142,30 @@ def test_every_key_is_described_and_every_quantity_tells_its_units():
     assert len(named["criterion"]["enum"]) == len(named["criterion"]["enumDescriptions"]) == 3
 
 
+def test_every_key_is_a_field_of_the_model_or_kept_as_it_is_given():
+    kept = {"Case": {"units", "materials", "laws", "base", "set"}, "Stage": {"excavate", "release"}}
+    for name in FORMAT.declared:
+        cls = getattr(model, name.split()[0], None)
+        if isinstance(cls, type) and not issubclass(cls, model.Drawn):
+            names = {field.name for field in fields(cls)}
+            lost = {key for key, its in FORMAT.keys_of(cls).items() if (its.field or key) not in names}
+            assert lost == kept.get(name, set()), name
+
+
 # --- other names of keys ---------------------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize(
     ("text", "allowed", "meant"),
     [
-        ("E", keys_of(Material), "young"),
-        ("nu", keys_of(Material), "poisson"),
-        ("rho", keys_of(Material), "density"),
-        ("phi", keys_of(Strength), "friction_angle"),
-        ("sigma_t", keys_of(Strength), "tension"),
-        ("K_Ic", keys_of(Strength), "toughness"),
-        ("mu", keys_of(CoulombContact), "friction"),
-        ("phi", keys_of(CoulombContact), "friction"),
+        ("E", FORMAT.part("Material").fields, "young"),
+        ("nu", FORMAT.part("Material").fields, "poisson"),
+        ("rho", FORMAT.part("Material").fields, "density"),
+        ("phi", FORMAT.part("Strength").fields, "friction_angle"),
+        ("sigma_t", FORMAT.part("Strength").fields, "tension"),
+        ("K_Ic", FORMAT.part("Strength").fields, "toughness"),
+        ("mu", FORMAT.part("CoulombContact").fields, "friction"),
+        ("phi", FORMAT.part("CoulombContact").fields, "friction"),
         ("circle", ("rectangle", "polygon", "disk"), "disk"),
         ("h", ("center", "width", "height"), "height"),
         ("h", ("support", "spacing"), "spacing"),
@@ -168,8 +178,9 @@ def test_other_names_mean_the_key_that_is_allowed(text: str, allowed: tuple[str,
 
 def test_every_meaning_is_a_key_or_word_of_the_format():
     keys = {part for key in case_keys() for part in key.name.split(".")}
-    assert {meant for several in SYNONYMS.values() for meant in several} - keys - {"none", "bonded"} == set()
-    assert [name for name in SYNONYMS if name != name.lower()] == []
+    meant = words_elsewhere()["meant"]
+    assert {word for several in meant.values() for word in several} - keys - {"none", "bonded"} == set()
+    assert [name for name in meant if name != name.lower()] == []
 
 
 FLAW = {"path": {"center": [2, 2], "length": 2, "angle": 30}, "contact": {"friction": 0.3, "cohesion": 0}}

@@ -56,7 +56,6 @@ def make_case(**output: Any) -> Case:
         growth=model.Growth(2, INCREMENT, "most_critical", "strength", "explicit", 0.002, True),
         numerics=model.Numerics(spacing=0.005, support=2.0, quadrature=3, contact=model.ContactNumerics(spacing=1.0)),
         output=model.Output(**settings),
-        resolved={},
     )
 
 

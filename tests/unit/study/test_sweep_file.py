@@ -81,7 +81,13 @@ parameters:
 set: {title: "a, b: [c]"}
 """
     cases = [run.case for run in plan_sweep(written(tmp_path, text)).runs]
-    assert [case.resolved["loads"][1]["traction"] for case in cases if case] == [[0, 1e8], [0, 1e8], [0, 9e7], [0, 9e7]]
+    tractions = [case.to_dict()["loads"][1]["traction"] for case in cases if case]
+    assert tractions == [
+        [0, 1e8],
+        [0, 1e8],
+        [0, 9e7],
+        [0, 9e7],
+    ]
     up = np.array([[0.0, 2.0]])
     held = [case.supports[2].displacement for case in cases if case and isinstance(case.supports[2], PointSupport)]
     assert held[0] == held[2] == (0.0, None)

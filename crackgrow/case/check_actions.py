@@ -1,15 +1,15 @@
-"""Whether supports stand on the bodies, agree and hold them; foundations lie where no other contact does."""
+"""Whether supports stand on the bodies, agree and hold them; loads act on what there is, with values where they act."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 import shapely
-from shapely import LineString, Point
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows_body, lines_of
 from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
@@ -19,17 +19,16 @@ from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
-FREE_MOTION = 1e-8  # singular values below this, of constraints scaled by the body's size, hold nothing
+FREE_MOTION = 1e-8  # displacements of held components, scaled by the body's size, below which a motion is free
+
+SAMPLES_ACROSS = 17  # places across a body at which the formula of a stress must have a value
 
 ALIKE = 1e-6
 """Of the largest displacement of both supports: two that differ by less are one."""
 
 
 def check_supports(scene: Scene) -> None:
-    """Report supports off the bodies, supports given twice, formulas without value and rigid motions left free.
-
-    Every support at a point gets the body that it holds.
-    """
+    """Report supports given twice, formulas without value and rigid motions left free."""
     _check_points(scene)
     _check_formulas(scene)
     settled = all(("supports", index, "on") in scene.regions for index, _ in scene.items("supports", "on"))
@@ -40,63 +39,34 @@ def check_supports(scene: Scene) -> None:
 
 
 def _check_points(scene: Scene) -> None:
-    """Report support points off the bodies or on a crack, and a component held twice at a point."""
+    """Report a component that is held twice at a point."""
     seen: list[tuple[int, str, Floats, set[str]]] = []
     for index, support in scene.items("supports", "at"):
-        point, components = np.array(support["at"]), set(support["displacement"])
-        where, key = scene.point(point), ("supports", index)
-        body = _body_at(scene, key, support, point)
-        for name, line in scene.cracks.items():
-            if len(line) > 1 and LineString(line).dwithin(Point(point), scene.tolerance):
-                message = f"{where} lies on crack '{name}', where the displacement has two values"
-                scene.report.fault((*key, "at"), message)
-        if body is None:
+        key, components = ("supports", index, "at"), set(support["displacement"])
+        if key not in scene.holders:
             continue
-        support["body"] = body
+        body, point = scene.holders[key], scene.places[key]
         for other, its_body, at, held in seen:
             twice = sorted(held & components)
             if twice and its_body == body and math.dist(point, at) <= scene.tolerance:
-                message = f"{' and '.join(twice)} at {where} is prescribed already by supports.{other}"
-                scene.report.fault((*key, "displacement"), message)
+                message = f"{' and '.join(twice)} at {scene.point(point)} is prescribed already by supports.{other}"
+                scene.report.fault(("supports", index, "displacement"), message)
                 break
         seen.append((index, body, point, components))
-
-
-def _body_at(scene: Scene, key: Path, support: Resolved, point: Floats) -> str | None:
-    """Return the body that a support holds, None if that cannot be told; report why."""
-    where = scene.point(point)
-    at = [name for name, body in scene.bodies.items() if body.polygon.dwithin(Point(point), scene.tolerance)]
-    if "body" in support:
-        name = str(support["body"])
-        if not knows_body(scene, (*key, "body"), name) or name not in scene.bodies:
-            return None
-        if name not in at:
-            scene.report.fault((*key, "at"), f"{where} is neither in nor on body '{name}'")
-            return None
-        return name
-    if not scene.complete:
-        return None
-    if not at:
-        names = list(scene.bodies)
-        off = f"body '{names[0]}'" if len(names) == 1 else f"any body: {', '.join(names)}"
-        scene.report.fault((*key, "at"), f"{where} is neither in nor on {off}")
-    elif len(at) > 1:
-        message = f"{where} lies on bodies {', '.join(at)}; say which one is held, such as body: {at[0]}"
-        scene.report.fault((*key, "at"), message)
-    return at[0] if len(at) == 1 else None
 
 
 def _check_formulas(scene: Scene) -> None:
     """Report displacements that have no finite value at the point, or at places along the sides of the region."""
     for index, support in scene.items("supports", "displacement"):
-        places = _places(scene, index)
-        for component, value in support["displacement"].items():
-            if places is not None:
-                check_formula(scene, ("supports", index, "displacement", component), value, places)
+        if (places := _places(scene, index)) is not None:
+            check_formula(scene, ("supports", index, "displacement"), support["displacement"], places)
 
 
-def check_formula(scene: Scene, key: Path, value: object, points: Floats) -> None:
-    """Report a formula that has no finite value at one of some points (n, 2) m."""
+def check_formula(scene: Scene, key: Path, value: Any, points: Floats) -> None:
+    """Report a formula, or those of several components, without a finite value at one of some points (n, 2) m."""
+    parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
+    for part, component in parts:
+        check_formula(scene, (*key, part), component, points)
     formula = component_of(value) if isinstance(value, str) else None
     if isinstance(formula, CoordinateFormula):
         _, nowhere = formula.values(points)
@@ -116,56 +86,27 @@ def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
 
 
 def _check_held(scene: Scene, body: BodyShape) -> None:
-    """Report the rigid motions that the supports leave free."""
-    motions = free_motions(body, _held_points(scene, body))
-    if motions.size:
-        scale = body.size / 2
-        free = " and ".join(_describe(scene, motion, body.center, scale) for motion in motions)
-        message = f"body '{body.name}' is free to move: {free}; it needs supports against that"
-        scene.report.fault(("supports",), message)
+    """Report the rigid motions that the supports leave free.
 
-
-def free_motions(body: BodyShape, held: list[tuple[Floats, int]]) -> Floats:
-    """Return the rigid motions, `(n, 3) float`, that displace no held component.
-
-    body: the body, whose centre is c and half size R
-    held: points and the component held there (0: x, 1: y)
-
-    A motion (a, b, w) displaces x by a - w (y - c_y) / R and y by b + w (x - c_x) / R. The first ones are pure
-    translations, the last one rotates if any does.
+    A motion (a, b, w) displaces x by a - w (y - c_y) / R and y by b + w (x - c_x) / R, about the body's centre c, with
+    R half its size. Rows are the displacements of held components.
     """
-    if not held:
-        return np.eye(3)
-    rows = []
-    for point, component in held:
-        dx, dy = (point - body.center) / (body.size / 2)
-        rows.append((1.0, 0.0, -dy) if component == 0 else (0.0, 1.0, dx))
-    free = _null_space(np.array(rows))
-    # Combine the basis so that only one motion turns: split off the null space of the rotation component.
-    if len(free) < 2:
-        return free
-    translations = _null_space(free[:, 2][None, :]) @ free
-    turning = free - (free @ translations.T) @ translations
-    turning = turning[[np.argmax(np.abs(turning[:, 2]))]]
-    return np.vstack([translations, turning]) if len(translations) < len(free) else translations
-
-
-def _null_space(A: Floats) -> Floats:
-    """Return an orthonormal basis, as rows, of the vectors that A maps to zero."""
-    n = A.shape[1]
-    _, singular, Vt = np.linalg.svd(np.vstack([A, np.zeros((n, n))]), full_matrices=False)
-    rank = int(np.sum(singular > FREE_MOTION * max(1.0, float(singular.max()))))
-    return np.asarray(Vt[rank:], dtype=float)
-
-
-def _held_points(scene: Scene, body: BodyShape) -> list[tuple[Floats, int]]:
-    held = []
+    held, R = [np.zeros(3)], body.size / 2
     for index, support in scene.items("supports", "displacement"):
-        name = support["body"] if "at" in support else support["on"]["body"]
+        name = scene.holders["supports", index, "at"] if "at" in support else support["on"]["body"]
         places = _places(scene, index, ENDS) if name == body.name else None
-        if places is not None:
-            held += [(place, "xy".index(component)) for component in support["displacement"] for place in places]
-    return held
+        for dx, dy in [] if places is None else (places - body.center) / R:
+            rows = {"x": np.array([1.0, 0.0, -dy]), "y": np.array([0.0, 1.0, dx])}
+            held += [rows[component] for component in support["displacement"]]
+    A = np.array(held)
+    free = [f"translation in {axis}" for column, axis in enumerate("xy") if not A[:, column].any()]
+    a, b = np.linalg.lstsq(A[:, :2], -A[:, 2], rcond=None)[0]  # of the turn by w = 1 that comes nearest to free
+    if np.abs(A @ [a, b, 1.0]).max() <= FREE_MOTION:
+        about = body.center + R * np.array([-b, a])
+        free.append(f"rotation about {scene.point(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
+    if free:
+        message = f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
+        scene.report.fault(("supports",), message)
 
 
 def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
@@ -175,15 +116,6 @@ def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
         return np.array([support["at"]])
     region = scene.regions.get(("supports", index, "on"))
     return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
-
-
-def _describe(scene: Scene, motion: Floats, center: Floats, scale: float) -> str:
-    """Say which rigid motion this is."""
-    a, b, w = (float(part) for part in np.where(np.abs(motion) < FREE_MOTION, 0.0, motion))
-    if w:
-        x, y = center + np.array([-b, a]) / w * scale
-        return f"rotation about {scene.point(np.where(np.abs([x, y]) < FREE_MOTION * scale, 0.0, [x, y]))}"
-    return f"translation in {'x' if a else 'y'}"  # never oblique: supports hold x or y
 
 
 def check_foundations(scene: Scene) -> None:
@@ -272,3 +204,35 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
                 start, end = sides[side]
                 found.append([start + share * (end - start) for share in (low, high)])
     return sampled(np.array(found)) if found else np.empty((0, 2))
+
+
+def check_loads(scene: Scene) -> None:
+    """Report loads on what the case does not have, or without a value where they act."""
+    for index, load in scene.listed("loads"):
+        key: Path = ("loads", index)
+        if scene.report.sound(*key) and (places := _loaded_places(scene, key, load)) is not None:
+            for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
+                check_formula(scene, (*key, kind), load[kind], places)
+
+
+def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
+    """Places (n, 2) m where a load may vary, None where they are not known; reports what it cannot act on."""
+    if region := scene.regions.get((*key, "on")):
+        return sampled(ends_of(scene.bodies[region.body], region))
+    if "gravity" in load or "stress" in load:
+        known = knows_body(scene, (*key, "body"), load["body"]) and load["body"] in scene.bodies
+        return _places_in(scene.bodies[load["body"]]) if known and "stress" in load else None
+    lines = lines_of(scene, key, load) if "crack" in load or "interface" in load else ()
+    bonded = [set(its["between"]) for _, its in scene.items("interfaces", "between") if its["contact"] == "bonded"]
+    if set(load.get("interface", ())) in bonded:
+        why = "no fluid gets between faces that never part; give it a law of contact"
+        scene.report.fault((*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}")
+    ends = [np.stack([points[:-1], points[1:]], axis=1) for points in lines]
+    return sampled(np.concatenate(ends)) if ends else None
+
+
+def _places_in(body: BodyShape) -> Floats:
+    """Places (n, 2) m on the rim of a body and in it."""
+    low, high = body.sides.reshape(-1, 2).min(axis=0), body.sides.reshape(-1, 2).max(axis=0)
+    inside = low + (np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T + 0.5) / SAMPLES_ACROSS * (high - low)
+    return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])

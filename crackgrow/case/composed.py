@@ -1,0 +1,181 @@
+"""Specs that are made of others: words or something else, things under names, what stands for or becomes of them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+from crackgrow.case.reader import Node, Scalar, Table
+from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.scalars import (
+    INVALID,
+    Choice,
+    Context,
+    Measured,
+    Quantity,
+    Schema,
+    Schemas,
+    Share,
+    Takes,
+    given,
+    refuse,
+)
+from crackgrow.case.schema import MOST_ITEMS, Mapping, OneOf
+from crackgrow.case.units import is_number
+
+CONSTANTS: Final = ("true", "false", "null")  # of YAML
+
+_BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
+_NAME: Final = re.compile(r"\w[\w-]{0,63}")
+_NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
+_NAMES: Final = {"title": "name", "pattern": rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"}
+
+
+def core(spec: Any) -> Mapping | OneOf | None:
+    """The mapping, or the forms of one, inside of a spec, or None."""
+    if isinstance(spec, Mapping | OneOf):
+        return spec
+    inner = getattr(spec, "spec", None)
+    return core(inner) if inner is not None else None
+
+
+@dataclass(frozen=True, slots=True)
+class WordOr:
+    """One of a few words, or else what another spec allows."""
+
+    words: tuple[str, ...]
+    spec: Any
+    docs: tuple[str, ...] = ()  # a line about each of the words
+
+    def describe(self) -> str:
+        return f"{' | '.join(self.words)} | {self.spec.describe()}"
+
+    def takes(self) -> Takes:
+        kind, units, allowed = self.spec.takes()
+        words = Choice(self.words, self.docs).takes().allowed
+        return Takes(f"word or {kind}", units, ", or ".join(filter(None, (words, allowed))))
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return {"anyOf": [Choice(self.words, self.docs).schema(schemas), schemas.of(self.spec)]}
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the word or the other spec's value."""
+        measured = self.spec if isinstance(self.spec, Measured) else None
+        if not isinstance(node, Scalar):
+            return self.spec.read(node, path, context)
+        if node.text in self.words:
+            return node.text
+        begins = node.text.strip()[:1] in _BEGIN_OF_NUMBER
+        if measured and ((node.plain and is_number(node.text)) or (begins and isinstance(measured, Quantity | Share))):
+            return measured.read(node, path, context)
+        note = measured.note if measured and begins else ""
+        message = f"{given(node)} given; wanted: {self.describe()}{note}{did_you_mean(node.text, self.words)}"
+        return context.refused(path, message)
+
+
+@dataclass(frozen=True, slots=True)
+class Converted:
+    """What another spec reads, brought into another form."""
+
+    spec: Any
+    convert: Callable[[object, Path, Context], object] = lambda value, path, context: value
+
+    def describe(self) -> str:
+        return str(self.spec.describe())
+
+    def takes(self) -> Takes:
+        found: Takes = self.spec.takes()
+        return found
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return schemas.of(self.spec)
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the converted value, INVALID if any part of it is."""
+        value = self.spec.read(node, path, context)
+        return self.convert(value, path, context) if context.report.sound(*path) else value
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Things under names of the user's choice."""
+
+    thing: str
+    spec: Any
+    at_most: int = MOST_ITEMS
+    any_name: bool = False  # whether names are those of another file, whatever they are
+    other_words: tuple[str, ...] | None = None  # what is no name of a thing that other keys refer to; None: none does
+
+    def describe(self) -> str:
+        return f"a mapping of names, each a {self.thing}"
+
+    def takes(self) -> Takes:
+        kind, units, _ = self.spec.takes()
+        return Takes(f"{self.thing} by name", units, "" if core(self.spec) else f"each: {kind}")
+
+    def schema(self, schemas: Schemas) -> Schema:
+        names = {} if self.any_name else {"propertyNames": schemas.named("name", lambda: _NAMES)}
+        inner = schemas.of(self.spec)
+        return {"type": "object", **names, "maxProperties": self.at_most, "additionalProperties": inner}
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a dict of the values in file order."""
+        if not isinstance(node, Table):
+            return refuse(node, self.describe(), path, context)
+        if len(node.entries) > self.at_most:
+            return context.refused(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
+        values: dict[str, object] = {}
+        taken = () if self.other_words is None else (*self.other_words, *CONSTANTS)
+        if taken:
+            context.defined[str(path[-1])] = {name: entry.node for name, entry in node.entries.items()}
+        for name, entry in node.entries.items():
+            inner = (*path, name)
+            context.report.put(inner, entry.place)
+            if entry.implied:
+                known = [other for other, its in node.entries.items() if not its.implied]
+                message = f"the case has no {self.thing} {quoted(name)}; it has: {', '.join(known) or 'none'}"
+                context.report.fault(inner, message + did_you_mean(name, known), entry.place)
+            elif not (self.any_name or _NAME.fullmatch(name)):
+                message = f"{quoted(name)} is not a name; use letters, digits, _ and -, 64 at most"
+                context.report.fault(inner, message, entry.place)
+            else:
+                values[name] = self.spec.read(entry.node, inner, context)
+            if name in taken:
+                message = f"{quoted(name)} is no name here: these words mean something else: {', '.join(taken)}"
+                context.report.fault(inner, message)
+        return values
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A thing that is written out, or the name of one that is defined; the value is the thing."""
+
+    where: str  # the key that holds the definitions
+    spec: Any  # of what is written out
+
+    def describe(self) -> str:
+        return f"{self.spec.describe()}, or a name from `{self.where}`"
+
+    def takes(self) -> Takes:
+        kind, units, allowed = self.spec.takes()
+        return Takes(f"{kind}, or a name from {self.where}", units, allowed)
+
+    def schema(self, schemas: Schemas) -> Schema:
+        name = {"title": f"reference (to {self.where})", "type": ["string", "number"], "allOf": [_NAMES]}
+        return {"anyOf": [schemas.of(self.spec), schemas.named(f"from {self.where}", lambda: name)]}
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the thing; faults that are found in it later stand in the lines of its definition."""
+        words = self.spec.words if isinstance(self.spec, WordOr) else ()
+        if not isinstance(node, Scalar) or node.is_null or node.text in words:
+            return self.spec.read(node, path, context)
+        known = context.defined.get(self.where, {})
+        if node.text not in known:
+            has = f"`{self.where}` has: {', '.join(known) or 'none'}{did_you_mean(node.text, [*known, *words])}"
+            return context.refused(path, f"{quoted(node.text)} given; wanted: {self.describe()}; {has}")
+        if not context.report.sound(self.where, node.text):
+            context.report.doubt(path)  # its faults are reported where it is defined
+            return INVALID
+        return self.spec.read(known[node.text], path, context)
