@@ -74,7 +74,7 @@ class ActiveEquations:
     def beside(self, active: ActiveSet, most: float) -> Floats | None:
         """All unknowns (2 n + l,) with the equations of another active set, by a low-rank update of the factors.
 
-        None where more than a share `most` of the points have other equations, and where these or those are singular.
+        None where more than a share `most` of the points have other equations, and where those here are singular.
         With residuals r of these points S the unknowns are x + P r: r is such that S fulfil the other equations
         (Sherman, Morrison, Woodbury; Golub, Van Loan, equation (2.1.4)).
         """
