@@ -19,7 +19,6 @@ STANDARD: Final = "standard"
 TARGETS: Final[Mapping[str, float]] = {"draft": 0.03, STANDARD: 0.01, "fine": 0.002}
 """What the error estimate of K, or of the goal, may be, over its largest value."""
 
-MOST_ASKED_FOR: Final = 11  # refinement levels by hand; a run takes as many as it needs
 LEVELS_OF_SPACING: Final = 12  # levels that an automatic spacing counts on; the others are for what is smaller there
 FEWEST, MOST = 0.6, 2.0  # parts of CELLS that a run begins with for 3 % and for less than 1 %: it refines where needed
 

@@ -41,11 +41,11 @@ def check_supports(scene: Scene) -> None:
 def _check_points(scene: Scene) -> None:
     """Report a component that is held twice at a point."""
     seen: list[tuple[int, str, Floats, set[str]]] = []
-    for index, support in scene.items("supports", "at"):
-        key, components = ("supports", index, "at"), set(support["displacement"])
+    for index, support in scene.listed("supports"):
+        key = ("supports", index, "at")
         if key not in scene.holders:
             continue
-        body, point = scene.holders[key], scene.places[key]
+        body, point, components = scene.holders[key], scene.places[key], set(support["displacement"])
         for other, its_body, at, held in seen:
             twice = sorted(held & components)
             if twice and its_body == body and math.dist(point, at) <= scene.tolerance:

@@ -52,8 +52,9 @@ def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, 
 
     `gone` are the bodies taken out so far, with what is released; those of the stage are added.
     """
-    names, at = stage.get("excavate", []), (*key, "excavate")
-    for name in names:
+    names, whole = stage.get("excavate", []), (*key, "excavate")
+    for index, name in enumerate(names):
+        at = (*whole, index) if (*whole, index) in scene.report.places else whole  # a body alone is no item of a list
         cracks = [crack for crack, host in scene.hosts.items() if host == name]
         if name in gone:
             scene.report.fault(at, f"body '{name}' is gone already")
@@ -65,7 +66,7 @@ def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, 
             scene.report.fault(at, message)
         gone[name] = 0.0
     if names and not named(scene.resolved, "bodies").keys() - gone.keys():
-        scene.report.fault((*key, "excavate"), "no body is left")
+        scene.report.fault(whole, "no body is left")
     least = min(gone.values(), default=1.0)
     release = stage.get("release", 1.0 if names else least)
     if "release" in stage and least == 1.0:

@@ -200,6 +200,9 @@ def lines_of(scene: Scene, key: Path, item: Resolved) -> tuple[Floats, ...]:
     first, second = item["interface"]
     if not scene.report.sound("interfaces"):  # one with a fault may be the one that is meant
         return ()
+    are_bodies = [knows_body(scene, (*key, "interface", end), name) for end, name in enumerate(item["interface"])]
+    if not all(are_bodies):
+        return ()
     given = [set(its["between"]) for _, its in scene.items("interfaces", "between")]
     if {first, second} not in given:
         known_ones = ", ".join(" and ".join(sorted(pair)) for pair in given) or "none"

@@ -13,6 +13,7 @@ from crackgrow.case.format import CASE
 
 NAME: Final = "NAME"  # stands for a name of the user's choice
 NUMBER: Final = "N"  # stands for the number of an item of a list, from 0
+BY_FORM: Final = "by form"  # the default of a key that belongs to some forms of a mapping, and is required there
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,14 +36,17 @@ def case_keys(spec: Any = CASE) -> list[Key]:
 
 
 def _keys(spec: Any, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
+    forms = spec.forms if isinstance(spec, specs.OneOf) else ()
     for name, field in _fields(spec):
         full = before + name
         inner = core(field.spec)
         step = _step(field.spec)
         first, its_step = known.setdefault(id(inner), (full, step)) if inner is not None else (full, step)
         same = first if step == its_step else f"{first}{its_step}".rstrip(".")
+        of_all = all(name in form.fields for form in forms)
+        default = _default(field) if of_all or field.default is not specs.REQUIRED else BY_FORM
         like, takes = "" if first == full else same, field.spec.takes()
-        yield Key(full, field.doc, takes.kind, takes.units, _default(field), takes.allowed, like)
+        yield Key(full, field.doc, takes.kind, takes.units, default, takes.allowed, like)
         if inner is not None:
             yield from _keys(inner, full + step, known)
 

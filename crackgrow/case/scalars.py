@@ -203,8 +203,6 @@ class Bounds:
 
 
 ANY: Final = Bounds()
-POSITIVE: Final = Bounds(above=0)
-NOT_NEGATIVE: Final = Bounds(at_least=0)
 
 
 class Measured:

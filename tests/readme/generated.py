@@ -44,7 +44,6 @@ SHORTER: Final = (
 FIRST: Final = ("new", "check", "run", "render", "compare", "explain")
 """Commands that matter first."""
 
-BY_FORM: Final = "by form"
 FOLDED: Final = ("traction", "displacement", "columns")
 """Mappings whose keys have no rows of their own."""
 
@@ -88,7 +87,7 @@ def keys() -> str:
         for key in found:
             takes, meaning = takes_of(key), key.doc.replace(", [x, y]", "")
             told = key.name.removeprefix(before) if "." in key.name else key.name
-            default = "-" if key.default in NO_DEFAULT else BY_FORM if of_a_form(key.name) else key.default
+            default = "-" if key.default in NO_DEFAULT else key.default
             if key.name.rpartition(".")[0].endswith(FOLDED):
                 continue
             if key.name == name and takes == "mapping" and default == "-":
@@ -115,14 +114,6 @@ def takes_of(key: Key) -> str:
     for pattern, words in SHORTER:
         takes = re.sub(pattern, words, takes)
     return takes
-
-
-def of_a_form(name: str) -> bool:
-    """Whether a key belongs to some of the forms that a mapping takes."""
-    allowed = {key.name: key.allowed for key in case_keys()}
-    forms = re.findall(r"\{(.*?)\}", allowed.get(re.sub(r"(\.N|\.NAME)?\.\w+$", "", name), ""))
-    has = [name.rpartition(".")[2] in form.split(", ") for form in forms]
-    return any(has) and not all(has)
 
 
 def presets() -> str:
