@@ -130,9 +130,9 @@ def shade(axes: Axes, frame: DrawnFrame, points: Floats, values: Floats, norm: N
     """Fill a frame's cells, its points drawn at `points` (n, 2), with their colours or those between their points."""
     n, cells = len(points), frame.cells
     middle = np.broadcast_to(n + np.arange(len(cells))[:, None], cells.shape)
-    corners = np.stack([cells, np.roll(cells, -1, axis=1), middle], axis=2).reshape(-1, 3)
-    own = corners[:, 0] != corners[:, 1]  # of triangles, whose last corner comes twice, three of four parts
-    corners, of_cell = corners[own], np.repeat(np.arange(len(cells)), 4)[own]
+    parts, whole = np.stack([cells, np.roll(cells, -1, axis=1), middle], axis=2), cells[:, 2] == cells[:, 3]
+    corners = np.concatenate([cells[whole, :3], parts[~whole].reshape(-1, 3)])  # triangles have their last one twice
+    of_cell = np.concatenate([np.flatnonzero(whole), np.repeat(np.flatnonzero(~whole), 4)])
     points = np.concatenate([points, points[cells].mean(axis=1)])
     last = np.append(frame.above(), np.zeros(len(cells), dtype=bool))[corners].any(axis=1)
     ends = points[np.stack([corners, np.roll(corners, -1, axis=1)], axis=2)]

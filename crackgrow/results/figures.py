@@ -24,10 +24,11 @@ from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.report.charts import Chart, load_curves, stress_strain
-from crackgrow.results.style import in_rows, own_style, with_bar
+from crackgrow.results.style import has_bar_beside, in_rows, own_style, with_bar
 from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
+LONG_SIDE = 7.0  # inches, of the specimen
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
@@ -41,7 +42,12 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     Raises OutputError.
     """
     case = case_on_map(case)
-    figure, axes, length = on_specimen(*extent(case))
+    low, high = extent(case)
+    figure, axes, length = on_specimen(low, high)
+    width, height = LONG_SIDE * (high - low) / (high - low).max()  # title and colour bar have as much room at any size
+    beside, below = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), (width + 1.0, max(height, 0.7) + 2.4)
+    figure.set_size_inches(beside if has_bar_beside(*np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)) else below)
+    figure.set_dpi(DPI)
     for body in case.bodies:
         axes.add_patch(PathPatch(body_path(body, 1.0 / length), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     last = max((int(crack.steps.max()) for crack in cracks), default=0)

@@ -20,7 +20,7 @@ if TYPE_CHECKING:  # this module is on the command line's way to --version: no n
     from crackgrow.run.result import Event, StepResult, TipResult
 
 
-MOST_TIPS = 3  # that a line tells of
+MOST_TIPS = 3  # that a line tells of; run.log has all
 FIRST_LINE = re.compile(rb" *\d+\.\d\d s  crackgrow \S+, case ")
 
 BAR_WIDTH = 20
@@ -82,16 +82,18 @@ def load_words(case: Case, factor: float) -> str:
     return f"load factor {factor:.4g}"
 
 
-def told_line(result: StepResult, case: Case, K_scale: float = 0.0) -> str:
+def told_line(result: StepResult, case: Case, K_scale: float = 0.0, *, logged: bool = False) -> str:
     """One line on a solved step: its load, how critical it is, the tips that advanced or else the largest K, length.
 
     K has at least the unit in which `K_scale` (Pa sqrt(m)) is read easily.
+
+    logged: for run.log, which names all of those tips, says of every step if none has advanced, and what it took
     """
     n_steps = case.growth.steps if case.growth else None
     shown = [tip for tip in result.tips if tip.advanced]
     words = [step_label(result.step, n_steps), load_words(case, result.load_factor), *criticality_words(result)]
     if not shown:
-        if result.tips and n_steps is not None and result.step < n_steps:  # else none is to advance
+        if logged or (result.tips and n_steps is not None and result.step < n_steps):  # else none is to advance
             words.append("no tip advanced")
         if result.start is not None:
             at, start = place_text(result.start.point), result.start
@@ -99,17 +101,21 @@ def told_line(result: StepResult, case: Case, K_scale: float = 0.0) -> str:
         known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
         sizes = [0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}") for tip in known]  # not round-off
         shown = [known[sizes.index(max(sizes))]] if known else []
-    words += [*cut([_tip_words(tip, K_scale) for tip in shown], MOST_TIPS, "{} more"), *length_words(result)]
+    most = len(shown) if logged else MOST_TIPS
+    words += [*cut([_tip_words(tip, K_scale) for tip in shown], most, "{} more"), *length_words(result)]
     if math.isfinite(result.time):  # growth takes time
         size, unit = unit_of([result.time or 1.0], TIMES)
         words.append(f"at {result.time / size:.4g} {_ascii(unit)}")
+    if logged:
+        words += [f"{result.n_dofs} dofs", counted(result.contact_iterations, "contact iteration")]
+        words.append(f"{sum(result.seconds.values()):.2f} s")
     return ", ".join(words)
 
 
-def logged_line(result: StepResult, case: Case) -> str:
-    """The same with what the step took, for run.log."""
-    iterations = counted(result.contact_iterations, "contact iteration")
-    return f"{told_line(result, case)}, {result.n_dofs} dofs, {iterations}, {sum(result.seconds.values()):.2f} s"
+def largest_K(result: StepResult) -> float:
+    """The largest size of a K_I or K_II of a step, Pa sqrt(m); 0 where none is known."""
+    sizes = [abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II)]
+    return max(filter(math.isfinite, sizes), default=0.0)
 
 
 def _tip_words(tip: TipResult, K_scale: float) -> str:
@@ -179,8 +185,7 @@ class Progress:
         """Tell of a solved step."""
         self._times.append(time.perf_counter())
         self._warnings.add(result.step, result.step_warnings)
-        sizes = [abs(K) for tip in result.tips if not tip.sticks for K in (tip.K_I, tip.K_II)]
-        self._K_scale = max(self._K_scale, *filter(math.isfinite, sizes), 0.0)
+        self._K_scale = max(self._K_scale, largest_K(result))
         if self._width is None:
             self._say(told_line(result, self._case, self._K_scale), "\n")
         words = [load_words(self._case, result.load_factor), *criticality_words(result)[:1], *length_words(result)]

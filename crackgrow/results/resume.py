@@ -42,6 +42,7 @@ from crackgrow.results.units import cut
 from crackgrow.run.result import Checkpoint
 
 FORMAT: Final = 10
+KEYS: Final = {"format", "program", "case", "step", "run", "results"}  # of the header
 FLUSHED_EVERY: Final = 1.0  # s: so often a checkpoint is flushed to the disk, which can take longer than a small step
 
 FREE: Final = ("title", "source", "output.figures", "output.report", "growth.steps")
@@ -117,7 +118,7 @@ def is_checkpoint(path: Path) -> bool:
         header, _ = _read(path)
     except (OutputError, DamagedError):
         return False
-    return header.keys() >= {"format", "program", "case", "step", "run", "results"}
+    return header.keys() >= KEYS
 
 
 def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -128,6 +129,8 @@ def _read(path: Path) -> tuple[dict[str, Any], dict[str, Any]]:
         header = json.loads(arrays.pop("header").tobytes())
         if not isinstance(header, dict):
             raise ValueError("its header is no mapping")
+        if header.get("format") == FORMAT and (missing := KEYS - header.keys()):
+            raise ValueError(f"its header has no {', '.join(sorted(missing))}")
     except OSError as error:
         raise OutputError(f"cannot read {path}: {error.strerror or error}") from error
     except (zipfile.BadZipFile, ValueError, KeyError, EOFError, RecursionError) as error:

@@ -18,7 +18,7 @@ from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, RunFolder, of_step, own_files
 from crackgrow.results.lock import FolderLock, earlier_files
-from crackgrow.results.log import RunLog, event_line, logged_line
+from crackgrow.results.log import RunLog, event_line, largest_K, told_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
@@ -60,6 +60,7 @@ class RunWriter:
         growing = [name for name in tables.GROWING if name != "history"]  # whose columns the first step knows
         self._tables = {name: tables.Table(folder, name) for name in growing}
         self._last: StepResult | None = None
+        self._K_scale = 0.0  # Pa sqrt(m), largest K so far: its unit is that of run.log
         self._memory = 0.0  # MB, of the processes before
         self._cpu_began = time.process_time()  # less what the processes before have taken
         self._spare = bytes(SPARE)  # given back when the run breaks off: memory may have run out
@@ -142,7 +143,8 @@ class RunWriter:
             self._extend(name, [tables.step_row(result, seconds)] if name == "steps" else rows(result))
         self._write_paths(result.cracks)
         self._log_events(result.events)
-        self._log.tell(logged_line(result, self.case))
+        self._K_scale = max(self._K_scale, largest_K(result))
+        self._log.tell(told_line(result, self.case, self._K_scale, logged=True))
         for text in news:
             self._log.tell(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)

@@ -19,7 +19,6 @@ from jinja2 import Environment
 
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_text
-from crackgrow.results.declarations import FILES
 from crackgrow.results.drawing import scene_svg, step_colour
 from crackgrow.results.folder import PICTURE, REPORT, FolderError, RunFolder, TextTable, open_run, own_files
 from crackgrow.results.log import load_words
@@ -27,6 +26,13 @@ from crackgrow.results.report.charts import charts
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, counted, cut, rounded_all, shown, unit_of
 from crackgrow.run.result import CHECK_LIMITS
 
+CHECKS = {  # columns of steps.csv, in the words of the page
+    "residual": "equilibrium residual",
+    "penetration": "penetration at contact points, by the step's largest jump",
+    "complementarity": "complementarity of contact",
+    "overlap_share": "overlap anywhere along the faces, by what is small beside jump and displacement",
+    "energy_error": "error of the energy balance",
+}
 SHOWN_WARNINGS = 200  # of more the first ones are shown
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
 MOST_TIP_ROWS = 8_000  # about 1 MB
@@ -90,11 +96,9 @@ def _own_file(name: str) -> str:
 def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
     """What is checked in each step: its meaning, worst value, step of that, limit, and whether it is below."""
     rows = []
-    meanings = {column.name: column.doc for column in FILES["steps.csv"].columns}
-    for name, limit in CHECK_LIMITS.items() if run.solved else ():
-        values, words = np.abs(run.table("steps").numbers(name)), meanings[name]
+    for name, words in CHECKS.items() if run.solved else ():
+        values, limit = np.abs(run.table("steps").numbers(name)), CHECK_LIMITS[name]
         if name == "penetration":
-            words += ", by the largest jump of its step"
             contact = run.table("contact")
             jumps = np.zeros(len(values))
             sizes = np.hypot(contact.numbers("opening"), contact.numbers("slip"))

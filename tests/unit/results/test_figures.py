@@ -80,6 +80,7 @@ def test_paths_figure_shows_every_advance_in_its_colour(tmp_path: Path) -> None:
     assert inked_share(tmp_path / "given.png") > 0.2
     assert np.ptp(pixels(tmp_path / "given.png"), axis=2).max() < 0.02  # black on grey: nothing has grown
     grown = pixels(tmp_path / "grown.png")
+    assert grown.shape == (1230, 960, 3)
     specimen = grown[:, : int(0.82 * grown.shape[1])]  # without the colour bar
     for colour in (mpl.colors.to_rgb(step_colour(step, 2)) for step in (1, 2)):
         assert (np.abs(specimen - colour).max(axis=2) < 0.02).sum() > 80  # more than the vertex alone

@@ -294,9 +294,9 @@ ESTIMATE = {"energy_norm_percent": {"first": 4.25, "last": None}, "of_another_ve
 
 
 @pytest.mark.parametrize(("summary", "steps", "told"), [
-    ({}, {2: {"residual": "2e-10"}}, "|what equilibrium misses, relative|2e-10|2|1e-09|ok|"),
-    ({}, {2: {"residual": "2e-9"}}, "|what equilibrium misses, relative|2e-09|2|1e-09|above the limit|"),
-    ({}, {2: {"residual": "nan"}}, "|what equilibrium misses, relative|\N{EN DASH}|2|1e-09|above the limit|"),
+    ({}, {2: {"residual": "2e-10"}}, "|equilibrium residual|2e-10|2|1e-09|ok|"),
+    ({}, {2: {"residual": "2e-9"}}, "|equilibrium residual|2e-09|2|1e-09|above the limit|"),
+    ({}, {2: {"residual": "nan"}}, "|equilibrium residual|\N{EN DASH}|2|1e-09|above the limit|"),
     ({"error_estimate": ESTIMATE}, {},
      "|energy norm, first step [%]|4.25|of_another_version|7|"
      "K, error that is expected, over the largest K of its step [%]|0.25|"

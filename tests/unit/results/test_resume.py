@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import io
 import json
 import shutil
 import zipfile
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -179,13 +182,26 @@ def test_results_without_a_checkpoint_are_not_written_over(copy: Path) -> None:
         find_resumption(case("growth.steps=2"), copy)
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "other"])
+def with_header(path: Path, header: Callable[[dict[str, Any]], dict[str, Any]]) -> bytes:
+    """A checkpoint with another header."""
+    with np.load(path) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    changed = json.dumps(header(json.loads(arrays["header"].tobytes())))
+    arrays["header"] = np.frombuffer(changed.encode(), dtype=np.uint8)
+    data = io.BytesIO()
+    np.savez(data, **arrays)
+    return data.getvalue()
+
+
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "other", "no run", "no results"])
 def test_a_damaged_checkpoint_is_told_and_the_one_before_it_taken(copy: Path, damage: str) -> None:
     path = copy / "checkpoint" / "step_0002.npz"
     data = path.read_bytes()
     place = data.index(b"compression30")
     flipped = data[:place] + b"C" + data[place + 1 :]
     damaged = {"cut": data[: len(data) // 2], "flipped": flipped, "empty": b"", "other": b"step,crack\n"}
+    for key in ("run", "results"):
+        damaged[f"no {key}"] = with_header(path, lambda header, key=key: {k: header[k] for k in header if k != key})
     path.write_bytes(damaged[damage])
     found = found_in(copy, "growth.steps=3")
     assert found.checkpoint.step == 1
@@ -213,11 +229,7 @@ def test_another_version_goes_on_with_a_warning(copy: Path, monkeypatch: pytest.
 
 def test_another_format_is_refused(copy: Path) -> None:
     for path in (copy / "checkpoint").iterdir():
-        with np.load(path) as archive:
-            arrays = {name: archive[name] for name in archive.files}
-        header = {**json.loads(arrays["header"].tobytes()), "format": 99}
-        arrays["header"] = np.frombuffer(json.dumps(header).encode(), dtype=np.uint8)
-        np.savez(path, **arrays)
+        path.write_bytes(with_header(path, lambda header: {"format": 99}))
     with pytest.raises(ResumeError, match=r"has format 99.*wanted 10"):
         find_resumption(case("growth.steps=3"), copy)
 

@@ -158,6 +158,18 @@ def test_a_step_tells_how_critical_its_tips_are_or_the_place_where_a_crack_may_s
     line = told_line(result, make_case(), 0.0)
     assert {words for words in (GROWS, STILL, START) if words in line} == told
     assert ("criticality" in line.replace(START, "")) == bool(tips)
+    assert ("no tip advanced" in told_line(result, make_case(), logged=True)) == (1 not in tips)
+
+
+def test_the_log_names_every_tip_that_advanced_in_one_unit() -> None:
+    result = make_result(1)
+    result = replace(result, tips=tuple(replace(result.tips[1], crack=f"c{k}", K_I=4e5) for k in range(5)))
+    log, told = (told_line(result, make_case(), 2e6, logged=logged) for logged in (True, False))
+    assert log.count(" end (tension) K_I 0.400 K_II 0.000 MPa sqrt(m), ") == 5
+    assert log.endswith(", 408 dofs, 4 contact iterations, 1.56 s")
+    assert "c2 end" in told
+    assert "c3 end" not in told
+    assert ", 2 more, " in told
 
 
 def said_of(case: Case, *results: StepResult) -> list[list[str]]:
