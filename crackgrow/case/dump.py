@@ -108,7 +108,8 @@ def changed(case: Case, settings: Sequence[str]) -> Case:
 
     A spacing that was automatic follows from the case as it is then.
     """
-    mapping = mapping_of(case)
+    dump_case(case)  # a case that cannot be written is told as such
+    mapping = written(case)  # not of its text: coordinates on a map keep all their digits
     if mapping["numerics"].pop("auto_rule", None) is not None:
         mapping["numerics"]["spacing"] = "auto"
     return _without_lines(yaml_text(mapping), "the mapping", case.name, settings)
