@@ -43,6 +43,11 @@ def dump_case(case: Case) -> str:
     All that is not drawn is written as the fields of the case have it. Raises CaseError where the geometry is another
     one than was read: it cannot be written.
     """
+    return yaml_text(written(_read_back(case)))
+
+
+def _read_back(case: Case) -> Case:
+    """The case as it reads back from its text. Raises CaseError where that is another one."""
     again = _without_lines(yaml_text(written(case)), "the case as it is", case.name)
     changed = [
         part.name
@@ -53,7 +58,7 @@ def dump_case(case: Case) -> str:
         remedy = "change the case file, or load it with overrides such as 'cracks.flaw.path.angle=30'"
         message = f"differs from what was read, and cannot be written: {remedy}"
         raise CaseError([Fault("the case as it is", None, name, message) for name in changed])
-    return yaml_text(written(again))
+    return again
 
 
 def yaml_text(resolved: object) -> str:
@@ -108,8 +113,7 @@ def changed(case: Case, settings: Sequence[str]) -> Case:
 
     A spacing that was automatic follows from the case as it is then.
     """
-    dump_case(case)  # a case that cannot be written is told as such
-    mapping = written(case)  # not of its text: coordinates on a map keep all their digits
+    mapping = written(_read_back(case))  # not what YAML makes of its text: coordinates on a map keep all their digits
     if mapping["numerics"].pop("auto_rule", None) is not None:
         mapping["numerics"]["spacing"] = "auto"
     return _without_lines(yaml_text(mapping), "the mapping", case.name, settings)

@@ -71,7 +71,7 @@ class ActiveEquations:
         x = self._solved(right)
         return np.concatenate([branches.tractions(x[: len(branches.rows)] / self._size), x[len(branches.rows) :]])
 
-    def beside(self, active: ActiveSet, most: float) -> Floats | None:
+    def updated(self, active: ActiveSet, most: float) -> Floats | None:
         """All unknowns (2 n + l,) with the equations of another active set, by a low-rank update of the factors.
 
         None where more than a share `most` of the points have other equations, and where those here are singular.

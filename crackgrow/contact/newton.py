@@ -28,8 +28,8 @@ SOFT: Final = 1e4  # times the rock at a contact point: of the first springs; fr
 SOFTER: Final = 1.5  # times the springs before: where many releases are needed stiff ones gain little
 NEAR: Final = 0.1  # times the rock at a contact point: of the compliance that holds tractions near those before
 NEARER: Final = 10.0  # times that, where Newton's steps still go round in circles
-NEAREST: Final = 100.0  # times the rock: beyond, steps go round since the tractions before lead nowhere
 FARTHER: Final = 0.5  # times that, where they don't
+NEAREST: Final = 100.0  # times the rock: where they do even so the tractions before lead nowhere
 MOST_TIMES: Final = 40  # of 80 hard problems at random twice as many solve no more
 FEW: Final = 0.1  # share of the points: where so few have other equations an update costs less than factors anew
 MOST_STEPS: Final = 100  # of Newton: 937 of 1,000 problems at random take 14 at most, one of 807 points 28
@@ -40,7 +40,7 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
 
     `start` (2 n + l,) are unknowns to start from; None: all points stick. An iteration is one linear solve, where few
     points leave their branches by an update of the factors. Where an active set comes back the solution is looked for
-    from others that are near (`_from_near`).
+    from others that are near (`_by_proximal_points`).
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
@@ -52,14 +52,14 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
     else:
         active = _branches(problem, _checked(problem, start))
     found = _stepped(problem, active)
-    return found if found.status == "solved" else _from_near(problem, found)
+    return found if found.status == "solved" else _by_proximal_points(problem, found)
 
 
 def _stepped(problem: ContactProblem, active: ActiveSet) -> ContactSolution:
     """What Newton's steps from an active set on come to."""
     equations, keys, as_good = ActiveEquations(problem, active), list[bytes](), residual_floor(problem)
     while True:
-        x = equations.beside(active, FEW)
+        x = equations.updated(active, FEW)
         if x is None:
             equations = ActiveEquations(problem, active)
             x = equations.solution
@@ -77,7 +77,7 @@ def _stepped(problem: ContactProblem, active: ActiveSet) -> ContactSolution:
             active = now
 
 
-def _from_near(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
+def _by_proximal_points(problem: ContactProblem, found: ContactSolution) -> ContactSolution:
     """The solution where Newton's steps go round in circles: proximal point method (Rockafellar 1976).
 
     Tractions p and the places a of loose pieces are held near those of the last time, by a compliance of all points and

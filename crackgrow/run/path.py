@@ -198,10 +198,10 @@ def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> boo
 
     `begin` are the states on these branches at the load there.
     """
-    memory, tractions = path.was, path.was.tractions
+    tractions = path.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(path.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
-    length = max(length, float(np.abs(memory.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
+    length = max(length, float(np.abs(path.was.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
     moved = np.where(states.trial.taken, path.moved(begin), 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))
     return off <= ON_PATH * size and float(np.abs(moved).max(initial=0.0)) <= ON_PATH * length

@@ -18,7 +18,6 @@ from crackgrow.study.values import KeyedValues, Listed, ParameterValues, Range, 
 
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
 
-
 FORMAT: Final = format_of(
     Path(__file__).with_name("sweep.yaml").read_text(encoding="utf-8"),
     kinds={"parameters": KeyedValues(ParameterValues()), "settings": KeyedValues(ValueText())},

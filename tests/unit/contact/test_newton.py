@@ -160,7 +160,7 @@ def test_an_update_of_the_factors_solves_the_equations_of_the_other_active_set(s
         other = ActiveSet(branches.closed ^ some, slip, np.where(slip == 0, branches.sense, slip))
         for first, last in ((branches, other), (other, branches)):
             fresh = ActiveEquations(problem, last)
-            x = ActiveEquations(problem, first).beside(last, 1.0)
+            x = ActiveEquations(problem, first).updated(last, 1.0)
             if x is None or fresh.singular:
                 continue
             np.testing.assert_allclose(x, fresh.solution, rtol=0.0, atol=1e-7 * np.abs(fresh.solution).max())
@@ -172,5 +172,5 @@ def test_an_update_is_made_where_few_points_leave_their_branches_alone() -> None
     problem = random_problem(12, 0.4, 0)
     equations = ActiveEquations(problem, active_set(problem, np.full(24, -1.0), np.zeros(24)))
     other = ActiveSet(~equations.active.closed, equations.active.slip, equations.active.sense)
-    assert equations.beside(other, 0.5) is None
-    assert equations.beside(equations.active, 0.0) is not None
+    assert equations.updated(other, 0.5) is None
+    assert equations.updated(equations.active, 0.0) is not None
