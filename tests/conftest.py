@@ -40,45 +40,15 @@ EDGES = ("bottom", "right", "top", "left")
 
 
 TESTS = Path(__file__).parent
-PHYSICS = (
-    "properties/", "regression/", "stability/", "verification/",
-    "unit/case/test_case_lengths.py::test_displacement",
-    "unit/case/test_case_lengths.py::test_stress",
-    "unit/case/test_case_mesh_files.py::test_a_specimen_of_gmsh",
-    "unit/case/test_case_maps.py::test_a_map", "unit/case/test_case_maps.py::test_the_shipped_map",
-    "unit/case/test_case_cracks.py::test_block_on_an_incline", "unit/contact/test_contact_limit.py",
-    "unit/contact/test_contact_solve.py::test_condensed",
-    "unit/contact/test_contact_tractions.py",
-    "unit/cover/test_cover_elements.py::test_awkward_places",
-    "unit/cover/test_cover_patches.py::test_a_tip_among", "unit/linear/test_linear_factorization.py",
-    "unit/accuracy/test_error_estimate.py", "unit/fracture/test_fracture_stress_intensity.py::test_solved",
-    "unit/fracture/test_fracture_singular_stress.py::test_the_estimate",
-    "unit/plan/test_plan.py::test_every_case_can_be_drawn",
-    "unit/results/test_drawing.py::test_every_case", "unit/results/test_folder.py::test_what_a_run",
-    "unit/results/test_lock.py", "unit/results/test_on_map.py",
-    "unit/results/test_render.py", "unit/results/test_report.py::test_a_long_run", "unit/results/test_resume.py",
-    "unit/results/test_figures.py::test_a_run_and", "unit/results/test_figures.py::test_pictures_take", "unit/run/",
-    "unit/solid/test_solid_stiffness.py::test_more_than_64",
-    "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade.py::test_a_setting",
-    "unit/study/test_sweep_runs.py", "unit/study/test_trade.py::test_an_edge", "unit/study/test_trade.py::test_wings",
-    "unit/contact/test_uniqueness.py::test_a_second_solution", "unit/contact/test_uniqueness.py::test_below_the_limit",
-    "unit/test_api.py::test_events_of_a_run", "unit/test_blas.py::test_a_case_is_solved",
-    "unit/test_cli_words.py::test_every_template",
-)  # fmt: skip
-"""How the names of tests begin that solve scenes, or go through all cases, for long: they are marked `physics`, and not
-part of `make test`."""
+SOLVING = ("properties", "regression", "stability", "verification", "unit/run")
+"""Folders whose tests solve scenes: they are marked `physics`, as others beside them that take more than a second."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Mark the tests that solve scenes for long."""
+    """Mark the tests of these folders."""
     for item in items:
-        if is_physics(item.path, item.name):
+        if any(item.path.is_relative_to(TESTS / folder) for folder in SOLVING):
             item.add_marker(pytest.mark.physics)
-
-
-def is_physics(path: Path, name: str) -> bool:
-    """Whether a test is one of PHYSICS."""
-    return path.is_relative_to(TESTS) and f"{path.relative_to(TESTS)}::{name}".startswith(PHYSICS)
 
 
 def pytest_configure() -> None:

@@ -81,20 +81,6 @@ def test_play_goes_through_the_steps_and_stops_at_the_last(chromium: Chromium, r
     assert chromium.run(NOW).startswith("step 3 of 3:")
 
 
-def test_picture_can_be_seen_as_large_as_it_is(chromium: Chromium, report: Path) -> None:
-    chromium.open(report, 400)
-    width = "const image = document.getElementById('picture'); return [image.clientWidth, image.naturalWidth]"
-    chromium.run("const large = document.createElement('canvas'); large.width = 900;"
-                 "document.getElementById('picture').src = large.toDataURL()")  # fmt: skip
-    shown, natural = chromium.run(width)
-    assert shown < 400 < natural == 900
-    chromium.press("#larger", "enter")
-    assert chromium.run(width) == [900, 900]
-    assert chromium.run("return document.documentElement.scrollWidth") == 400
-    chromium.press("#larger", "enter")
-    assert chromium.run(width) == [shown, 900]
-
-
 @pytest.mark.parametrize("kind", ["report", "failed"])
 def test_paper_has_all_that_the_page_has(chromium: Chromium, request: pytest.FixtureRequest, kind: str) -> None:
     chromium.open(request.getfixturevalue(kind), 700)  # A4 within its margins
@@ -110,9 +96,3 @@ def test_paper_has_all_that_the_page_has(chromium: Chromium, request: pytest.Fix
     chromium.run("window.dispatchEvent(new Event('afterprint'))")
     assert not chromium.run("return document.querySelector('details').open")
     chromium.media("screen")
-
-
-def test_failed_run_says_so_first(chromium: Chromium, failed: Path) -> None:
-    chromium.open(failed, 400)
-    assert chromium.run("return document.querySelector('.status').innerText").startswith("failed contact: no solution")
-    assert chromium.run("return document.querySelector('.status').getBoundingClientRect().top") < 200

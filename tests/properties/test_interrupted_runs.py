@@ -5,10 +5,8 @@ Kernels that an earlier run has left give the same bits, too.
 
 from __future__ import annotations
 
-import ctypes
 import itertools
 import json
-import os
 import random
 import re
 import resource
@@ -171,33 +169,6 @@ def test_a_full_disk_keeps_the_steps_before_and_the_run_goes_on_when_there_is_ro
     assert_goes_on(shlex.split(done.stderr.split("go on with: ")[1]), folder, contents(unbroken))
 
 
-def obey_permissions() -> None:
-    """Take the right to write everywhere from a process to be, which the superuser's have (Linux)."""
-    if os.geteuid() == 0:
-        drop, cap_dac_override = 24, 1
-        ctypes.CDLL(None).prctl(drop, cap_dac_override, 0, 0, 0)
-
-
-def test_a_folder_that_becomes_read_only_is_an_error_and_keeps_what_it_has(unbroken: Path, tmp_path: Path) -> None:
-    folder = tmp_path / "out"
-    first = ("growth.steps=1", *(setting for setting in COARSE if "steps" not in setting))
-    assert finished(command("compression30", first, folder)).returncode == 0
-    before = contents(folder)
-    folder.chmod(0o555)
-    touching = f"import pathlib; pathlib.Path({str(folder / 'touched')!r}).touch()"
-    if finished([sys.executable, "-c", touching], obey_permissions).returncode == 0:
-        pytest.skip("nothing is read-only for this user")
-    for more in ((), ("--resume",)):
-        done = finished(command("compression30", COARSE, folder, *more), obey_permissions)
-        assert done.returncode == 3
-        assert done.stderr.startswith("crackgrow: cannot ")
-        assert str(folder) in done.stderr
-        assert len(done.stderr.splitlines()) == 1
-        assert contents(folder) == before
-    folder.chmod(0o755)
-    assert_goes_on(command("compression30", COARSE, folder, "--resume"), folder, contents(unbroken))
-
-
 ONLY_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="other systems do not limit addresses")
 
 
@@ -214,25 +185,6 @@ def test_memory_that_runs_out_is_told_with_what_the_scene_needs_and_what_to_chan
     assert "(the run takes about 89488 dofs, 1 GiB" in after
     summary = summary_of(tmp_path / "out")
     assert (summary["status"], summary["stop_reason"]) == ("failed", after.removeprefix("crackgrow: "))
-
-
-@ONLY_LINUX
-def test_steps_are_kept_where_there_is_no_room_for_pictures(tmp_path: Path) -> None:
-    """Libraries that do not load for want of memory are such as well."""
-    settings = ("numerics.spacing=3", "growth.steps=1")
-    finished(command("compression30", settings, tmp_path / "alone"))
-    whole = contents(tmp_path / "alone")
-    for mib in (600, 605, 610, 615, 620, 630, 640, 650, 660, 680):
-        folder = tmp_path / str(mib)
-        scarce = finished(command("compression30", settings, folder), limited(resource.RLIMIT_AS, mib * MIB))
-        told = re.sub("Exception ignored in: .*\nTraceback", "", scarce.stderr)  # matplotlib's own, nobody can ask it
-        assert "Traceback" not in told
-        assert scarce.returncode in (0, 3)
-        if scarce.returncode == 3:
-            assert "crackgrow: out of memory" in scarce.stderr
-            assert summary_of(folder)["status"] == "failed"
-            assert finished(command("compression30", settings, folder, "--resume")).returncode == 0
-        assert contents(folder) == whole
 
 
 @pytest.mark.parametrize(

@@ -6,9 +6,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import values_at
-from crackgrow.case.model import PointSupport
-from crackgrow.cover.elements import locate
 from crackgrow.solid.rigid_modes import rigid_motions
 from tests.unit.exact_fields import solved_under, true_error
 
@@ -17,7 +14,6 @@ SIZE = (8, 7)
 KINKED = [(2.2, 2.3), (4.1, 2.9), (4.6, 4.4)]
 SHORT = [(6.1, 5.2), (6.4, 5.35)]
 PLACES = [*KINKED, *SHORT, (8.5, 0.5)]
-LONG = [(5.7, 7.2), (15.1, 7.2)]
 
 
 def graded(build, support: float, levels: int, cracked: bool = True):
@@ -37,37 +33,6 @@ def test_rigid_motions_produce_no_forces_and_stiffness_is_symmetric(build, suppo
     assert one @ (matrix @ other) == pytest.approx(other @ (matrix @ one), abs=1e-12 * size * len(one))
     assert matrix.diagonal().min() > 0.0
     assert one @ (matrix @ one) > 0.0
-
-
-@pytest.mark.parametrize(
-    ("support", "levels", "cracks"),
-    [
-        (2.0, 1, "two"),
-        (1.5, 3, "two"),
-        (1.5, 6, "two"),
-        (2.0, 3, "none"),
-        (2.0, 6, "none"),
-        (2.5, 3, "none"),
-        (2.0, 2, "gathered"),
-    ],
-)
-def test_the_direct_solver_leaves_no_residual(build, support: float, levels: int, cracks: str) -> None:
-    """It leaves out all pairs of unknowns whose boxes do not overlap: gathered functions have large ones."""
-    if cracks == "gathered":
-        sample = build.block((22, 15), [build.crack(LONG, gathered=True)], support, levels, LONG[1:])
-        assert any(tip.carriers.gathered for tip in sample.cover.tips)
-    else:
-        sample = graded(build, support, levels, cracks == "two")
-    low, right = sample.body.outline[:2]
-    held = [PointSupport("rock", low, (0.0, 0.0)), PointSupport("rock", right, (None, 0.0))]
-    system, given = sample.system(held)
-    points = sample.lattice.to_lattice(np.random.default_rng(levels).uniform(low, sample.body.outline[2], (300, 2)))
-    rows = values_at(sample.cover, points, locate(sample.lattice, sample.cover.elements, points)).rows
-    loads = (rows.T @ np.random.default_rng(7).normal(size=(len(points), 2))).ravel()  # forces at points
-    u, multipliers = system.solve(loads, given)
-    left = sample.stiffness() @ u + system.constraints.T @ multipliers - loads
-    assert np.abs(left).max() < 1e-9 * np.abs(loads).max()
-    assert np.abs(system.constraints @ u).max() < 1e-9 * np.abs(u).max()
 
 
 TIP = np.array([5.0, 4.0])

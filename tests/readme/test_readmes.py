@@ -91,18 +91,6 @@ def test_links_lead_somewhere(name: str) -> None:
     assert broken == []
 
 
-def test_every_readme_can_be_reached_from_the_first() -> None:
-    reached, waiting = {"README.md"}, ["README.md"]
-    while waiting:
-        name = waiting.pop()
-        links = {link.partition("#")[0] for link in LINK.findall(prose(TEXTS[name]))}
-        files = {str(((ROOT / name).parent / link).resolve().relative_to(ROOT)) for link in links if link}
-        new = (files & set(READMES)) - reached
-        reached |= new
-        waiting += new
-    assert reached == set(READMES)
-
-
 def test_pictures_and_scenes_are_all_shown() -> None:
     shown = {name for text in TEXTS.values() for name in re.findall(r"!\[[^\]]+\]\([./]*/?\.readme/([^)]+)\)", text)}
     assert shown == {path.name for path in (ROOT / ".readme").iterdir()}

@@ -55,17 +55,6 @@ def test_compression30_is_symmetric_and_does_not_depend_on_the_spacing() -> None
     assert np.ptp(x, axis=0).max() < 0.3  # mm
 
 
-def test_tension0_runs_straight_and_needs_no_contact() -> None:
-    results, end = run("tension0")
-    assert end.status == "completed"
-    assert results[-1].step == 10
-    assert max(result.energy.error for result in results) < 1e-3
-    assert np.abs(end.cracks[0].points[:, 1]).max() < 0.05 * MM
-    assert [result.n_contact for result in results] == [0] * 11
-    advanced = [tip.tip for result in results for tip in result.tips if tip.advanced]
-    assert (advanced.count("start"), advanced.count("end")) == (5, 5)
-
-
 def test_most_critical_tip_in_tension_runs_out_of_the_plate_and_then_the_other_one_tears_it_apart() -> None:
     results, end = run("tension0", "growth.advance=most_critical", "growth.steps=30")
     assert end.status == "broke_through"
@@ -131,11 +120,6 @@ def test_paths_of_two_flaws_do_not_depend_on_the_spacing(tmp_path: Path) -> None
     ends = {(crack, tip) for crack in ("lower", "upper") for tip in ("start", "end")}
     assert {(pair.crack, pair.part) for pair in comparison.pairs} >= ends
     assert comparison.agrees
-
-
-def test_a_coarse_path_of_two_flaws_differs_little(coarse: Path, tmp_path: Path) -> None:
-    finer = written(tmp_path / "finer", "numerics.spacing=2")
-    assert compare_paths(coarse, finer, tolerance=0.7 * INCREMENT).agrees
 
 
 def test_a_wing_runs_into_the_hole_and_the_other_one_goes_on() -> None:

@@ -7,24 +7,18 @@ shear 100 sin(30) cos(30) = 43.3 MPa sticks from a friction of tan(30) = 0.577 o
 from __future__ import annotations
 
 import functools
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
-from crackgrow.contact.coulomb import SLIP, STICK, ContactMemory
-from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.ripple import worst_ripple
-from crackgrow.errors import CaseError, SolveError
-from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.errors import CaseError
 from crackgrow.run import grow
-from crackgrow.run.configuration import assemble
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
-from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case, told
-from tests.solving import at_once, displacement_in, solve_case
+from tests.solving import solve_case
 from tests.stability.flaw import QUIET
 
 STRESS = 100e6
@@ -124,56 +118,3 @@ def test_friction_and_cohesion_of_any_size(solver: str, friction: float, cohesio
         assert K_II(step) == pytest.approx(-drive * np.sqrt(np.pi * 5e-3), rel=0.07)  # infinite plate
     if held and friction != STICK_LIMIT:
         assert set(step.contact.state.tolist()) == {STICK}
-
-
-@pytest.mark.parametrize(
-    ("friction", "cohesion", "stiffness", "most"),
-    [
-        *((STICK_LIMIT, cohesion, "rigid", 1e-9) for cohesion in (0.0, 1.0)),
-        *((friction, 0.0, "rigid", 1e-9) for friction in (0.6, 2.0, 10.0, 1e3)),
-        *((friction, 1e3, "rigid", 1e-9) for friction in (0.0, 1e3)),
-        *((2.0, 0.0, k, most) for k, most in (("1e2", 1e-3), ("1e4", 1e-5), ("1e8", 1e-9), ("1e12", 1e-9))),
-    ],
-)
-def test_a_stuck_flaw_is_as_if_it_were_not_there(friction: float, cohesion: float, stiffness: str, most: float) -> None:
-    """Of elastic contact it gives way by its stiffness alone: shear p/k over the flaw."""
-    found = solution(*flaw(friction, cohesion, stiffness))
-    if stiffness != "rigid":
-        assert set(found.outcome.points.state.tolist()) == {STICK}
-    metres = np.random.default_rng(5).uniform((-15.5e-3, -27.5e-3), (15.5e-3, 27.5e-3), (2000, 2))
-    shear_modulus = YOUNG / (2.0 * (1.0 + POISSON))
-    strain = STRESS / (2.0 * shear_modulus) * np.array([POISSON, POISSON - 1.0])
-    intact = strain * (metres + np.array([0.0, 27.5e-3]))
-    off = displacement_in(found, metres) - intact
-    assert np.sqrt(np.sum(off**2) / np.sum(intact**2)) < most
-
-
-def gives_up(problem: ContactProblem, start: NDArray[np.float64] | None = None) -> ContactSolution:
-    return ContactSolution(np.zeros(problem.free.size), "limit", 17, np.zeros(problem.n_points, dtype=np.int64))
-
-
-def test_a_failed_increment_leaves_everything_as_it_was(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Both solvers give up: neither the memory handed in nor later solves notice. Bit for bit."""
-    case = shipped_case("compression30", flaw(0.3))
-    system = assemble(make_scene(case), tuple(map(GrowingCrack.given, case.cracks)))
-    n = system.faces.n
-    first = at_once(system, 1.0)
-    broken = np.arange(n) % 2 == 0
-    memory = replace(
-        ContactMemory.fresh(n), slip=np.linspace(-1e-6, 1e-6, n), lost=broken.astype(float), closed=~broken
-    )
-    slip = memory.slip.copy()
-    with monkeypatch.context() as patch:
-        for name in ("newton", "lemke"):
-            patch.setattr(f"crackgrow.contact.solve.solve_by_{name}", gives_up)
-        for _ in range(2):
-            with pytest.raises(SolveError, match="the contact problem of"):
-                at_once(system, 1.0, memory)
-    np.testing.assert_array_equal(memory.slip, slip)
-    np.testing.assert_array_equal(memory.broken, broken)
-    start = ContactMemory.fresh(n)
-    at_once(system, -3.0, start)
-    again = at_once(system, 1.0, start)
-    np.testing.assert_array_equal(again.u, first.u)
-    np.testing.assert_array_equal(again.memory.slip, first.memory.slip)
-    np.testing.assert_array_equal(start.slip, np.zeros(n))

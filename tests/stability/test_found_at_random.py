@@ -104,11 +104,3 @@ def test_cracks_start_anywhere_on_a_slanting_side(support: float) -> None:
     for share in np.random.default_rng(4).uniform(0.15, 0.85, 40):
         start = (1.0 - share) * corners[0] + share * corners[1]
         assert_whole(covered(corners, np.array([start, corners.mean(axis=0)]), support))
-
-
-@pytest.mark.parametrize("width", [5.0, 5.2, 5.4, 5.6, 5.8])
-@pytest.mark.parametrize("slope", [0.0, 0.2])
-def test_short_cracks_start_on_sides_anywhere_in_a_tile(width: float, slope: float) -> None:
-    """What leads on from such a start can reach the last line of the lattice."""
-    corners = np.array([[0.0, 0.0], [width, 0.0], [width, 4.0], [0.0, 4.0]])
-    assert_whole(covered(corners, np.array([[width, 1.9], [width - 1.5, 1.9 - 1.5 * slope]]), 2.0))

@@ -15,22 +15,11 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case, told
+from tests.verification.rows.fields import HOLE, YOUNG, kirsch
 from tests.verification.solutions import solve_case
 
-YOUNG = 1e4  # MPa
-HOLE, HALF, DEPTH = 10.0, 30.0, 20.0  # mm: radius of the hole, half width of both bodies, depth of the beam
+HALF, DEPTH = 30.0, 20.0  # mm: half width of both bodies, depth of the beam
 Formulas = tuple[str, str]
-
-
-def kirsch(poisson: float, plane: str) -> Formulas:
-    """u_x, u_y (mm) round a hole free of tractions under 1 MPa along x (Kirsch 1898)."""
-    kolosov = 3.0 - 4.0 * poisson if plane == "strain" else (3.0 - poisson) / (1.0 + poisson)
-    r_sq, a_sq, factor = "(x**2+y**2)", HOLE**2, (1.0 + poisson) / (2.0 * YOUNG)
-    cos, sin = f"((x**2-y**2)/{r_sq})", f"(2*x*y/{r_sq})"  # of the double angle
-    hole, far = f"{a_sq}/{r_sq}", f"{a_sq**2}/{r_sq}**2"
-    radial = f"({factor}*({(kolosov - 1) / 2}+{cos}+{hole}*(1+{1 + kolosov}*{cos})-{far}*{cos}))"  # over r
-    around = f"({-factor}*(1+{kolosov - 1}*{hole}+{far})*{sin})"
-    return f"{radial}*x-{around}*y", f"{radial}*y+{around}*x"
 
 
 def cantilever(poisson: float, plane: str) -> Formulas:

@@ -145,15 +145,6 @@ def test_spoilt_cases_are_accepted_or_refused_with_a_place(numbers: range, tmp_p
     assert alike >= LEAST_AGREEMENT * alone
 
 
-@pytest.mark.parametrize("tag", TAGS)
-def test_tags_never_construct_anything(tag: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "scene.yaml").write_text(template_text("tension").replace('source: ""', f"source: {tag}"))
-    with pytest.raises(CaseError, match=r"scene\.yaml:\d+: source: "):
-        load_case("scene.yaml")
-    assert [path.name for path in tmp_path.iterdir()] == ["scene.yaml"]
-
-
 @pytest.mark.parametrize("name", NAMES)
 def test_names_cannot_lead_out_of_the_folder_of_the_results(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

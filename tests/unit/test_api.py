@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import doctest
-import gc
 import html
 import json
-import weakref
 from collections.abc import Generator
 from pathlib import Path
 
@@ -19,7 +17,6 @@ import crackgrow
 from crackgrow import api
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
-from crackgrow.results.writer import RunWriter
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import RunEnd, StepResult
 from tests.scenes import shipped_case
@@ -61,22 +58,6 @@ def test_folder_is_that_of_the_command(run: crackgrow.Run, folder: Path) -> None
     assert (summary["status"], summary["stop_reason"]) == (run.status, run.reason)
     assert summary["error_estimate"]["energy_norm_percent"]["last"] == run.end.norm_error
     assert len(list((folder / "frames").glob("*.vtu"))) == 3
-
-
-def test_events_of_a_run_are_those_of_its_steps_and_of_its_end() -> None:
-    run = crackgrow.run_case(case("tension0", "growth.steps=30", "growth.increment=4", "output.frames=none"))
-    assert run.status == "broke_through"
-    assert set(run.events["kind"]) == {"break_through"}
-    assert run.events["step"].max() == run.steps["step"].max() + len(run.end.events[:1])
-
-
-def test_a_cover_that_nobody_needs_is_let_go() -> None:
-    solution = crackgrow.solve(case("compression30", "growth.steps=0"))
-    cover = weakref.ref(solution._solved.cover)
-    assert cover() is not None
-    del solution
-    gc.collect()
-    assert cover() is None
 
 
 def test_solution_is_the_first_step_of_a_run(run: crackgrow.Run) -> None:
@@ -186,23 +167,6 @@ def test_what_was_solved_before_an_error_is_kept(
     assert len(read(tmp_path / "out/tips.csv")) == 2
 
 
-def test_report_that_fails_is_a_note_to_what_ended_the_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def breaking(case: Case) -> Generator[tuple[StepResult, StepSolution], None, RunEnd]:
-        raise crackgrow.SolveError("singular")
-        yield
-
-    def fails(self: RunWriter) -> None:
-        raise IndexError("in the report")
-
-    monkeypatch.setattr(api, "solved_steps", breaking)
-    monkeypatch.setattr(RunWriter, "_write_report", fails)
-    with pytest.raises(crackgrow.SolveError, match="singular") as caught:
-        crackgrow.run_case(case("compression30"), tmp_path)
-    assert caught.value.__notes__ == [
-        "then the results could not be completed: internal error: IndexError: in the report"
-    ]
-
-
 def test_public_names_are_few_and_there_and_errors_are_of_one_kind() -> None:
     assert len(crackgrow.__all__) <= 23
     assert all(getattr(crackgrow, name) for name in crackgrow.__all__)
@@ -211,14 +175,3 @@ def test_public_names_are_few_and_there_and_errors_are_of_one_kind() -> None:
         assert name in dir(crackgrow)
     with pytest.raises(AttributeError, match="has no attribute 'rendered'"):
         crackgrow.rendered  # noqa: B018
-
-
-def test_the_start_that_a_step_tells_is_the_one_that_follows() -> None:
-    settings = ("bodies.rock.shape.holes=[{disk: {center: [8, 14], radius: 4}}]", "growth.initiation.at=outlines")
-    weak = ("cracks.flaw.tips=none", "loading=critical", "growth.steps=1", "output.report=false")
-    run = crackgrow.run_case(case("compression30", *settings, *weak))
-    first, (event,) = run.results[0], run.results[1].events
-    assert first.start is not None
-    assert event.kind == "initiation"
-    assert first.start.criticality == pytest.approx(1.0, abs=1e-6)
-    assert np.linalg.norm(np.asarray(event.point) - first.start.point) < 1e-6

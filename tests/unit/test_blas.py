@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import threading
 from pathlib import Path
 
 import pytest
@@ -29,6 +28,7 @@ def unset(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(blas, "_settled", False)
 
 
+@pytest.mark.physics
 def test_a_case_is_solved_with_one_thread_and_the_user_s_are_back_between_its_steps(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
@@ -51,17 +51,6 @@ def test_a_case_is_solved_with_one_thread_and_the_user_s_are_back_between_its_st
             assert threads() == {2}
     assert inside
     assert all(found == {1} for found in inside)
-
-
-def test_an_error_gives_the_threads_back(monkeypatch: pytest.MonkeyPatch) -> None:
-    def fails(*_: object) -> object:
-        raise crackgrow.SolveError("singular")
-
-    monkeypatch.setattr(loop, "load", fails)
-    with threadpool_limits(2, "blas"):
-        with pytest.raises(crackgrow.SolveError):
-            crackgrow.solve(shipped_case(CASE, ["numerics.spacing=4"]))
-        assert threads() == {2}
 
 
 def test_what_the_user_has_set_stays() -> None:
@@ -88,17 +77,4 @@ def test_settings_that_come_too_late_are_not_taken_for_the_user_s(monkeypatch: p
         monkeypatch.setenv("OPENBLAS_NUM_THREADS", "1")
         with single_threaded():
             assert threads() == {1}
-        assert threads() == {2}
-
-
-def test_the_last_of_several_gives_the_threads_back() -> None:
-    with threadpool_limits(2, "blas"):
-        first, second = single_threaded(), single_threaded()
-        first.__enter__()
-        other = threading.Thread(target=second.__enter__)
-        other.start()
-        other.join()
-        first.__exit__(None, None, None)
-        assert threads() == {1}
-        second.__exit__(None, None, None)
         assert threads() == {2}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import errno
-import io
 import json
 import os
 import re
@@ -12,7 +11,6 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable, Generator
-from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -20,13 +18,12 @@ import pytest
 import crackgrow
 from crackgrow import cli
 from crackgrow.case.model import Case
-from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.results.atomic import OutputError
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import StepWarning, WarningCause
-from tests.unit.results.synthetic import make_case, make_end, make_event, make_result
+from tests.unit.results.synthetic import make_case, make_end, make_result
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -98,12 +95,6 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     ]
 
 
-def test_quiet_prints_nothing(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["run", "block.yaml", "--quiet", "--out", "here"]) == 0
-    assert capsys.readouterr() == ("", "")
-    assert n_rows(scene / "here" / "steps.csv") == 3
-
-
 @pytest.mark.parametrize("columns", [80, 30])
 def test_terminal_has_one_live_line_with_a_bar_where_there_is_room(
     columns: int, scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -119,40 +110,6 @@ def test_terminal_has_one_live_line_with_a_bar_where_there_is_room(
         told = r"\[#{10}\.{10}\] step 1/2, \d+ s left, load factor [\d.]+, criticality [\d.]+, crac"
         assert re.match(told, live[-2])
         assert re.search(r"step 2/2, load factor [\d.]+, criticality [\d.]+, cracks [\d.]+ m", live[-1])
-
-
-def test_letters_that_the_terminal_lacks_are_escaped_and_nothing_is_lost(
-    scene: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    case = replace(make_case(frames="none"), title="Stra\xdfe")
-    monkeypatch.setattr(crackgrow, "load_case", lambda path, overrides: case, raising=False)
-    written = io.BytesIO()
-    monkeypatch.setattr("sys.stdout", io.TextIOWrapper(written, encoding="ascii"))
-    assert cli.main(["run", "block.yaml"]) == 0
-    lines = written.getvalue().decode("ascii").splitlines()
-    assert lines[0] == r"block: Stra\xdfe"
-    assert lines[-1] == "results in outputs/block"
-
-
-def test_what_tips_have_met_is_told_as_it_happens_and_at_the_end(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def meeting(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
-        yield make_result(0)
-        yield make_result(1, events=(make_event(1),))
-        return replace(make_end(2), events=(make_event(2),))
-
-    monkeypatch.setattr(crackgrow, "grow", meeting)
-    assert cli.main(["run", "block.yaml"]) == 0
-    lines = capsys.readouterr().out.splitlines()
-    told = [number for number, line in enumerate(lines) if "coalescence: crack 'flaw' (end) reached" in line]
-    assert told == [4, 5]  # behind the lines of the scene, of what it takes and of steps 0 and 1
-    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
-    assert cli.main(["run", "block.yaml"]) == 0
-    lines = capsys.readouterr().out.split("\n")  # a carriage return only goes back to the bar's begin
-    assert [line.split(",")[0] for line in lines if "coalescence" in line] == ["step 1", "step 2"]
-    assert cli.main(["run", "block.yaml", "--quiet"]) == 0
-    assert capsys.readouterr().out == ""
 
 
 def test_wrong_case_lists_its_faults_and_touches_nothing(
@@ -300,17 +257,6 @@ def test_files_that_are_not_there_or_cannot_be_are_told_and_nothing_is_made(
     assert told in err
     assert "Traceback" not in err
     assert {path.name for path in scene.rglob("*")} == {"block.yaml", "file", "cases", "my_rock.yaml"}
-
-
-@pytest.mark.parametrize("name", ["..yaml", "...yaml"])
-def test_a_case_without_a_name_of_its_own_is_refused(
-    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / name).write_text(template_text("tension"))
-    assert cli.main(["run", name]) == 2
-    assert "the file has no name of its own" in capsys.readouterr().err
-    assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
 def test_check_tells_of_other_solutions_where_it_is_asked(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -4,11 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
-import os
-import pty
-import resource
 import shlex
-import signal
 import subprocess
 from importlib import import_module
 from pathlib import Path
@@ -19,7 +15,7 @@ from jsonschema import Draft7Validator
 from crackgrow import cli, grow, load_case
 from crackgrow.cli.command_line import command_line, commands_of, declared, groups
 from crackgrow.cli.start import SCHEMA_FILE, template_text
-from crackgrow.cli.tools import YAML_FILES, completion_script
+from crackgrow.cli.tools import completion_script
 from tests.yaml12 import read_yaml12
 
 CASE = str(Path(__file__).parents[2] / "cases" / "compression30.yaml")
@@ -138,19 +134,6 @@ def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixt
     assert name == "output" or len(found) == len(heads)
 
 
-@pytest.mark.parametrize("columns", [50, 140])
-@pytest.mark.parametrize("name", ["", "growth.criterion", "tips.csv"])
-def test_lines_are_as_long_as_the_terminal_is_wide_and_lose_no_word(
-    name: str, columns: int, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("COLUMNS", "10000")
-    whole = explained(name, capsys)
-    monkeypatch.setenv("COLUMNS", str(columns))
-    wrapped = explained(name, capsys)
-    assert max(map(len, wrapped)) <= columns < max(map(len, whole))
-    assert not name or " ".join(wrapped).split() == " ".join(whole).split()
-
-
 def test_an_unknown_name_is_a_fault_with_what_may_be_meant(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["explain", "frction"]) == 2
     out, err = capsys.readouterr()
@@ -180,6 +163,7 @@ def test_cases_are_listed_with_their_titles_and_templates_where_there_are_none(
 TEMPLATES = declared()["words"]["templates"]
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("template", sorted(path.stem for path in (Path(cli.__file__).parent / "templates").iterdir()))
 def test_every_template_passes_check_and_solves_without_a_warning(
     template: str, folder: Path, capsys: pytest.CaptureFixture[str]
@@ -211,12 +195,6 @@ def test_a_case_goes_among_the_cases_and_names_the_schema_there(
     assert Draft7Validator(schema).is_valid(read_yaml12(text))
 
 
-@pytest.mark.parametrize(("name", "file"), [("a.b", "a.b.yaml"), ("x/y.yml", "x/y.yml"), ("x/y", "x/y.yaml")])
-def test_where_a_case_goes(name: str, file: str, folder: Path) -> None:
-    assert cli.main(["new", name]) == 0
-    assert (folder / file).is_file()
-
-
 @pytest.mark.parametrize(("name", "told"), [
     ("", "'': is no name of a case; allowed are those such as my_slope\n"),
     (".", "'.': is no name of a case; allowed are those such as my_slope\n"),
@@ -233,19 +211,6 @@ def test_a_case_that_cannot_be_written_is_refused_and_nothing_is_overwritten(
     assert told in capsys.readouterr().err
     assert [path.name for path in folder.iterdir()] == ["mine.yaml"]
     assert (folder / "mine.yaml").read_text() == "precious"
-
-
-def test_half_a_case_is_not_left_behind(folder: Path) -> None:
-    room = 1000  # bytes, less than the case
-    limits = resource.getrlimit(resource.RLIMIT_FSIZE)
-    handler = signal.signal(signal.SIGXFSZ, signal.SIG_IGN)  # else the process ends
-    resource.setrlimit(resource.RLIMIT_FSIZE, (room, limits[1]))
-    try:
-        assert cli.main(["new", "mine"]) == 2
-    finally:
-        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
-        signal.signal(signal.SIGXFSZ, handler)
-    assert list(folder.iterdir()) == []
 
 
 @pytest.fixture
@@ -273,25 +238,3 @@ def test_bash_completes(line: str, offered: set[str], script: Path) -> None:
     ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
     done = subprocess.run(["bash", "-c", ask], cwd=script.parent, capture_output=True, text=True, check=True)
     assert set(done.stdout.splitlines()) == offered
-
-
-def test_bash_escapes_spaces_in_names_as_they_are_typed(script: Path) -> None:
-    script.with_name("shown").write_text("crackgrow() { printf '<%s>' \"$@\"; echo ' shown'; }\n")
-    typed = b". ./script; . ./shown\ncrackgrow run cases/my\t\nexit\n"
-    controller, terminal = pty.openpty()
-    command = ["timeout", "--foreground", "--signal=KILL", "20", "bash", "--norc", "--noprofile", "-i"]
-    with subprocess.Popen(command, cwd=script.parent, stdin=terminal, stdout=terminal, stderr=terminal):
-        os.close(terminal)
-        os.write(controller, typed)
-        seen = b""
-        while b"> shown" not in seen:
-            seen += os.read(controller, 4096)  # an error where bash has ended
-    os.close(controller)
-    assert b"<run><cases/my rock.yml> shown" in seen
-
-
-@pytest.mark.parametrize("shell", YAML_FILES)
-def test_every_command_and_option_is_in_the_script_of_a_shell(shell: str) -> None:
-    text = completion_script(shell)
-    for word in ("run", "check", "compare", "new", "schema", "completion", "resume", "picture", "template", "version"):
-        assert word in text

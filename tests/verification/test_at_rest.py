@@ -44,18 +44,6 @@ def test_without_a_crack_stress_is_uniform(
     assert not solution.warnings
 
 
-def test_a_far_field_on_bodies_side_by_side_is_that_on_one() -> None:
-    """Their common boundary, bonded, is no part of the outline."""
-    elastic = {"young": "30 GPa", "poisson": 0.2}
-    left = {"rectangle": {"center": [-25, 0], "width": 50, "height": 100}}
-    right = {"polygon": [[0, -40], [30, -50], [50, 0], [40, 45], [0, 60]]}
-    bodies = {name: {"shape": shape, "material": elastic} for name, shape in (("left", left), ("right", right))}
-    bonded = [{"between": ["left", "right"], "contact": "bonded"}]
-    scene = {**ground(SQUARE, "minimal", [FAR], interfaces=bonded), "bodies": bodies}
-    stress = crackgrow.solve(case_of(scene)).stress_at(PLACES)
-    np.testing.assert_allclose(stress, 1e6 * np.tile(STRESS, (4, 1)), atol=10.0)
-
-
 WEIGHT = 2650.0 * 9.81  # N/m^3
 
 UNDER_WEIGHT = """
@@ -217,12 +205,6 @@ def test_a_depleted_reservoir_slips_on_the_fault_in_any_unit() -> None:
     assert large["dissipation"] == pytest.approx(51.85e6, rel=0.03)
     for name, energy in large.items():
         assert small[name] == pytest.approx(1e-6 * energy, rel=1e-9)
-
-
-def test_a_bonded_fault_dissipates_nothing() -> None:
-    energies = fault("m", "bonded", 22.5)
-    assert energies["dissipation"] == 0.0
-    assert energies["work"] == pytest.approx(energies["strain_energy"], rel=1e-12)
 
 
 def test_rock_at_rest_on_rollers_moves_by_round_off() -> None:

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
-from crackgrow.contact.coulomb import ContactLaw
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case
 from tests.verification.stiff_block import HEIGHT, NORMAL, SHEAR, SOFT, WIDTH, sheared
@@ -80,12 +79,6 @@ def test_a_joint_remembers_how_much_it_has_lost() -> None:
     assert pull([there])[1][-1] == pytest.approx(left, rel=0.01)
     assert np.abs(pull([back])[1]).max() == pytest.approx(left, rel=0.01)
     assert abs(pull([back])[1][-1]) < 0.999 * left
-
-
-def test_a_length_next_to_nothing_is_none() -> None:
-    """Beside the elastic slip: the force falls at once."""
-    found = weakening((0.4, 1), WEAK.replace("weakening_length: 0.002", "weakening_length: 1e-7"))
-    assert pull(found)[1][-1] == pytest.approx(RESIDUAL, rel=1e-4)
 
 
 DIRECT_SHEAR = """
@@ -163,14 +156,6 @@ def test_friction_and_dilation_decay_with_slip_and_faces_close_again_by_what_is_
     assert back[2] == pytest.approx(rise[-1] - STEEP * DECAY * (decayed[-1] - left), rel=1e-3)
 
 
-def test_a_few_increments_come_to_the_same() -> None:
-    """The share that an increment takes, and its mean dilation, are exact for slip one way."""
-    results = whole_run(shipped_case("rough_joint_sheared", ["loading={history: [0.3, 1], follow: 1}"]))[0]
-    slip, shear, rise = (each[-1] for each in worn(results))
-    assert shear == pytest.approx(PRESSURE * (0.5 + 0.3 * np.exp(-slip / DECAY)), rel=1e-3)
-    assert rise == pytest.approx(STEEP * DECAY * (1.0 - np.exp(-slip / DECAY)), rel=1e-3)
-
-
 @pytest.mark.parametrize("follow", ["events", 1])
 def test_a_table_is_followed(follow: str | int) -> None:
     wear = "wear: {slip: [1 mm, 3 mm], friction: [0.6, 0.5], dilation_angle: [6, 0]}"
@@ -184,24 +169,3 @@ def test_a_table_is_followed(follow: str | int) -> None:
     np.testing.assert_allclose(shear[slides], PRESSURE * np.interp(slip, at, [0.8, 0.6, 0.5])[slides], rtol=1e-3)
     np.testing.assert_allclose(rise[slides], np.interp(slip, places, risen)[slides], rtol=1e-3)
     assert follow != "events" or max(result.energy.error for result in results) < 1e-7
-
-
-def test_the_mean_dilation_is_that_of_its_integral() -> None:
-    """By differences: the mean over slip from a share on, times the slip, has the rate of the law as its derivative."""
-    shares, decays = np.array([[0.0, 0.0], [0.4, 1.0], [1.0, 1.0]]), np.array([False, True])
-    one, rows = np.ones((3, 2)), np.array([[0.3, 0.3], [0.1, 0.05], [0.05, 0.05]])
-    law = ContactLaw(
-        np.zeros(2), np.zeros(2), np.full(2, 2.0), decays, shares, one, 0.0 * one, 0.0 * one, rows, *np.ones((3, 2))
-    )
-    first, step = np.full(2, 0.1), 1e-6
-
-    def after(slip: float) -> np.ndarray:
-        return first + law.worn(first, np.full(2, slip))
-
-    def risen(slip: float) -> np.ndarray:
-        return law.dilation_between(first, after(slip)) * slip
-
-    for slip in (1e-3, 0.2, 0.5, 1.0, 1.7, 2.5):
-        rate = (risen(slip + step) - risen(slip - step)) / (2.0 * step)
-        np.testing.assert_allclose(rate, law.dilation_of(after(slip)), rtol=1e-7)
-    np.testing.assert_array_equal(law.dilation_between(first, first), law.dilation_of(first))

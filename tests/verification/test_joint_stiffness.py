@@ -40,22 +40,6 @@ loads:
 output: {points: {joint: {interface: [top, low], at: [0.02, 0]}}}
 """
 
-FOUNDATION = """
-title: a block on an elastic foundation
-plane: stress
-units: {stress: MPa}
-bodies:
-  top: {shape: {rectangle: {center: [0, 0.05], width: 0.1, height: 0.1}}, material: {young: 10000, poisson: 0}}
-supports:
-  - {on: {body: top, edge: bottom}, contact: {friction: 0.6, cohesion: 0, stiffness: {normal: 20000, shear: 5000}}}
-loads:
-  - {on: {body: top, edge: top}, traction: [1, -3]}
-  - {on: {body: top, edge: left}, traction: [0, -1]}
-  - {on: {body: top, edge: right}, traction: [0, 1]}
-numerics: {spacing: 0.013}
-output: {points: {top: {at: [0.03, 0.1]}}}
-"""
-
 
 def last(result: StepResult, column: str) -> float:
     """A column of history.csv at the end of a step."""
@@ -73,12 +57,6 @@ def test_a_joint_between_blocks_closes_and_slips_by_its_stiffness(spacing: float
     strain_energy += 0.02 * (PRESSURE**2 + 2.0 * STRESS**2) / (2.0 * YOUNG)
     assert result.energy.strain == pytest.approx(strain_energy, rel=1e-8)
     assert result.energy.error < 1e-9
-
-
-def test_a_block_on_a_foundation_with_a_stiffness() -> None:
-    (result,) = whole_run(case_of(FOUNDATION))[0]
-    assert last(result, "top.u_y") == pytest.approx(-PRESSURE / NORMAL - 0.1 * PRESSURE / YOUNG, rel=1e-8)
-    assert last(result, "top.u_x") == pytest.approx(STRESS / SHEAR + 0.1 * STRESS / (0.5 * YOUNG), rel=1e-8)
 
 
 def test_slip_beyond_friction_is_not_elastic() -> None:
@@ -105,42 +83,6 @@ def test_stiffness_of_a_crack_is_that_of_the_numerics_where_it_is_the_same() -> 
     for tip, like in zip(one.tips, other.tips, strict=True):
         assert pytest.approx((like.K_I, like.K_II), rel=1e-9) == (tip.K_I, tip.K_II)
     np.testing.assert_allclose(one.contact.normal_traction, other.contact.normal_traction, rtol=1e-9)
-
-
-DRIVEN = """
-title: a joint that coheres and dilates is pressed and sheared by displacements
-plane: strain
-units: {length: mm, stress: MPa}
-bodies:
-  up: {shape: {rectangle: {center: [0, 25], width: 100, height: 50}}, material: {young: 10000, poisson: 0.2}}
-  low: {shape: {rectangle: {center: [0, -25], width: 100, height: 50}}, material: {young: 10000, poisson: 0.2}}
-interfaces:
-  - between: [up, low]
-    contact: {friction: 0.78, cohesion: 1.32, residual_friction: 0.51, dilation_angle: 10.3,
-              stiffness: {normal: 14 MPa/mm, shear: 9.5 MPa/mm}}
-supports:
-  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
-  - {on: {body: up, edge: top}, displacement: {x: 0.557, y: -0.3456}}
-numerics: {spacing: 20}
-"""
-
-
-def test_bonds_that_have_not_slipped_hold_when_the_load_has_been_away() -> None:
-    """Without load all jumps are round-off: faces that dilate parted by it here and there, and cohered no more."""
-    (*_, away, back), (*_, straight) = (
-        whole_run(case_of(DRIVEN, f"loading={{history: {way}}}"))[0] for way in ([0.5, 0.8, 0, 1], [0.5, 0.8, 1])
-    )
-    assert (back.contact.state == straight.contact.state).all()
-    np.testing.assert_allclose(back.contact.tangential_traction, straight.contact.tangential_traction, rtol=1e-9)
-    assert away.energy.error < 1e-9
-    assert not away.warnings
-
-
-def test_nothing_is_out_of_balance_where_faces_have_parted() -> None:
-    """No force is left but round-off, which is as large as itself."""
-    _, apart = whole_run(case_of(DRIVEN, "loading={history: [0.5, -0.5]}"))[0]
-    assert apart.contact.opening.min() > 1e-4
-    assert not apart.warnings
 
 
 # Bandis and Barton.
@@ -203,16 +145,6 @@ def law_of(n: int) -> ContactLaw:
 def test_faces_are_no_steeper_than_70_degrees_and_no_flatter_than_flat() -> None:
     found = law_of(3).bound_of(np.zeros(3), -np.array([1.0, 10e6, 1e9]))[0]
     np.testing.assert_allclose(np.rad2deg(np.arctan(found)), [70.0, 40.0, 30.0], rtol=1e-12)
-
-
-def test_softness_and_energy_are_derivative_and_integral_of_closure() -> None:
-    """By differences, under pressure and tension."""
-    normal = np.array([2e6, -1e4, -3e6, -5e7])
-    law, step = law_of(4), 1e-5 * np.abs(normal)
-    slope = (law.closure(normal - step) - law.closure(normal + step)) / (2.0 * step)
-    np.testing.assert_allclose(law.softness(normal) * law.compliance, slope, rtol=1e-8)
-    energy = [law.stored(some) - 0.5 * some * law.closure(some) for some in (normal - step, normal + step)]
-    np.testing.assert_allclose((energy[0] - energy[1]) / (2.0 * step), -normal * slope, rtol=1e-4)
 
 
 # Tension.

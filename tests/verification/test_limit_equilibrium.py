@@ -15,8 +15,8 @@ from scipy.optimize import brentq
 from crackgrow.case import Case
 from crackgrow.cli import main
 from crackgrow.errors import CaseError, FreePieceError, SolveError
-from tests.verification.rows.limits import INCLINE, LIMIT, WEIGHT, safety_of
-from tests.verification.solutions import Solved, case_of, solve_case
+from tests.verification.rows.limits import INCLINE, LIMIT, safety_of
+from tests.verification.solutions import case_of, solve_case
 from tests.whole_run import whole_run
 
 
@@ -250,37 +250,3 @@ def test_columns_that_topple_are_named_at_their_limit_equilibrium() -> None:
         assert safety.factor == pytest.approx(COLUMNS_LIMIT, rel=1e-3)
         words = r"hold up to 1\.\d+: there body 'c0' \(and with it body 'c1'\).* turns about"
         assert re.search(words, safety.mechanism)
-
-
-@pytest.mark.parametrize(("spacing", "side"), [(0.25, 1.0), (0.1, 1.0), (0.1, -1.0), (0.0625, 1.0)])
-def test_columns_hold_by_how_high_the_push_between_them_acts(spacing: float, side: float) -> None:
-    """Both turn by the same angle, so that they touch all along: small cells let the rock spread the push downwards."""
-    safety = whole_run(leaning(spacing, side, loading="strength_reduction"))[1].safety
-    assert safety is not None
-    forces, places, names = contact_forces(solve_case(leaning(spacing, side, safety.factor)))
-    weight = 9.81 * 2500.0 * np.array([-side * SIN, -COS])
-    for column, middle, heavy in (("c0", (0.5, 0.5), 1.0), ("c1", (1.5, 2.0), 4.0)):
-        first = np.array([float(name.startswith(column)) - float(name.endswith(column)) for name in names])
-        on_it = first[:, None] * forces
-        np.testing.assert_allclose(on_it.sum(axis=0), -heavy * weight, atol=1e-6 * WEIGHT)
-        turning = cross(places, on_it).sum() + cross(np.array([side * middle[0], middle[1]]), heavy * weight)
-        assert abs(turning) < 1e-6 * WEIGHT
-    joint = names == "c0/c1"
-    height = (forces[joint, 0] @ places[joint, 1]) / forces[joint, 0].sum()
-    assert safety.factor * height == pytest.approx(COLUMNS_LIMIT, rel=1e-3)
-    assert safety.factor < 1.03 * COLUMNS_LIMIT
-
-
-def cross(a: np.ndarray, b: np.ndarray) -> np.ndarray:
-    return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])
-
-
-def contact_forces(solved: Solved) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Forces (n, 2) N/m on the first of two bodies, where they act (n, 2) m, and the names (n,) of the interfaces."""
-    contact, faces = solved.result.contact, solved.solution.faces
-    normal = faces.nodes.normal
-    along = np.stack([normal[:, 1], -normal[:, 0]], axis=1)
-    traction = contact.normal_traction[:, None] * normal + contact.tangential_traction[:, None] * along
-    forces = -faces.weights[:, None] * solved.scene.lattice.spacing * traction
-    places = faces.functions @ (faces.lengths[:, None] * faces.points.points) / faces.weights[:, None]
-    return forces, solved.scene.lattice.to_metres(places), np.array(contact.crack)

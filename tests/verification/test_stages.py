@@ -16,7 +16,6 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.results.summary import K_error
 from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loading import load
@@ -93,14 +92,6 @@ def test_rock_released_in_stages_is_rock_with_the_hole_from_the_start(core: dict
         np.testing.assert_allclose(last.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
 
 
-def test_K_has_an_error_where_the_rock_moves_and_none_at_rest() -> None:
-    """Joints stick under the stress in the ground: their K is nothing. In the third stage no load does any work."""
-    more = ["loading.stages=[{}, {excavate: core}, {loads: {water: 0.5}}]", "output.figures=false"]
-    rest, *moved = (K_error(step) for step, _ in steps_of(shipped_case("tunnel_excavated", more)))
-    assert np.isnan(rest)
-    assert np.isfinite(moved).all()
-
-
 def test_a_lining_presses_on_the_wall_from_its_stage_on() -> None:
     """A traction with a name of its own on an edge that is a boundary with the core until then."""
     rock = "  - {body: rock, stress"
@@ -110,13 +101,6 @@ def test_a_lining_presses_on_the_wall_from_its_stage_on() -> None:
     (_, expected), *_ = steps_of(tunnel("{}", **{rock: lining.replace("x/2, y/2", "3*x/2, 3*y/2")}))
     size = np.abs(expected.outcome.u).max()
     np.testing.assert_allclose(found.outcome.u, expected.outcome.u, rtol=0, atol=1e-9 * size)
-
-
-def test_half_released_is_half_way() -> None:
-    (_, rest), (_, half), (_, all_) = steps_of(tunnel(TWO_HALVES))
-    places = np.array([[2.5, 0.3], [3.0, 3.0], [-1.0, 4.0]])
-    at = [stress_in(solution, places) for solution in (rest, half, all_)]
-    np.testing.assert_allclose(at[1], 0.5 * (at[0] + at[2]), rtol=0, atol=1e-9 * abs(SIGMA_V))
 
 
 TWO_DRIFTS = """
@@ -369,33 +353,6 @@ def test_a_target_holds_at_the_end_of_stages() -> None:
     again = next(grow(case, steps[1].checkpoint))
     assert np.array_equal(K_of(again), K_of(steps[1]))
     assert again.factorizations == steps[1].factorizations
-
-
-BLOCKS = """
-title: two blocks apart, 2 m and 1 m wide, each on its own foundation
-plane: strain
-bodies:
-  one: {shape: {rectangle: {center: [0, 0.5], width: 2, height: 1}}, material: {young: 1e9, poisson: 0.2}}
-  two: {shape: {rectangle: {center: [4, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0.2}}
-supports:
-  - {on: {body: one, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}
-  - {on: {body: two, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}
-loads:
-  - {on: {body: one, edge: top}, traction: [0, -1e6]}
-  - {on: {body: two, edge: top}, traction: [2e5, -1e6]}
-loading: {stages: [{name: all}, {name: one goes, excavate: one}]}
-numerics: {spacing: 0.5}
-"""
-
-
-def test_the_foundation_of_a_block_that_stays_carries_it_by_its_own_name() -> None:
-    steps, _ = whole_run(case_of(BLOCKS))
-    forces = [{reaction.where: reaction.force for reaction in step.reactions} for step in steps]
-    assert [list(each) for each in forces] == [["one.bottom", "two.bottom"]] * 2
-    np.testing.assert_allclose(forces[0]["one.bottom"], [0.0, 2e6], atol=1.0)
-    for each in forces:
-        np.testing.assert_allclose(each["two.bottom"], [-2e5, 1e6], atol=1.0)
-    assert forces[1]["one.bottom"] == (0.0, 0.0)
 
 
 PRESSED = """

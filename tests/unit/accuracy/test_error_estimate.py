@@ -10,6 +10,8 @@ from crackgrow.solid.elasticity import energy_density
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
 
+pytestmark = pytest.mark.physics
+
 
 def smooth(points: np.ndarray) -> np.ndarray:
     """Balanced stress of the potentials phi = exp(z), psi = 0 (Muskhelishvili 1953, section 32), z in units of 4 m."""

@@ -10,11 +10,9 @@ import numpy as np
 import pytest
 
 from crackgrow import solve
-from crackgrow.case import Case, dump_case
+from crackgrow.case import dump_case
 from crackgrow.case.dump import written
 from crackgrow.case.load import read_case
-from crackgrow.case.model import ContactSupport, EdgeTraction, FluidPressure, Gravity, InSituStress
-from crackgrow.case.surface import crack_name
 from tests.unit.case.scenes import (
     EVERYTHING,
     LAW,
@@ -69,19 +67,6 @@ def test_lines_of_an_interface(
     assert [line.tolist() for line in interface.lines] == lines
 
 
-def test_round_inclusion_matches_side_by_side(tmp_path: Path):
-    disk = {"disk": {"center": [0.3, 0.7], "radius": 1.1}}
-    scene = blocks(plate={**rectangle(-2, -2, 5, 5), "holes": [disk]}, core=disk)
-    case = load(tmp_path, changed(scene, interfaces=joint("core plate", contact="bonded")))
-    (interface,) = case.interfaces
-    assert interface.contact == "bonded"
-    assert [line.shape for line in interface.lines] == [(181, 2), (181, 2)]
-    joined = np.concatenate([interface.lines[0], interface.lines[1][1:-1]])
-    np.testing.assert_array_equal(joined, case.bodies[1].outline)
-    around = {tuple(point) for point in case.bodies[0].rings[1].points.tolist()}
-    assert {tuple(point) for point in joined.tolist()} == around
-
-
 def test_nearly_common_corners_become_common(tmp_path: Path):
     gap = 4e-10 * np.hypot(2, 2)
     near = {"polygon": [[1 + gap, -gap], [2, 0], [2, 2], [1 - gap, 2 + gap]]}
@@ -105,12 +90,6 @@ def test_bodies_that_meet_at_a_point(tmp_path: Path):
     assert load(tmp_path, apart).interfaces == ()
     key, message = fault(tmp_path, changed(apart, interfaces=joint("a b")))
     assert (key, message) == ("interfaces.0.between", "'a' and 'b' share no boundary: they touch at points only")
-
-
-def test_a_fault_of_an_interface_is_not_told_again_at_a_point_on_it(tmp_path: Path):
-    points = {"points": {"slip": {"interface": ["low", "top"], "at": [0, 0]}}}
-    scene = changed(two_blocks(), interfaces=joint("low top", contact={"friction": -1}), output=points)
-    assert fault(tmp_path, scene)[0] == "interfaces.0.contact.friction"
 
 
 def test_one_body_or_the_whole_scene_says_what_is_too_coarse_too_fine_or_too_far(tmp_path: Path):
@@ -138,18 +117,6 @@ def test_one_body_or_the_whole_scene_says_what_is_too_coarse_too_fine_or_too_far
 # --- supports --------------------------------------------------------------------------------------------------------
 
 
-def test_supports_that_agree_or_share_a_corner_alone_are_taken(tmp_path: Path):
-    scene = two_blocks()
-    scene["supports"] = [
-        {"on": {"body": "low", "edge": "bottom"}, "displacement": {"x": "0.3*x - 0.1*3*x + 0.1*(x - 0.7)", "y": 0}},
-        {"at": [0.7, 0], "displacement": {"x": 0, "y": 0}},
-        {"on": {"body": "low", "edge": "bottom", "to": 1}, "displacement": {"y": 0}},
-        {"on": {"body": "low", "edge": "left"}, "displacement": {"x": 0.2}},
-        {"at": [0, 2], "body": "low", "displacement": {"y": 0.3}},
-    ]
-    assert len(load(tmp_path, scene).supports) == 5
-
-
 def test_support_at_a_point_knows_its_body(tmp_path: Path):
     scene = two_blocks()
     given = [{"at": [1, 1]}, {"at": [1, 3]}, {"at": [1, 2], "body": "low"}, {"at": [1, 2], "body": "top"}]
@@ -158,41 +125,6 @@ def test_support_at_a_point_knows_its_body(tmp_path: Path):
     assert [support.body for support in case.supports] == ["low", "top", "low", "top"]
     assert written(case)["supports"][0]["body"] == "low"
     assert same(case, reread(case, tmp_path))
-
-
-@pytest.mark.parametrize(
-    "supports",
-    [
-        "[{on: {body: rock, edge: bottom, from: -1, to: 1}, displacement: {x: 0, y: 0}}]",
-        "[{at: [3, -9], displacement: {x: 0, y: 0}}, {at: [5, 9], displacement: {x: 0}}]",
-        "[{on: {body: rock, edge: left}, displacement: {x: 0}}, {at: [15.5, -9], displacement: {y: 0}}]",
-    ],
-)
-@pytest.mark.parametrize("unit", ["um", "mm", "km"])
-def test_held_at_any_size(supports: str, unit: str, tmp_path: Path):
-    scene = with_body(rectangle(-15.5, -27.5, 31, 55))
-    case = load(tmp_path, scene, f"supports={supports}", f"units.length={unit}", "numerics.spacing=1.5")
-    assert case.supports
-
-
-def test_two_supports_in_y_anywhere_leave_x(tmp_path: Path):
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        (a, b), (c, d) = rng.uniform(-10, 10, (2, 2)).round(3).tolist()
-        supports = [{"at": [a, c], "displacement": {"y": 0}}, {"at": [b, d], "displacement": {"y": 0}}]
-        scene = {**with_body(rectangle(-15, -15, 30, 30)), "supports": supports, "numerics": {"spacing": 1}}
-        assert "translation in x;" in fault(tmp_path, scene)[1]
-
-
-def test_a_small_body_far_out_keeps_its_supports(tmp_path: Path):
-    """One kilometre off, corners are still recognised as lying on the outline."""
-    scene = with_body({"rectangle": {"center": ["1 km", "1 km"], "width": 31, "height": 55}})
-    scene["units"] = {"length": "mm"}
-    scene["supports"] = [
-        {"at": at, "displacement": {"x": 0, "y": 0}}
-        for at in ([999984.5, 999972.5], [1000015.5, 999972.5], ["1000 m", 999972.5])
-    ]
-    assert len(load(tmp_path, scene, "numerics.spacing=1.5").supports) == 3
 
 
 def test_bodies_in_contact_need_no_supports_but_others_do(tmp_path: Path):
@@ -205,23 +137,6 @@ def test_bodies_in_contact_need_no_supports_but_others_do(tmp_path: Path):
     on = {"body": "loose", "edge": "bottom"}
     load(tmp_path, changed(scene, supports=[{"on": on, "contact": LAW}]))
     load(tmp_path, changed(scene, supports=held("loose")))
-
-
-def test_a_short_part_of_an_arc_holds_like_its_sides(tmp_path: Path):
-    scene = with_body({"disk": {"center": [0, 0], "radius": 1}})
-    scene["supports"] = [{"on": {"body": "rock", "edge": "arc", "from": 0, "to": 2}, "displacement": {"x": 0, "y": 0}}]
-    assert len(load(tmp_path, scene).supports) == 1
-
-
-def test_foundations_may_touch_each_other_and_an_interface(tmp_path: Path):
-    scene = two_blocks()
-    regions = [{"edge": "left", "to": 1}, {"edge": "left", "from": 1}, {"edge": "bottom", "from": 1}]
-    law = {"friction": 1, "cohesion": 2}
-    scene["supports"] = [{"on": {"body": "low", **on}, "contact": law} for on in regions]
-    *_, support = supports = load(tmp_path, scene).supports
-    assert [type(support) for support in supports] == [ContactSupport] * 3
-    assert (support.region.sides.tolist(), support.region.limits.tolist()) == ([0], [[0.25, 1]])
-    assert (support.contact.friction, support.contact.cohesion) == (1.0, 2.0)
 
 
 def test_minimal_supports_are_three_constraints_off_the_loads_and_cracks(tmp_path: Path):
@@ -254,27 +169,6 @@ PRESSURE = [
     *({"on": {"edge": edge}, "pressure": "2 + x**2"} for edge in ("top", "bottom")),
     *({"on": {"edge": edge}, "pressure": 3} for edge in ("left", "right")),
 ]
-
-
-def test_loads(tmp_path: Path):
-    scene = changed(two_blocks(), units={"stress": "MPa"})
-    scene["bodies"]["low"]["material"]["density"] = 2500
-    scene["cracks"] = {"flaw": {"path": {"points": [[1, 1], [2, 1]]}, "contact": "none"}}
-    scene["loads"] = [
-        {"on": {"body": "low", "edge": "right"}, "traction": [1, "2 kPa"]},
-        {"body": "low", "gravity": [1, "-9810 mm/s^2"]},
-        {"crack": "flaw", "pressure": -2, "held": True},
-        {"body": "top", "stress": [-20, "-10 GPa", 3]},
-    ]
-    case = load(tmp_path, scene)
-    traction, gravity, pressure, stress = case.loads
-    assert [type(load) for load in case.loads] == [EdgeTraction, Gravity, FluidPressure, InSituStress]
-    assert (traction.region.sides.tolist(), traction.traction) == ([1], (1e6, 2e3))
-    assert (gravity.body, gravity.acceleration) == ("low", (1.0, -9.81))
-    assert (pressure.surface, pressure.pressure) == (crack_name("flaw"), -2e6)
-    assert (stress.body, stress.stress) == ("top", (-2e7, -1e10, 3e6))
-    assert [item.held for item in case.loads] == [False, False, True, False]
-    assert [item["held"] for item in written(case)["loads"]] == [False, False, True, False]
 
 
 @pytest.mark.parametrize(
@@ -346,9 +240,3 @@ def test_a_faulty_definition_is_told_once_and_in_its_line(tmp_path: Path):
     (only,) = faults_of(tmp_path / "scene.yaml")
     lines = (tmp_path / "scene.yaml").read_text(encoding="utf-8").splitlines()
     assert lines[only.line - 1].strip() == "poisson: 0.5"
-
-
-def test_plane_stress_takes_poisson_one_half(tmp_path: Path):
-    scene = changed(plate(), supports=held("rock"), plane="stress")
-    case: Case = load(tmp_path, scene, "bodies.rock.material.poisson=0.5")
-    assert case.bodies[0].material.poisson == 0.5

@@ -9,8 +9,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-import crackgrow
-from crackgrow import cli
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.errors import CaseError
 from tests.unit.case.scenes import reread
@@ -70,12 +68,6 @@ def test_an_end_within_the_tolerance_of_the_outline_lies_on_it(tmp_path: Path):
     np.testing.assert_allclose([cut.length for cut in case.cut], [5e-6], rtol=1e-6)
 
 
-def test_a_set_makes_no_more_cracks_than_a_case_can_have(tmp_path: Path):
-    zigzag = [[[950 + 100 * (k % 2), k] for k in range(999)]]
-    with pytest.raises(CaseError, match=r"cracks: sets make \d+ cracks of it; wanted: 1000 at most"):
-        load(tmp_path, [*zigzag, *([[x, 0], [x, 1]] for x in range(1, 900))])
-
-
 def test_a_set_keeps_the_tips_that_it_is_given_and_needs_its_file_no_more(tmp_path: Path):
     load(tmp_path, [[[300, 300], [400, 400]], [[900, 500], [1200, 500]]])
     case = of_file(tmp_path, "traces.geojson", {}, tips="end")
@@ -84,17 +76,6 @@ def test_a_set_keeps_the_tips_that_it_is_given_and_needs_its_file_no_more(tmp_pa
     again = reread(case, tmp_path)
     assert [crack.points.tolist() for crack in again.cracks] == [crack.points.tolist() for crack in case.cracks]
     assert tips_of(again) == tips_of(case)
-
-
-def test_a_set_runs_and_its_run_is_gone_on_with(tmp_path: Path):
-    load(tmp_path, [[[300, 300], [500, 400]], [[900, 500], [1200, 500]]])
-    run = ["run", str(tmp_path / "scene.yaml"), "--out", str(tmp_path / "out"), "--set", "output.figures=false"]
-    assert cli.main([*run, "--set", "output.frames=none"]) == 0
-    assert cli.main([*run, "--set", "output.frames=none", "--resume"]) == 0
-    warnings = json.loads((tmp_path / "out" / "summary.json").read_text())["warnings"]
-    words = "1 times: 0.2 m of 'joints-2' (the shape, part 2) at (1.1 m, 0.5 m): outside of the rock"
-    assert any(words in text for text in warnings)
-    assert "changed when it was read: 0.2 m of 'joints-2'" in (tmp_path / "out" / "run.log").read_text()
 
 
 # --- tables ----------------------------------------------------------------------------------------------------------
@@ -167,17 +148,6 @@ def test_an_end_on_or_near_another_trace_is_no_tip(off: float, tmp_path: Path):
     assert tips_of(beyond) == (TIPS if abs(off) < 3.0 else [("start", "end")] * 2)
 
 
-def test_ends_of_three_traces_near_each_other_become_one_place(tmp_path: Path):
-    ways = np.deg2rad([90, 210, 330])
-    lines = [
-        [[500 + 3 * np.cos(a + 1), 500 + 3 * np.sin(a + 1)], [500 + 200 * np.cos(a), 500 + 200 * np.sin(a)]]
-        for a in ways
-    ]
-    case = load(tmp_path, lines, tolerance="8 mm")
-    assert len({tuple(crack.points[0].tolist()) for crack in case.cracks}) == 1
-    assert tips_of(case) == [("end",)] * 3
-
-
 def test_traces_that_cross_or_are_near_a_named_crack(tmp_path: Path):
     """Crossings stay as they are; a crack of the case stays where it is, and a trace ends on it."""
     named = {"fault": {"path": {"points": [[100, 700], [900, 700]]}, "contact": CONTACT}}
@@ -200,15 +170,6 @@ def test_what_is_drawn_twice_or_over_another_trace_is_there_once(tmp_path: Path)
     assert tips_of(case) == [("start",), ("end",), ("start", "end")]
     told = [(cut.crack, cut.whole, cut.why) for cut in case.cut]
     assert told == [(f"joints-{k}", k < 4, "runs along crack 'joints-1'") for k in (2, 3, 4)]
-
-
-def test_crossings_at_a_small_angle_stay(tmp_path: Path):
-    """At half a degree two traces are within the tolerance of each other over more than a metre."""
-    rise = 400 * np.tan(np.deg2rad(0.5))
-    lines = [[[100, 500], [900, 500]], [[100, 500 - rise], [900, 500 + rise]]]
-    case = load(tmp_path, lines, tolerance="1 mm")
-    assert [len(crack.points) for crack in case.cracks] == [2, 2]
-    assert case.cut == ()
 
 
 def test_what_is_no_line_is_left_out_and_told(tmp_path: Path):
@@ -268,12 +229,6 @@ def test_attributes_choose_lines_name_them_and_give_laws(tmp_path: Path):
     assert [crack.contact.friction for crack in without.cracks] == [0.3, 0.1, 0.1, 0.1]
 
 
-def test_a_projected_system_and_a_shift_are_taken(tmp_path: Path):
-    with_attributes(tmp_path)
-    case = of_file(tmp_path, "map.geojson", {"units": "cm", "origin": [190.5, 90]})
-    np.testing.assert_allclose(case.cracks[0].points, [[0.095, 0.1], [1.0, 0.1]], rtol=1e-15)  # cut at 1 m
-
-
 def test_faults_of_cracks_name_the_feature_or_the_row(tmp_path: Path):
     """What is wrong with the law stands in the case, once; what is wrong with a trace in the map."""
     with_attributes(tmp_path)
@@ -286,10 +241,3 @@ def test_faults_of_cracks_name_the_feature_or_the_row(tmp_path: Path):
     (fault,) = caught.value.faults
     assert fault.source.endswith("scene.yaml")
     assert fault.key == "cracks.joints-1.contact.residual_friction"
-
-
-def test_cracks_in_another_unit_than_the_case_has_are_told(tmp_path: Path):
-    load(tmp_path, (1e-3 * np.array([[[200, 200], [400, 250]], [[600, 500], [700, 500]]])).tolist())
-    told = crackgrow.solve(load_case(tmp_path / "scene.yaml", ["numerics.accuracy=draft"])).warnings
-    words = "of its size: is the unit of their coordinates right?"
-    assert any("all cracks of body 'rock' lie within 0.0004" in text and words in text for text in told)

@@ -16,7 +16,6 @@ from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
     EVERYTHING,
     MATERIAL,
-    blocks,
     changed,
     compression,
     fault,
@@ -62,20 +61,6 @@ def test_a_crack_knows_its_body_and_may_end_on_its_rims(
     assert (crack.tip_at_start, crack.tip_at_end) == (tips in ("start", "both"), tips in ("end", "both"))
 
 
-def test_a_crack_on_a_slanting_interface_lies_where_its_inside_does(tmp_path: Path):
-    """Ends on an interface are rounded to either side of it; the body is still that of the inside."""
-    rng = np.random.default_rng(4)
-    low, top = [[0, 0], [4, 0], [4, 1.1], [0, 2.3]], [[0, 2.3], [4, 1.1], [4, 4], [0, 4]]
-    scene = changed(blocks(low={"polygon": low}, top={"polygon": top}), interfaces=joint("low top"))
-    scene["supports"] = [{"at": [0, 0], "body": "low", "displacement": {"x": 0, "y": 0}}]
-    sides = [*["low"] * 10, *["top"] * 10]
-    cracks = {}
-    for index, (side, x) in enumerate(zip(sides, rng.uniform(0.5, 3.5, 20).tolist(), strict=True)):
-        points = [[x, 2.3 - 0.3 * x], [x, 0.5 if side == "low" else 3.5]]
-        cracks[f"c{index}"] = {"path": {"points": points[:: rng.choice([1, -1])]}, "tips": "none", "contact": "none"}
-    assert [crack.body for crack in load(tmp_path, changed(scene, cracks=cracks)).cracks] == sides
-
-
 @pytest.mark.parametrize(
     ("points", "tips", "cut", "lost"),
     [
@@ -109,13 +94,6 @@ def test_only_bodies_whose_cracks_can_grow_need_a_strength(tmp_path: Path):
     assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "start")).bodies[0].strength is None
 
 
-@pytest.mark.parametrize("angle", [0, 90, 180, 270, 360, -90, 450])
-def test_right_angles_are_exact(angle: int):
-    start, end = compression(f"cracks.flaw.path.angle={angle}").cracks[0].points
-    direction = (end - start) / 0.01
-    assert direction.tolist() == [[1, 0], [0, 1], [-1, 0], [0, -1]][angle // 90 % 4]
-
-
 def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
     points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
     (crack,) = compression(f"cracks.flaw.path={{points: {points}}}").cracks
@@ -131,7 +109,6 @@ def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
 SIZE = 10.0 * np.sqrt(2.0)  # m, diagonal of the plate
 TOLERANCE = 1e-9 * SIZE  # m; rounding: places no farther apart are one
 REACH = 1e-5 * SIZE  # m; what comes nearer is moved together
-HALF = np.sqrt(0.5)
 Line = tuple[list[list[float]], str]
 
 
@@ -224,23 +201,6 @@ def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: fl
     assert len(places_of(case)) == 1
 
 
-def test_cracks_within_the_tolerance_over_a_length_lie_along_each_other(tmp_path: Path):
-    near = plate(a=MAIN, b=([[-1, 0.5 * TOLERANCE], [1, 0.5 * TOLERANCE]], "none"))
-    assert "runs along crack 'a'" in fault(tmp_path, near)[1]
-
-
-def test_many_cracks_through_one_place_meet_once(tmp_path: Path):
-    """Each ends or passes within half a tolerance of the place."""
-    rng = np.random.default_rng(6)
-    cracks = {}
-    for k, angle in enumerate(np.arange(12) * np.pi / 6.5):
-        way = np.array([np.cos(angle), np.sin(angle)])
-        near = np.array([0.3, 0.7]) + 0.5 * TOLERANCE * rng.uniform(-HALF, HALF, 2)
-        cracks[f"c{k}"] = ([(near - k % 2 * way).tolist(), (near + 2 * way).tolist()], "both" if k % 2 else "end")
-    (place,) = places_of(load(tmp_path, plate(**cracks)))
-    np.testing.assert_allclose(place, [0.3, 0.7], atol=10 * TOLERANCE)
-
-
 def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
     """Of straight cracks of up to 0.4 m anywhere in the plate."""
     rng = np.random.default_rng(7)
@@ -285,6 +245,7 @@ def incline(angle: float, digits: int, scale: float = 1.0, mirror: bool = False)
     }
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("digits", [5, 7, 9, 15])
 def test_block_on_an_incline_holds_however_its_corners_are_typed(digits: int, tmp_path: Path):
     """At a coarse spacing it is solved; finer ones need its cover alone."""
@@ -295,21 +256,6 @@ def test_block_on_an_incline_holds_however_its_corners_are_typed(digits: int, tm
     for spacing in (0.1, 0.05, 0.02):
         finer = load(tmp_path, incline(30.0, digits), f"numerics.spacing={spacing}")
         assert sizes_of(finer).n_contact > 1.0 / spacing
-
-
-@pytest.mark.parametrize(
-    ("angle", "scale", "mirror"),
-    [(30, 1.0, False), (30, 1e-3, False), (120, 1.0, False), (30, 1.0, True), (10, 1e3, False)],
-)
-def test_turned_scaled_and_mirrored_copies_are_brought_together_alike(
-    angle: float, scale: float, mirror: bool, tmp_path: Path
-):
-    scene = incline(angle, 6, scale, mirror)
-    assert [interface.lines[0].shape for interface in load(tmp_path, scene).interfaces] == [(2, 2)]
-    shape = scene["bodies"]["block"]["shape"]
-    shape["polygon"] = [[x, y + 5e-4 * scale] for x, y in shape["polygon"]]
-    with pytest.raises(crackgrow.CaseError):
-        load(tmp_path, scene)
 
 
 def test_side_with_a_corner_more_keeps_its_name_and_its_places(tmp_path: Path):
@@ -392,13 +338,6 @@ def test_ends_on_cracks_that_end_on_walls_follow_them(off: float, tmp_path: Path
         step = line[1] - line[0]
         apart = (end - line[0])[0] * step[1] - (end - line[0])[1] * step[0]
         assert abs(apart) <= 1e-14 * np.hypot(*step)
-
-
-def test_a_short_crack_is_not_bent_by_what_is_near(tmp_path: Path):
-    """A crack of a millimetre that starts a reach from a wall stays where it is."""
-    case = load(tmp_path, plate(a=([[-4.99995, 0], [-4.999, 0]], "both")))
-    assert case.cracks[0].points[0, 0] == -4.99995
-    assert case.moved == ()
 
 
 @pytest.mark.parametrize(("start", "end"), [(0.0, 180.0), (180.0, 0.0), (-30.0, 40.0), (0.0, 2.0)])

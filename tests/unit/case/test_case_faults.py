@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +10,8 @@ import pytest
 import yaml
 
 from crackgrow.case import load_case
-from crackgrow.case.load import read_case
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, faults_of, rectangle, text_of, with_body
+from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, faults_of, text_of
 
 ROOT = Path(__file__).parents[3]
 TABLE = yaml.safe_load(Path(__file__).with_name("faults.yaml").read_text(encoding="utf-8"))
@@ -100,36 +99,3 @@ def test_all_faults_at_once_in_file_order(tmp_path: Path):
     assert faults[0].message.endswith("did you mean 'plane'?")
     for fault in faults:
         assert fault.key.rpartition(".")[2] + ":" in lines[(fault.line or 0) - 1]
-
-
-def test_message_is_one_line_per_fault(tmp_path: Path):
-    edits = ("young: 10000 ", 'young: "1\\n\\x1b[31m 2" '), ("tips: both", '"ti\\nps": both')
-    with pytest.raises(CaseError) as caught:
-        load_case(edited(tmp_path, *edits))
-    assert len(str(caught.value).splitlines()) == len(caught.value.faults) == 2
-    assert all(str(fault).isprintable() for fault in caught.value.faults)
-
-
-def keys_in(value: Any, before: str = "") -> Iterator[str]:
-    for key, inner in value.items() if isinstance(value, dict) else enumerate(value):
-        yield f"{before}{key}"
-        if isinstance(inner, dict | list):
-            yield from keys_in(inner, f"{before}{key}.")
-
-
-@pytest.mark.parametrize("value", ["5", "[[1]]", "{a: 1}"])
-def test_a_value_of_the_wrong_kind_is_a_fault_wherever_it_stands(value: str):
-    scene = {
-        **with_body(rectangle(0, 0, 4, 4)),
-        "loads": [{"on": {"edge": "top"}, "traction": [0, 1], "name": "push"}],
-        "loading": {"stages": [{"factor": 1, "loads": {"push": 1}}, {"factor": 2}]},
-        "numerics": {"refine": {"tips": 1}, "spacing": "auto", "contact": {"stiffness": 2}},
-        "output": {"fields": ["stress"], "points": {"middle": {"at": [1, 2]}}},
-    }
-    text, refused = text_of(scene), 0
-    for key in keys_in(scene):
-        try:
-            read_case(text, "scene.yaml", "scene", [f"{key}={value}"])
-        except CaseError:
-            refused += 1
-    assert refused > 30

@@ -85,24 +85,6 @@ def test_no_case(data: bytes, line: int | None, words: str, tmp_path: Path):
     str(fault).encode()  # no half of a surrogate pair
 
 
-def test_longer_lists_than_checks_can_take_are_refused():
-    vertices = ", ".join(f"[{x}, 0]" for x in range(5001))
-    words = "a list of 5001 given; wanted: 5000 at most"
-    assert words in fault_of(FILE, f"cracks.flaw.path={{points: [{vertices}]}}").message
-
-
-def test_an_alias_in_what_it_stands_for_is_refused(tmp_path: Path):
-    with pytest.raises(CaseError, match="no value before it has the anchor &me"):
-        load_case(written(tmp_path, COMPRESSION + b"me: &me [*me]\n"))
-
-
-@pytest.mark.parametrize("units", ["!x {length: mm}", "{length: !x mm}", "*me"])
-def test_units_that_the_parser_refuses(units: str, tmp_path: Path):
-    data = COMPRESSION.replace(b"{length: mm, stress: MPa}", units.encode())
-    with pytest.raises(CaseError, match="units"):
-        load_case(written(tmp_path, data))
-
-
 @pytest.mark.parametrize(
     "data",
     [

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case.dump import written
 from crackgrow.case.formula import DEEPEST, LONGEST, CoordinateFormula, FormulaError, parse_formula
-from crackgrow.case.units import Metres, QuantityError, Units, parse_number, parse_quantity, place_text
+from crackgrow.case.units import QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import compression, fault, load, rectangle, with_body
+from tests.unit.case.scenes import fault, load, rectangle, with_body
 
 MM = Units("mm", "MPa")
 
@@ -54,16 +53,6 @@ def test_not_a_number(text: str):
 )
 def test_quantities_are_the_nearest_floats(text: str, kind: str, value: float):
     assert parse_quantity(text, kind, MM) == value
-
-
-@pytest.mark.parametrize(
-    ("metres", "words"),
-    [(12.0, "12 m"), (0.25, "0.25 m"), (0.0999, "99.9 mm"), (-7.75e-4, "-0.775 mm"), (2.6e-8, "0.026 um"), (0, "0 m")],
-)
-def test_a_length_has_the_unit_that_suits_its_size(metres: float, words: str):
-    assert f"{Metres(metres):.3g}" == words
-    assert parse_quantity(words, "length", Units()) == pytest.approx(metres)
-    assert place_text([-1e-17, -0.02]) == "(0 m, -20 mm)"  # no round-off of zeros
 
 
 # --- formulas --------------------------------------------------------------------------------------------------------
@@ -146,22 +135,6 @@ def test_no_finite_value(text: str):
         CoordinateFormula(parse_formula(text))(np.array([[1.0, 1.0], [0.0, 0.0], [-1.0, 0.0], [1e308, 0.0]]))
 
 
-@pytest.mark.parametrize(
-    ("given", "text"),
-    [
-        ("0.1*y", "0.001 * (0.1 * (y / 0.001))"),
-        ("'0.1 * y'", "0.001 * (0.1 * (y / 0.001))"),
-        ("y", "0.001 * (y / 0.001)"),
-        ("1e-3*x", "0.001 * (0.001 * (x / 0.001))"),
-    ],
-)
-def test_formula_in_a_case(given: str, text: str):
-    case = compression(f"supports.2.displacement.x={given}")
-    x, y = case.supports[2].displacement
-    assert (x.text, y) == (text, None)
-    assert written(case)["supports"][2]["displacement"] == {"x": text}
-
-
 def test_formulas_of_a_map_need_values_in_the_rock_alone(tmp_path: Path):
     """x and y are those of the map: log(x - 399.99) has values right of x = 399.99 m."""
     scene = {**with_body(rectangle(400, 800, 10, 10)), "units": {"length": "m", "origin": [400, 800]}}
@@ -172,22 +145,6 @@ def test_formulas_of_a_map_need_values_in_the_rock_alone(tmp_path: Path):
             assert fault(tmp_path, scene)[1] == told
         else:
             assert load(tmp_path, scene).supports[0].displacement[1](np.zeros((1, 2))) == [1e-6 * np.log(400 - x)]
-
-
-@pytest.mark.parametrize(
-    ("unit", "given", "value"),
-    [
-        ("mm", "0.5", 5e-4),
-        ("mm", "-0.5 um", -5e-7),
-        ("mm", "1e-1mm", 1e-4),
-        ("mm", '"1 mm"', 1e-3),
-        ("m", "(5)", 5.0),
-        ("m", "-(5)", -5.0),
-    ],
-)
-def test_plain_components_stay_numbers(unit: str, given: str, value: float):
-    case = compression(f"units.length={unit}", f"supports.2.displacement.x={given}")
-    assert case.supports[2].displacement == (value, None)
 
 
 @pytest.mark.parametrize("stress", ["psi", "ksi"])

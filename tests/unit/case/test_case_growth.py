@@ -11,18 +11,13 @@ import pytest
 
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.model import CoulombContact, CriticalLoad, LoadHistory, Stages
-from crackgrow.case.surface import crack_name
-from crackgrow.case.toughness import averaging_radius, length_of_average, shear_radius
-from crackgrow.cover.shapes import CrackGeometry
+from crackgrow.case.toughness import averaging_radius, shear_radius
 from crackgrow.errors import CaseError
-from crackgrow.run.scene import make_scene
-from crackgrow.run.size_field import size_field
 from tests.unit.case.scenes import (
     COMPRESSION,
     EVERYTHING,
     compression,
     edited,
-    fault,
     faults_of,
     load,
     reread,
@@ -48,23 +43,6 @@ def test_law_with_every_key_and_with_defaults(
     assert isinstance(contact, CoulombContact)
     assert (contact.friction, contact.cohesion, contact.residual_friction) == (0.6, 2e6, residual)
     assert (contact.cohesion_kept, contact.dilation_angle) == (kept, dilation)
-
-
-def test_defaults_of_the_law_are_in_the_resolved_case():
-    assert list(compression("cracks.flaw.contact.friction=0.3").to_dict()["cracks"]["flaw"]["contact"].items()) == [
-        ("friction", 0.3),
-        ("cohesion", 0.0),
-        ("tension", 0.0),
-        ("residual_friction", 0.3),
-        ("cohesion_after_slip", "lost"),
-        ("dilation_angle", 0.0),
-    ]
-
-
-@pytest.mark.parametrize(("friction", "angle"), [(1.0, 45), (0.0, 0), (0.58, 30)])
-def test_steepest_dilation(friction: float, angle: float):
-    law = f"{{friction: {friction}, cohesion: 0, dilation_angle: {angle}}}"
-    assert compression(f"cracks.flaw.contact={law}").cracks[0].contact.dilation_angle == angle
 
 
 # --- toughness, and the averaging radius that follows from it --------------------------------------------------------
@@ -101,19 +79,6 @@ def test_radii_follow_from_strengths_and_toughnesses(tmp_path: Path):
 
 
 @pytest.mark.parametrize(
-    ("text", "value"),
-    [("40 kPa sqrt(m)", 4e4), ("40000 Pa sqrt(m)", 4e4), ("4e-5 GPa sqrt(m)", 4e4), ("1 MPa sqrt(mm)", 1e6 / 1e3**0.5)],
-)
-def test_units_of_a_toughness(text: str, value: float, tmp_path: Path):
-    assert load_case(tough(tmp_path, text)).bodies[0].strength.toughness == pytest.approx(value, rel=1e-15)
-
-
-def test_bare_toughness_is_taken_in_metres(tmp_path: Path):
-    edits = ("units: {length: mm, stress: MPa}", "units: {length: m, stress: MPa}"), ("spacing: 1.5", "spacing: 1.5 m")
-    assert load_case(tough(tmp_path, "0.04", *edits)).bodies[0].strength.toughness == 4e4
-
-
-@pytest.mark.parametrize(
     ("settings", "direction"),
     [
         (["growth.criterion=max_hoop_stress"], "implicit"),
@@ -146,32 +111,6 @@ def test_automatic_spacing_resolves_the_radii_that_are_averaged_over(tmp_path: P
     assert "toughness of body 'rock'" in str(case.numerics.auto_rule)
     case = load_case(path, [*automatic, "growth.criterion=max_hoop_stress"])
     assert "toughness" not in str(case.numerics.auto_rule)  # nothing is averaged
-
-
-@pytest.mark.parametrize(("criterion", "halved"), [("strength", True), ("max_hoop_stress", False)])
-def test_cells_at_tips_resolve_the_radius_that_is_averaged_over(criterion: str, halved: bool, tmp_path: Path):
-    """With automatic cells, whose spacing follows the body; a radius beyond what the crack asks for changes nothing."""
-    small = ["numerics.spacing=auto", "growth.steps=1", f"growth.criterion={criterion}"]
-    case = load_case(tough(tmp_path, "0.005 MPa sqrt(m)"), small)
-    scene = make_scene(case)
-    points = scene.lattice.to_lattice(case.cracks[0].points)
-    focus = size_field(scene, [CrackGeometry(crack_name("flaw"), points, True, True)])
-    finest = float(focus.size.min(initial=1.0)) * case.numerics.spacing
-    # the step's, half of its companion's on twice that
-    assert (finest <= 2.0 * radius_of(case) * (1.0 + 1e-9)) == halved
-
-
-@pytest.mark.parametrize("length", ["growth.tip_stress.radius=1", "bodies.rock.strength.toughness=0.04 MPa sqrt(m)"])
-def test_the_smaller_radius_counts_whether_it_is_given_or_follows_from_a_toughness(length: str, tmp_path: Path):
-    path = edited(tmp_path, ("tension: 0.5", "shear_toughness: 0.1 MPa sqrt(m)\n      tension: 0.5"), RADIUS)
-    case = load_case(path, ["numerics.spacing=auto", "growth.steps=1", length])
-    radius = shear_radius_of(case)
-    assert radius is not None
-    assert length_of_average(case.growth, case.bodies[0].strength) == radius < radius_of(case)
-
-
-def test_average_wider_than_the_scene_may_be_where_there_is_none(tmp_path: Path):
-    assert load_case(tough(tmp_path, "10 MPa sqrt(m)"), ["growth.criterion=max_hoop_stress"]).growth is not None
 
 
 # --- where cracks start ----------------------------------------------------------------------------------------------
@@ -228,36 +167,6 @@ def test_history_or_critical_load(
     else:
         assert isinstance(loading, LoadHistory)
         assert (loading.factors, loading.increments) == (factors, increments)
-
-
-def test_a_critical_load_needs_growth(tmp_path: Path):
-    before, _, after = COMPRESSION.partition("growth:  ")
-    (tmp_path / "static.yaml").write_text(f"{before}numerics:{after.partition('numerics:')[2]}", encoding="utf-8")
-    (found,) = faults_of(tmp_path / "static.yaml", ["loading=critical"])
-    assert found.key == "loading"
-    assert "critical needs `growth`, whose criterion says which load is critical (steps: 0" in found.message
-
-
-HELD = ("loads.0.held=true", "loads.1.held=true")
-
-
-@pytest.mark.parametrize(
-    "overrides",
-    [
-        ("loads.0.held=true",),
-        (*HELD, "supports.0.displacement.y=0.1"),
-        (*HELD, 'supports.0={on: {body: rock, edge: bottom}, displacement: {y: "0.1 + 0.01*x"}}'),
-        (*HELD, "loads=[{crack: flaw, pressure: -1}]"),
-        ("loads=[{body: rock, stress: [0, 0, 1]}]",),
-    ],
-)
-def test_what_a_critical_load_can_scale(overrides: tuple[str, ...]):
-    assert isinstance(compression("loading=critical", *overrides).loading, CriticalLoad)
-
-
-def test_other_faults_hide_what_a_critical_load_lacks(tmp_path: Path):
-    scene: dict[str, Any] = {**EVERYTHING, "loads": [], "loading": "critical"}
-    assert fault(tmp_path, scene, "supports.2.at=[99, 99]")[0] == "supports.2.at"
 
 
 # --- stages ----------------------------------------------------------------------------------------------------------

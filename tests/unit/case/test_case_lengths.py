@@ -8,17 +8,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-import crackgrow
 from crackgrow.arrays import Floats
 from crackgrow.case import dump_case, load_case
 from crackgrow.case.accuracy import REFINED_AT, TARGETS, Kind, cells_along
 from crackgrow.case.dump import written
 from crackgrow.case.sizing import Length, automatic_spacing, feature_lengths
 from crackgrow.plan.text import overview
-from tests.scenes import shipped_case
-from tests.unit.case.scenes import COMPRESSION, MATERIAL, NAMES, compression, fault, joint, load
-
-UNREFINED = "numerics.refine={tips: 0, kinks: 0, corners: 0}"
+from tests.unit.case.scenes import COMPRESSION, MATERIAL, compression, fault, load
 
 # --- the rule --------------------------------------------------------------------------------------------------------
 
@@ -50,33 +46,6 @@ def test_the_smallest_length_rules(lengths: list[Length], refined: str | None, s
     assert automatic_spacing("standard", lengths, *at) == (spacing, rule)
 
 
-@pytest.mark.parametrize(("target", "part"), [(0.2, 0.6), (0.03, 0.6), (0.0125, 0.8), (0.01, 1.0), (0.004, 2.0)])
-def test_cells_to_begin_with_follow_the_target_within_limits(target: float, part: float):
-    assert cells_along("width", target) == pytest.approx(10.0 * part)
-
-
-UNIFORM = ("barton_bandis", "rough_joint_sheared", "09_wear")
-"""Blocks of uniform stress, which two cells across them carry exactly."""
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_presets_refine_the_spacing_of_every_shipped_case(name: str):
-    """Where no cells are halved the spacing given lies between draft and fine, or is coarser."""
-
-    def spacings(*settings: str) -> list[float]:
-        words = [f"numerics.accuracy={word}" for word in TARGETS]
-        return [shipped_case(name, ["numerics.spacing=auto", word, *settings]).numerics.spacing for word in words]
-
-    assert list(TARGETS) == ["draft", "standard", "fine"]
-    draft, standard, fine = spacings()
-    assert draft > standard > fine
-    given = shipped_case(name).numerics
-    if given.auto_rule is None and name not in UNIFORM:
-        draft, _, fine = spacings(UNREFINED)
-        assert draft > 0.5 * given.spacing
-        assert fine < given.spacing or given.refine.tips > 0  # small cells at tips alone
-
-
 # --- presets and targets ---------------------------------------------------------------------------------------------
 
 
@@ -98,20 +67,6 @@ def test_a_preset_is_a_target_and_is_listed_in_the_resolved_case(word: str, targ
     assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")
     assert f"(auto, {word}: smaller side of body 'rock' / " in overview(case)
     assert listed["refine"] == {"tips": "auto", "kinks": "auto", "corners": "auto", "rings": 2.0}
-
-
-@pytest.mark.parametrize("word", list(TARGETS))
-def test_without_small_cells_the_spacing_resolves_what_they_would(word: str, tmp_path: Path):
-    numerics = load_case(without_numerics(tmp_path, f"accuracy: {word}"), [UNREFINED]).numerics
-    expected = {
-        "length of crack 'flaw'": 0.010 / cells_along("tip", word),
-        "growth.increment": 0.002 / cells_along("increment", word),
-        "growth.tip_stress.radius": 0.001 / cells_along("radius", word),
-        "smaller side of body 'rock'": 0.031 / cells_along("width", word),
-    }
-    least = min(expected, key=lambda what: expected[what])
-    assert numerics.spacing == pytest.approx(expected[least], rel=1e-12)
-    assert str(numerics.auto_rule).startswith(f"{least} / ")
 
 
 def test_explicit_keys_win_and_leave_the_others_to_the_preset(tmp_path: Path):
@@ -250,54 +205,6 @@ def pressed(width: float, holes: list[Any], loads: list[Any]) -> dict[str, Any]:
 def in_situ(sigma_h: float, sigma_v: float) -> list[dict[str, Any]]:
     tractions = {"left": [sigma_h, 0], "right": [-sigma_h, 0], "bottom": [0, sigma_v], "top": [0, -sigma_v]}
     return [{"on": {"body": "rock", "edge": edge}, "traction": traction} for edge, traction in tractions.items()]
-
-
-@pytest.mark.parametrize(("accuracy", "off"), [("draft", 4.0), ("standard", 1.5)])
-def test_stress_at_a_tunnel_is_kirschs(accuracy: str, off: float, tmp_path: Path):
-    """Kirsch: 3 sigma_h - sigma_v at the crown, 3 sigma_v - sigma_h at the wall; the block's sides add up to 1 MPa."""
-    scene = pressed(40.0, [{"disk": {"center": [0, 0], "radius": 2}}], in_situ(10, 20))
-    solution = crackgrow.solve(load(tmp_path, scene, f"numerics.accuracy={accuracy}"))
-    assert solution.warnings == ()
-    wall, crown = 1e-6 * solution.stress_at([[2.002, 0.0], [0.0, 2.002]])
-    assert [wall[1], wall[0], crown[0], crown[1]] == pytest.approx([-50.0, 0.0, -10.0, 0.0], abs=off)
-
-
-def test_displacement_under_a_loaded_part_is_that_of_a_fine_lattice(tmp_path: Path):
-    loads = [
-        {"on": {"body": "rock", "edge": "top", "from": -1, "to": 1}, "traction": [0, -10]},
-        {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, 1]},
-    ]
-    scene = pressed(20.0, [], loads)
-    found = [crackgrow.solve(load(tmp_path, scene, *more)) for more in ([], ["numerics.spacing=0.2"])]
-    assert found[0].case.numerics.spacing == 2.0
-    depressed, reference = (solution.displacement_at([[0.0, 10.0]])[0, 1] for solution in found)
-    assert depressed == pytest.approx(reference, rel=0.02)
-
-
-def test_parts_that_follow_each_other_count_as_one(tmp_path: Path):
-    parts = [
-        {"on": {"body": "rock", "edge": "hole0", "from": start, "to": start + 10}, "traction": [0, 1]}
-        for start in range(0, 360, 10)
-    ]
-    scene = pressed(40.0, [{"disk": {"center": [0, 0], "radius": 2}}], [])
-    whole = load(tmp_path, scene, UNREFINED).numerics
-    assert load(tmp_path, {**scene, "loads": parts}, UNREFINED).numerics.spacing == whole.spacing
-    few = load(tmp_path, {**scene, "loads": parts[:2]}, UNREFINED).numerics
-    assert few.auto_rule == "loaded part of hole0 of body 'rock' / 2"
-    assert few.spacing == pytest.approx(2.0 * np.deg2rad(20.0) / 2, rel=1e-3)
-
-
-def test_short_interface_counts(tmp_path: Path):
-    cap = {"polygon": [[-0.2, 0], [0.2, 0], [5, 6], [-5, 6]]}
-    base = {"rectangle": {"center": [0, -5], "width": 20, "height": 10}}
-    scene = pressed(1.0, [], [])
-    scene["bodies"] = {name: {"shape": shape, "material": MATERIAL} for name, shape in (("base", base), ("cap", cap))}
-    scene["interfaces"] = joint("cap base")
-    scene["supports"] = [{"on": {"body": "base", "edge": "bottom"}, "displacement": {"x": 0, "y": 0}}]
-    assert load(tmp_path, scene).numerics.spacing == pytest.approx(0.6)
-    numerics = load(tmp_path, scene, "numerics.refine={corners: 0}").numerics
-    assert numerics.spacing == pytest.approx(0.1)
-    assert numerics.auto_rule == "interface between bodies 'base' and 'cap' / 4"
 
 
 def test_spacing_that_is_too_fine_tells_what_forces_it_and_a_way_out(tmp_path: Path):

@@ -67,19 +67,6 @@ def test_lines_of_a_drawing(tmp_path: Path):
     assert len(fault.points) == 3
 
 
-def test_an_outline_of_a_program_of_maps(tmp_path: Path):
-    import pyogrio
-
-    ring = shapely.from_wkt(["POLYGON ((0 0, 1200 0, 1200 1200, 0 1200, 0 0), (500 100, 600 100, 600 200, 500 100))"])
-    none = np.array([], dtype=object)
-    pyogrio.raw.write(tmp_path / "rock.gpkg", shapely.to_wkb(ring), [], none, crs="EPSG:3067", geometry_type="Polygon")
-    write(tmp_path / "a.gpkg")
-    shape = {"file": "rock.gpkg", "units": "cm", "origin": [100, 200]}
-    outline, hole = load(tmp_path, shape, file="a.gpkg").bodies[0].rings
-    assert (outline.points.min(axis=0).tolist(), outline.points.max(axis=0).tolist()) == ([-1, -2], [11, 10])
-    assert sorted(hole.points.tolist()) == [[4, -1], [5, -1], [5, 0]]
-
-
 @pytest.mark.parametrize(
     ("path", "words"),
     [
@@ -124,6 +111,7 @@ def case_of(map_: JointMap, folder: Path) -> Case:
     return load_case(folder / "scene.yaml")
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(12)), *((200, k) for k in range(3)), (700, 0)])
 def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """No tip is left within the tolerance of anything, and none of the joints that are well drawn is lost."""
@@ -188,6 +176,7 @@ def test_fifty_joints_grow(tmp_path: Path):
     assert all(given.distance(shapely.Point(end)) < 2.0 * 0.3 + 0.5 for end in ends)  # two increments, what was moved
 
 
+@pytest.mark.physics
 def test_the_shipped_map_is_one_of_these_brought_together_and_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     joint_map(*SHIPPED).write(tmp_path, "joint_map_")
     for name in ("joint_map_joints.geojson", "joint_map_outline.geojson"):

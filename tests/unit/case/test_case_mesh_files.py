@@ -11,7 +11,6 @@ from typing import Any
 import meshio
 import numpy as np
 import pytest
-import yaml
 
 from crackgrow.case import Case, load_case
 from crackgrow.case.mesh_file import ContentError, read_mesh
@@ -118,6 +117,7 @@ def write(mesh: meshio.Mesh, path: Path) -> Path:
     return path
 
 
+@pytest.mark.physics
 def test_a_specimen_of_gmsh_gives_the_same_K_as_the_scene_written_out(tmp_path: Path):
     write(block(), tmp_path / "block.msh")
     found, wanted = (whole_run(load(tmp_path, content))[0][-1].tips for content in (of_mesh(), written_out()))
@@ -125,18 +125,6 @@ def test_a_specimen_of_gmsh_gives_the_same_K_as_the_scene_written_out(tmp_path: 
     K, exact = (np.array([(tip.K_I, tip.K_II) for tip in tips]) for tips in (found, wanted))
     assert np.abs(exact).max() > 1e4
     assert np.abs(K - exact).max() <= 1e-10 * np.abs(exact).max()
-
-
-def test_the_resolved_case_needs_no_mesh(tmp_path: Path):
-    write(block(), tmp_path / "block.msh")
-    found, wanted = (load(tmp_path, content).to_dict() for content in (of_mesh(), written_out()))
-    assert found["bodies"]["granite"]["edges"] == {"bottom": [0]}
-    assert found["bodies"]["basalt"]["edges"] == {"top": [2]}
-    assert [body["shape"]["polygon"] for body in found["bodies"].values()] == [
-        body["shape"]["polygon"] for body in wanted["bodies"].values()
-    ]
-    assert found["cracks"] == wanted["cracks"]
-    assert "file" not in yaml.safe_dump(found)
 
 
 def test_regions_of_other_formats_are_values_of_cell_data(tmp_path: Path):
@@ -159,28 +147,6 @@ def test_faces_with_double_points_are_inside_of_the_rock(tmp_path: Path):
     apart = meshio.Mesh(points, [("triangle", np.arange(len(points)).reshape(-1, 3))])
     rings, _ = read_mesh(write(apart, tmp_path / "apart.vtu")).outline(None)
     assert [len(ring) for ring in rings] == [4, 4]
-
-
-def test_a_curve_of_several_parts_gives_an_edge_for_each(tmp_path: Path):
-    tags = block().cell_data["gmsh:physical"][2]
-    mesh = with_lines(np.where(np.isin(tags, (1, 2)), 9, tags), **{"both ends": np.array([9, 1])})
-    _, edges = read_mesh(write(mesh, tmp_path / "a.msh")).outline(None)
-    assert edges == {"both_ends-1": [0], "both_ends-2": [2]}
-
-
-def test_groups_are_known_by_number_and_holes_are_in_the_order_of_cells(tmp_path: Path):
-    """Of two holes the first one is that beside the first cell, however large it is."""
-    mesh, gone = block(), {(2, 2), (5, 2), (5, 3)}
-    centres = mesh.points[mesh.cells[0].data].mean(axis=1).astype(int)[:, :2].tolist()
-    left = [cell for cell, place in zip(mesh.cells[0].data, centres, strict=True) if tuple(place) not in gone]
-    cells = [("triangle", left), *((cells.type, cells.data) for cells in mesh.cells[1:])]
-    data = [np.full(len(left), 1), *mesh.cell_data["gmsh:physical"][1:]]
-    tags = {"gmsh:physical": data, "gmsh:geometrical": data}
-    mesh = meshio.Mesh(mesh.points, cells, cell_data=tags, field_data=mesh.field_data)
-    read = read_mesh(write(mesh, tmp_path / "a.msh"))
-    _, *holes = read.outline("1")[0]
-    assert [hole.min(axis=0).tolist() for hole in holes] == [[2, 2], [5, 2], [8, 3]]
-    assert read.path("4").tolist() == read.path("kinked").tolist() == [[2, 1], [4, 3], [5, 3]]
 
 
 def test_a_curve_that_branches_or_closes_is_no_crack(tmp_path: Path):

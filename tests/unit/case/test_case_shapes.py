@@ -14,7 +14,7 @@ from crackgrow.case import Case, dump_case
 from crackgrow.case.dump import written
 from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, FarField
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import changed, fault, faults_of, joint, load, rectangle, reread, text_of, with_body
+from tests.unit.case.scenes import changed, fault, joint, load, rectangle, reread, with_body
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
 CLOCKWISE = [[0, 0], [0, 3], [4, 3], [4, 0]]
@@ -79,17 +79,6 @@ def test_holes_run_clockwise(tmp_path: Path):
     assert area(third.points) == pytest.approx(-180 * 0.25**2 * np.sin(np.deg2rad(1)), rel=1e-12)
 
 
-def test_faults_of_several_shapes_at_once(tmp_path: Path):
-    shape = {"polygon": [[0, 0], [1, 1]], "holes": [rectangle(3, 1, 2, 1), {"polygon": [[1, 1], [1, 1]]}]}
-    path = tmp_path / "scene.yaml"
-    path.write_text(text_of(with_body(shape)), encoding="utf-8")
-    assert [found.key for found in faults_of(path)] == ["bodies.rock.shape", "bodies.rock.shape.holes.1"]
-    shape["holes"].append({"disk": {"center": [1, 1], "radius": -1}})
-    path.write_text(text_of(with_body(shape)), encoding="utf-8")
-    keys = [found.key for found in faults_of(path)]
-    assert keys == ["bodies.rock.shape.holes.2.disk.radius"]  # the rest is judged once all holes can be read
-
-
 # --- files -----------------------------------------------------------------------------------------------------------
 
 WKT = "POLYGON ((0 0, 0 3, 4 3, 4 0, 0 0), (1 1, 2 1, 2 1.5, 1 1.5, 1 1))"
@@ -134,16 +123,6 @@ def test_resolved_case_needs_no_outline_file(tmp_path: Path):
     again = reread(case, tmp_path / "elsewhere")
     assert again.bodies[0].rings[2].points.tolist() == case.bodies[0].rings[2].points.tolist()
     assert yaml.safe_load(dump_case(again)) == written(case)
-
-
-def test_coordinates_of_a_file_are_read_like_those_of_the_case(tmp_path: Path):
-    (tmp_path / "rock.wkt").write_text("POLYGON ((0.1 0.7, 33.3 0.7, 33.3 51.9, 0.1 0.7))", encoding="utf-8")
-    polygon = {"polygon": [[0.1, 0.7], [33.3, 0.7], [33.3, 51.9]]}
-    first, second = (
-        body_of(tmp_path, {**with_body(shape), "units": {"length": "mm"}}, 30, 10).outline
-        for shape in (polygon, {"file": "rock.wkt"})
-    )
-    assert first.tobytes() == second.tobytes()
 
 
 @pytest.mark.parametrize(
@@ -234,42 +213,6 @@ def test_parts_of_edges(
     np.testing.assert_allclose(found.limits, limits, atol=round_off)
 
 
-def test_a_place_on_an_arc_is_cut_by_the_ray_at_its_angle(tmp_path: Path):
-    assert region(tmp_path, DISK, {"edge": "arc", "from": 10.5, "to": 370.5}).sides.tolist() == [
-        *range(10, 360),
-        *range(11),
-    ]
-    part = region(tmp_path, DISK, {"edge": "arc", "from": 40.2, "to": 40.7})
-    (side,), (limits,) = part.sides, part.limits
-    corners = np.deg2rad([side, side + 1])
-    first, second = 3 * np.column_stack([np.cos(corners), np.sin(corners)])
-    for fraction, angle in zip(limits, (40.2, 40.7), strict=True):
-        x, y = first + fraction * (second - first)
-        assert np.rad2deg(np.arctan2(y, x)) == pytest.approx(angle, abs=1e-11)  # roundings of angles near 40
-
-
-@pytest.mark.parametrize(
-    ("shape", "on", "resolved"),
-    [
-        (DISK, {"edge": "arc", "from": 10, "to": "20 deg"}, {"edge": "arc", "from": 10.0, "to": 20.0}),
-        (rectangle(0, 0, 4, 3), {"edge": "top", "from": 1, "to": "20 mm"}, {"edge": "top", "from": 0.01, "to": 0.02}),
-    ],
-)
-def test_resolved_places_are_metres_or_degrees(
-    shape: dict[str, Any], on: dict[str, Any], resolved: dict[str, Any], tmp_path: Path
-):
-    scene = {**with_body(shape), "units": {"length": "cm"}}
-    scene["supports"] = [{"on": on, "displacement": {"x": 0, "y": 0}}]
-    assert written(load(tmp_path, scene))["supports"][0]["on"] == {"body": "rock", **resolved}
-
-
-def test_many_edges_are_cut_in_messages(tmp_path: Path):
-    rays = np.deg2rad(np.arange(0, 360, 6))
-    scene = with_body({"polygon": np.column_stack([np.cos(rays), np.sin(rays)]).tolist()})
-    scene["supports"] = [{"on": {"body": "rock", "edge": "60"}, "displacement": {"x": 0, "y": 0}}]
-    assert "it has: 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, ..., 59" in fault(tmp_path, scene)[1]
-
-
 # --- the outline as a whole: `outline` of supports and `far_field` of loads ------------------------------------------
 
 X, Y = (0.0, None), (None, 0.0)
@@ -306,13 +249,6 @@ def test_rollers_hold_each_side_across_but_for_what_bodies_share():
         key=str,
     )
     assert held_edges(Case.from_dict(case.to_dict())) == held_edges(case)
-
-
-def test_rollers_hold_each_side_of_an_edge_of_several_its_own_way():
-    body = {"shape": {"polygon": SQUARE}, "edges": {"wall": [0, 1, 2]}, "material": {"young": 1, "poisson": 0}}
-    case = outlined({}, [{"outline": "rollers"}], bodies={"rock": body})
-    walls = [(s.region.sides.tolist(), s.displacement) for s in case.supports if s.region.edge == "wall"]
-    assert walls == [([0], Y), ([1], X), ([2], Y)]
 
 
 def test_the_outline_of_one_body_and_of_bodies_round_others():

@@ -15,6 +15,8 @@ from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, Motions
 from crackgrow.solid.rigid_modes import FreePiece
 
+pytestmark = pytest.mark.physics
+
 WEIGHT, LENGTH = 3.0, 2.0
 
 

@@ -245,6 +245,7 @@ LAWS = {
 }
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("loading", ["sliding", "tilting"])
 def test_condensed_either_way_the_state_is_the_same(build, loading: str, law: str) -> None:
@@ -260,6 +261,7 @@ def test_condensed_either_way_the_state_is_the_same(build, loading: str, law: st
     assert one.penetration < 1e-14 * size
 
 
+@pytest.mark.physics
 def test_condensed_unloaded_faces_keep_what_slip_has_locked_in(build) -> None:
     """Nothing is loaded, so that the jumps without tractions are zero; cohesion holds a part of the slip."""
     block = uniform(build, np.array([[0.0, 0.5], [0.5, -2.0]]), 0.0, slip=0.004)
@@ -273,6 +275,7 @@ def test_condensed_unloaded_faces_keep_what_slip_has_locked_in(build) -> None:
     assert_alike(*found)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("size", [1e-8, 1e-5, 5e-3, 0.1])
 def test_condensed_rough_compliance_is_solved_for(build, monkeypatch: pytest.MonkeyPatch, size: float) -> None:
     """Elimination that is off leaves no trace."""
@@ -292,6 +295,7 @@ def test_condensed_rough_compliance_is_solved_for(build, monkeypatch: pytest.Mon
     assert found.notes == ()
 
 
+@pytest.mark.physics
 def test_condensed_jumps_that_corrections_cannot_mend_are_told(build, monkeypatch: pytest.MonkeyPatch) -> None:
     """Each solve is off by another 1e-7 here: no correction gains on that."""
     block, rng, exact = tilting(build), np.random.default_rng(52), ConstrainedSystem.solve

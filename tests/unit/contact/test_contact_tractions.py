@@ -11,6 +11,8 @@ from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import from_state, increment, unloaded
 from tests.unit.run.test_run_held import inside, on_plane, plate
 
+pytestmark = pytest.mark.physics
+
 KEPT = {"cohesion": 10, "cohesion_after_slip": "kept"}
 LAWS = [
     ({"cohesion": 0}, (1.0,), SLIP),

@@ -91,6 +91,7 @@ def test_without_coupling_any_friction_leaves_one_solution() -> None:
         assert len(every_solution(ContactProblem(compliance, free, np.full(3, 1e3)))) == 1
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) -> None:
     below = several = 0
@@ -157,6 +158,7 @@ def test_lemke_refuses_what_newton_solves() -> None:
     assert solved(problem, "newton").traction.sum() == pytest.approx(-1.0)
 
 
+@pytest.mark.physics
 def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     """Two points, pressed and sheared: the solutions that starts lead to, held against all there are."""
     n_found = n_several = 0
@@ -224,6 +226,7 @@ def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
     assert "only where friction is below" in told
 
 
+@pytest.mark.physics
 def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     found = SecondSolution(0.25, np.array([2, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))
     monkeypatch.setattr("crackgrow.run.uniqueness.second_solution", lambda contact, outcome: found)

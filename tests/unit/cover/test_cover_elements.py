@@ -116,6 +116,7 @@ def shifted(place: str, offset: float) -> list[np.ndarray]:
     return moved
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("support", [1.5, 2.0])
 @pytest.mark.parametrize("place", PLACES)
 def test_awkward_places_cut_cleanly(build, place: str, support: float) -> None:
@@ -135,6 +136,7 @@ AMONG_SIZES = PLACES | {
 }
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("levels", "support"), [(2, 2.0), (6, 2.0), (3, 1.5), (0, 1.75), (0, 2.5)])
 @pytest.mark.parametrize("place", AMONG_SIZES)
 def test_awkward_places_among_cells_of_many_sizes_cut_cleanly(build, place: str, support: float, levels: int) -> None:

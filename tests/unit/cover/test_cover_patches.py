@@ -118,6 +118,7 @@ def test_an_element_lists_each_singular_patch_over_it_once_with_its_functions(bu
 OFF = (0.0, 1e-15, 1e-9, 1e-7, 1e-5)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("levels", [1, 3, 6])
 @pytest.mark.parametrize("support", [1.5, 2.0, 2.5, 3.0])
 def test_a_tip_among_small_cells_has_the_functions_of_these(build, support: float, levels: int) -> None:

@@ -8,8 +8,8 @@ from dataclasses import astuple, replace
 import numpy as np
 import pytest
 
-from crackgrow.case.model import Growth, Strength
-from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of, start_radius
+from crackgrow.case.model import Strength
+from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of
 from crackgrow.fracture.criteria import (
     CRITERIA,
     LARGEST_KINK,
@@ -164,11 +164,6 @@ def test_directional_strength_turns_to_the_largest_hoop_stress(K_I: float, K_II:
     kink, hoop = largest_hoop(K_I, K_II)
     assert np.rad2deg(verdict.kink) == pytest.approx(np.rad2deg(kink), abs=DIRECTION)
     assert verdict.criticality == pytest.approx(2.0 * hoop / ROOT / WEAK_IN_TENSION.tension, rel=2.0 * RAYS)
-
-
-def test_strength_of_the_mean_turns_pure_shear_by_45_degrees() -> None:
-    assert np.rad2deg(strength(near_field(0.0, 1.0), WEAK_IN_TENSION).kink) == pytest.approx(-45.0, abs=0.1)
-    assert np.rad2deg(strength(near_field(1.0, 0.0), WEAK_IN_TENSION).kink) == pytest.approx(0.0, abs=0.1)
 
 
 def test_directional_shear_follows_mohr_coulomb_on_the_ray_of_uniform_stress() -> None:
@@ -331,18 +326,6 @@ def test_a_toughness_in_shear_leaves_tension_alone(part: float) -> None:
         assert both.mode == one.mode
         scale = 1.0 if one.mode == "tension" else np.sqrt(part)
         assert one.criticality == pytest.approx(scale * both.criticality, rel=1e-12)
-
-
-@of_all_criteria
-def test_where_cracks_start_the_same_toughness_holds(criterion: Criterion) -> None:
-    """What judges a start sees K_Ic in mode I at its strength, over the radius that is taken there."""
-    limits = Strength(tension=5e5, cohesion=1e9, friction_angle=40.0, toughness=4e4)
-    growth = Growth(
-        steps=1, increment=1.0, advance="all", criterion=criterion.name, direction="explicit", tip_radius=None
-    )
-    radius = start_radius(growth, limits)
-    site = without_K(near_field(4e4 * np.sqrt(RADIUS / radius), 0.0).field, radius)  # the field is made for RADIUS
-    assert criterion.at_starts([site], limits)[0].criticality == pytest.approx(1.0, rel=RAYS)
 
 
 @of_all_criteria

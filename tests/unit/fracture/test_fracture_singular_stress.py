@@ -95,6 +95,7 @@ def test_beyond_the_far_end_nothing_jumps(build: type[Build]) -> None:
     assert np.abs(left - right).min(axis=0).max() > 0.1
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("support", [1.5, 2.0])
 def test_the_estimate_of_a_singular_field_is_its_error(build: type[Build], support: float) -> None:
     """An edge crack under the tractions of Williams' field. The error falls with the root of the spacing."""

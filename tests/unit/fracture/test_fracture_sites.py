@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-import crackgrow.fracture.sites as module
 from crackgrow.fracture.sites import BESIDE, Site, StartRegions, start_sites
 from tests.near_tips import site_fields
 
@@ -92,26 +91,3 @@ def test_uniform_stress_is_averaged_exactly(build, where: StartRegions) -> None:
         np.testing.assert_allclose(field.mean, [*exact, 0.0], atol=1e-9)
         seen = np.isfinite(field.rays[:, 0]) & (np.abs(field.angles) <= field.half_width)
         np.testing.assert_allclose(field.rays[seen], np.tile([*exact, 0.0], (seen.sum(), 1)), atol=1e-9)
-
-
-TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
-RECTANGLE = np.array([(0.0, 0.0), (7.3, 0.0), (7.3, 11.0), (0.0, 11.0)])
-CIRCLE = 5.3 * np.stack([np.cos(np.pi * np.arange(64) / 32), np.sin(np.pi * np.arange(64) / 32)], axis=1)
-
-
-def along(ring: np.ndarray, corner: bool) -> list[tuple[float, float]]:
-    """Places on a rim, in order."""
-    places = module._along_rim(ring, np.full(len(ring), corner), 2.0)
-    return sorted(map(tuple, np.round(places, 8) + 0.0))
-
-
-@pytest.mark.parametrize("change", [TURN, np.diag([-1.0, 1.0]), np.diag([1.0, -1.0])], ids=["turned", "left", "down"])
-def test_starts_on_rims_are_those_of_the_scene_turned_and_mirrored(change: np.ndarray) -> None:
-    for first in range(4):  # the corner that the outline is written from
-        ring = np.roll(RECTANGLE, first, axis=0)[:: int(np.linalg.det(change))] @ change.T
-        back = np.array(along(ring, corner=True)) @ change
-        assert sorted(map(tuple, np.round(back, 8) + 0.0)) == along(RECTANGLE, corner=True)
-    assert len(along(RECTANGLE, corner=True)) == 2 * (3 + 5)
-    assert along(CIRCLE, corner=False) == sorted(
-        map(tuple, np.round(np.array(along(CIRCLE, False)) @ change.T, 8) + 0.0)
-    )

@@ -235,6 +235,7 @@ OPEN, CLOSED = "numerics.spacing={} numerics.support={}", "numerics.spacing=1.5 
 
 
 # a support of 1.5 leaves too small a region with tip functions: 6 % off at the tip
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("scene", "settings", "K_I", "K_II"),
     [

@@ -12,6 +12,8 @@ from crackgrow.linear import factorization as module
 from crackgrow.linear.factorization import Factorization
 from tests.unit.linear.lattices import Floats, Ints, boxes_at, lattice, net
 
+pytestmark = pytest.mark.physics
+
 
 def none(n: int) -> csr_array:
     """No constraints."""

@@ -10,7 +10,7 @@ import pytest
 from crackgrow.plan.cost import estimated_nodes
 from crackgrow.plan.text import overview
 from tests.scenes import shipped_case
-from tests.unit.case.scenes import EVERYTHING, load, rectangle, with_body
+from tests.unit.case.scenes import EVERYTHING, load
 
 LAW = "{friction: 0.5, cohesion: 1, residual_friction: 0.3, cohesion_after_slip: kept, dilation_angle: 5}"
 PLAIN_LAW = "{friction: 0.5, cohesion: 1, residual_friction: 0.5}"
@@ -76,16 +76,6 @@ def test_overview_of_shipped_cases(name: str, settings: list[str], parts: list[s
     assert [part for part in parts if part not in text] == []
 
 
-def test_overview_of_a_static_case_without_cracks(tmp_path: Path) -> None:
-    scene = with_body(rectangle(0, 0, 4, 3))
-    scene["supports"] = [{"on": {"body": "rock", "edge": "left"}, "displacement": {"x": 0, "y": 0}}]
-    text = overview(load(tmp_path, scene))
-    for part in ("cracks: 0, tips: 0", "one static solve", "loads: 0 tractions on edges", "no strength given"):
-        assert part in text
-    assert "interface" not in text
-    assert "meeting" not in text
-
-
 def test_overview_of_everything(tmp_path: Path) -> None:
     lines = overview(load(tmp_path, EVERYTHING)).splitlines()
     for line in (
@@ -108,30 +98,9 @@ def test_overview_of_everything(tmp_path: Path) -> None:
     ) in overview(load(tmp_path, EVERYTHING, *held, "loading.history=[1, -0.5]")).splitlines()
 
 
-def test_overview_sums_up_many_cracks() -> None:
-    contact = ["none", "{friction: 0.3, cohesion: 0}"]
-    more = [
-        f"cracks.c{k}={{path: {{points: [[-9, {y}], [{k / 10 - 8}, {y}]]}}, contact: {contact[k % 2]}}}"
-        for k, y in enumerate(np.arange(-15.0, -2.5, 0.5))
-    ]
-    lines = overview(shipped_case("compression30", more)).splitlines()
-    assert sum(line.startswith("crack ") for line in lines) == 20
-    assert "3 more cracks: length 2.9 to 3.3 mm; friction 0.3, cohesion 0 MPa" in lines
-    assert "3 more cracks: length 3 to 3.4 mm; faces never touch" in lines
-
-
 @pytest.mark.parametrize("spacing", [0.005, 0.001, 0.0004])
 def test_estimated_nodes_is_close_to_the_count_on_a_rectangle(spacing: float) -> None:
     case = shipped_case("compression30", [f"numerics.spacing={spacing} m"])
     reach = case.numerics.support * spacing
     count = np.prod([np.floor((length + 2 * reach) / spacing) for length in (0.031, 0.055)])
     assert estimated_nodes(case) == pytest.approx(count, rel=0.15)
-
-
-@pytest.mark.parametrize("size", [0.3, 2.0])
-def test_estimated_nodes_leave_out_those_inside_of_a_hole(size: float, tmp_path: Path) -> None:
-    """A hole of less than a patch's width, 0.4, hides no node; one of 2 those within 1.6 by 1.6."""
-    scene = with_body({**rectangle(0, 0, 4, 3), "holes": [rectangle(0.5, 0.5, size, size)]})
-    scene["supports"] = [{"on": {"body": "rock", "edge": "left"}, "displacement": {"x": 0, "y": 0}}]
-    hidden = max(size - 0.4, 0.0) ** 2
-    assert estimated_nodes(load(tmp_path, scene)) == round((4.4 * 3.4 - hidden) / 0.01)

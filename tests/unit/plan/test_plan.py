@@ -49,12 +49,6 @@ SMOOTH = "interfaces=[{between: [lower, upper], contact: {friction: 0, cohesion:
 BONDED = "interfaces=[{between: [lower, upper], contact: bonded}]"
 
 
-@pytest.mark.parametrize(("settings", "expected"), [([], 4), ([FRICTION], 8)])
-def test_unknowns_of_contact_are_those_of_the_run(settings: list[str], expected: int) -> None:
-    case = coarse("compression30", "numerics.spacing=1.5", *settings)
-    assert sizes_of(case).n_tractions == next(grow(case)).n_contact == expected
-
-
 @pytest.mark.parametrize(
     ("name", "settings", "words"),
     [
@@ -70,19 +64,6 @@ def test_unknowns_of_contact_are_those_of_the_run(settings: list[str], expected:
 )
 def test_text_says_what_is_modelled_and_why(name: str, settings: list[str], words: str) -> None:
     assert re.search(words, plan_text(coarse(name, *settings)))
-
-
-def test_text_has_the_sizes_and_the_cost() -> None:
-    case = coarse("compression30")
-    text, sizes = plan_text(case), sizes_of(case)
-    assert f"  {sizes.n_dofs} dofs: {2 * sizes.n_patches} of {sizes.n_patches} physical patches, " in text
-    assert f"\nthe whole run takes {cost_of(case).words}, within a factor of two for most scenes\n" in f"{text}\n"
-
-
-def test_bonds_are_multipliers() -> None:
-    free, tied = sizes_of(coarse("interface_friction04")), sizes_of(coarse("interface_friction04", BONDED))
-    assert (free.n_contact > 0, tied.n_contact) == (True, 0)
-    assert tied.n_multipliers > free.n_multipliers
 
 
 @pytest.mark.parametrize(
@@ -129,38 +110,12 @@ def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatc
     assert f"needs about {needed:.0f} MiB of memory, and this machine has {0.9 * needed:.0f} MiB" in plan_text(case)
 
 
-def test_a_scene_that_takes_minutes_to_lay_out_is_guessed_at_once_and_warned_of(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    case = shipped_case("compression30", ["numerics.spacing=0.05"])
-
-    def laid_out(_: Case) -> None:
-        raise AssertionError("a lattice of 690,000 nodes is laid out for a guess")
-
-    monkeypatch.setattr(cost, "sizes_of", laid_out)
-    monkeypatch.setattr(cost, "machine_memory", lambda: 8.0 * 1024.0)
-    assert "GiB of memory, and this machine has 8 GiB: " in cost_of(case).warning
-    monkeypatch.setattr(cost, "machine_memory", lambda: 64.0 * 1024.0)
-    assert cost_of(case).warning == ""
-
-
 @pytest.mark.parametrize("spacing", [0.8, 0.4])
 def test_a_guess_without_a_cover_is_near_that_with_one(spacing: float) -> None:
     case = shipped_case("compression30", [f"numerics.spacing={spacing}", "growth.steps=0"])
     counted, guessed = (estimated_cost(case, sizes(case)) for sizes in (sizes_of, guessed_sizes))
     assert guessed.seconds == pytest.approx(counted.seconds, rel=0.25)
     assert guessed.memory == pytest.approx(counted.memory, rel=0.25)
-
-
-def test_the_memory_of_a_machine_is_the_least_of_its_limits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    free = cost.machine_memory()
-    assert 100.0 < free < 1e8  # MiB
-    limit = tmp_path / "memory.max"
-    monkeypatch.setattr(cost, "CONTAINER_MEMORY", (limit,))
-    limit.write_text("max\n")
-    assert cost.machine_memory() >= free
-    limit.write_text(f"{64 * 2**20}\n")
-    assert cost.machine_memory() == 64.0
 
 
 def test_a_sound_case_has_no_warnings() -> None:

@@ -60,44 +60,7 @@ def test_arrows_push_on_the_edge_or_pull_from_it() -> None:
         np.testing.assert_allclose([tail[0] for tail, _ in arrows], 0.031 * (np.arange(7) - 3) / 7, atol=1e-15)
 
 
-def test_shear_runs_beside_the_edge_in_its_direction() -> None:
-    size, arrows = loaded("[2, 0]")
-    assert {round(tail[1] - 0.0275, 9) for tail, _ in arrows} == {round(signs.SHEAR_GAP * size, 9)}
-    assert all(head[0] > tail[0] and head[1] == tail[1] for tail, head in arrows)
-
-
-def test_arrows_are_as_long_as_a_traction_that_varies_is_large() -> None:
-    _, arrows = loaded('[0, "-1 - 20*(x + 15.5)/31"]')
-    lengths = np.array([tail[1] - head[1] for tail, head in arrows])
-    assert (np.diff(lengths) > 0.0).all()
-    expected = 1.0 + 20.0 * (np.array([tail[0] for tail, _ in arrows]) + 0.0155) / 0.031
-    np.testing.assert_allclose(lengths / lengths[-1], expected / expected[-1])
-
-
-@pytest.mark.parametrize("rolls", [True, False])
-def test_a_support_stands_outside_with_its_apex_at_the_point(rolls: bool) -> None:
-    held = "{y: 0}" if rolls else "{x: 0, y: 0}"
-    first, other = f"at: [-15.5, -27.5], displacement: {held}", "at: [15.5, -27.5], displacement: {x: 0, y: 0}"
-    _, triangles, wheels = drawn(shipped_case("compression30", [f"supports=[{{{first}}}, {{{other}}}]"]))
-    np.testing.assert_allclose(triangles[0][0], [-0.0155, -0.0275])
-    assert (triangles[0][1:, 1] < -0.0275).all()
-    assert wheels == (2 if rolls else 0)
-
-
-@pytest.mark.parametrize("name", ["brazilian_disk", "compression30", "cyclic_friction", "flaw_and_hole"])
-def test_loads_and_supports_at_points_are_drawn_beside_each_other(name: str) -> None:
-    case = shipped_case(name)
-    arrows, triangles, _ = drawn(case)
-    along = np.linspace(0.0, 1.0, 21)[:, None]
-    across = [(tail, head) for tail, head in arrows if abs(head - tail)[1] > abs(head - tail)[0]]
-    assert len(across) >= 4  # of this and the other edge
-    assert triangles
-    for tail, head in across:
-        for triangle in triangles:
-            base = triangle[1:].mean(axis=0)
-            assert np.hypot(*(tail + along * (head - tail) - base).T).min() > 0.4 * signs.SIGN * size_of(case)
-
-
+@pytest.mark.physics
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
 def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
     case = shipped_case(name)

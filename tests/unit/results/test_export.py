@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import shutil
-import sys
-from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +15,7 @@ import pyvista
 
 from crackgrow import cli
 from crackgrow.cli.command_line import declared
-from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, _write, export, frame_mesh
+from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, export
 from crackgrow.results.folder import FolderError, RunFolder, open_run
 from crackgrow.results.vtk_frames import write_frame
 from tests.report_runs import make_run
@@ -95,22 +93,6 @@ def test_abaqus_has_sets_of_plane_elements_for_each_body(layers: Path, tmp_path:
         f"{name}_{kind}": np.sum((grid.cell_data["body"] == body) & (grid.celltypes == number))
         for body, name in enumerate(("lower", "upper")) for kind, number in kinds
     }  # fmt: skip
-
-
-def test_a_surface_that_shares_all_its_points_is_not_lost(tmp_path: Path) -> None:
-    """Gmsh's format names each point in one surface; two triangles inside of quads share all of theirs."""
-    frame = make_frame()
-    whole = replace(frame, triangles=frame.quads[:2, :3])
-    write_frame(tmp_path / "a.vtu", whole, ("displacement",))
-    grid = pyvista.read(tmp_path / "a.vtu")
-    assert isinstance(grid, pyvista.UnstructuredGrid)
-    _write(tmp_path / "a.msh", frame_mesh(grid, ["rock"]), "msh")
-    mesh = meshio.read(tmp_path / "a.msh")
-    corners = np.concatenate([whole.triangles.ravel(), whole.quads.ravel()])
-    found = np.concatenate([block.data.ravel() for block in mesh.cells])
-    np.testing.assert_array_equal(mesh.points[found, :2], whole.points[corners])
-    np.testing.assert_array_equal(mesh.point_data["displacement"][found, :2], whole.displacement[corners])
-    assert set(mesh.point_data) - {"gmsh:dim_tags"} == {"displacement"}  # no field that the frame has not
 
 
 def test_the_command_says_where_the_file_is(layers: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -224,12 +206,3 @@ def test_dxf_has_layers_metres_and_attributes(folder: Path) -> None:
         for name in ("K_II", "slip"):
             assert told.get(name) == (None if line[name] is None else str(line[name]))
     assert known == {}
-
-
-def test_dxf_without_its_library_says_how_to_get_it(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    for name in [name for name in sys.modules if name.split(".")[0] == "ezdxf"]:
-        monkeypatch.setitem(sys.modules, name, None)
-    assert cli.main(["export", str(folder), "--to", "dxf"]) == 3
-    assert capsys.readouterr().err.endswith("ezdxf, which is not there: pip install 'crackgrow[maps]'\n")

@@ -33,6 +33,7 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[crackgrow.Run, RunFo
     return crackgrow.run_case(shipped_case(NAME, SETTINGS), folder), open_run(folder)
 
 
+@pytest.mark.physics
 def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[crackgrow.Run, RunFolder]) -> None:
     folder = both[1].folder
     assert cli.main(["render", str(folder), "--size", "200x200"]) == 0

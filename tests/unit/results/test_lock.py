@@ -19,6 +19,8 @@ from crackgrow.results.writer import RunWriter
 from tests.properties.broken_off import ENVIRONMENT, command, contents, finished, started, wait_for
 from tests.unit.results.synthetic import make_case, make_end
 
+pytestmark = pytest.mark.physics
+
 COARSE = ("numerics.spacing=3", "growth.steps=2", "output.figures=false", "output.report=false")
 HOLDING = """
 import pathlib, sys, time
@@ -51,40 +53,6 @@ def test_a_lock_says_who_holds_it_and_goes_with_the_process(end: signal.Signals,
     with FolderLock(tmp_path, "next").held():
         assert json.loads((tmp_path / LOCK).read_bytes())["process"] == os.getpid()
     assert not list(tmp_path.iterdir())
-
-
-def test_a_file_that_another_machine_or_anybody_has_left_is_no_lock(tmp_path: Path) -> None:
-    for left in (b"", b'{"what": "a", "process": 1, "host": "elsewhere", "since": "then"}', b"\xff not of a run"):
-        (tmp_path / LOCK).write_bytes(left)
-        with FolderLock(tmp_path, "next").held():
-            pass
-        assert not list(tmp_path.iterdir())
-
-
-def test_a_holder_that_has_not_told_its_name_yet_holds(tmp_path: Path) -> None:
-    first = FolderLock(tmp_path, "first")
-    first.take()
-    (tmp_path / LOCK).write_bytes(b"")
-    with pytest.raises(LockedError, match="it has not said which"):
-        FolderLock(tmp_path, "second").take()
-
-
-def test_a_lock_that_its_holder_has_removed_is_taken_anew(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Between the opening of the file and its locking, the holder goes and a third one comes."""
-    flock, opened = fcntl.flock, []
-
-    def late(file: int, operation: int) -> None:
-        opened.append(file)
-        if len(opened) == 1:
-            (tmp_path / LOCK).unlink()
-        flock(file, operation)
-
-    monkeypatch.setattr(fcntl, "flock", late)
-    second = FolderLock(tmp_path, "second")
-    second.take()
-    assert len(opened) == 2
-    with pytest.raises(LockedError, match="second, process"):
-        FolderLock(tmp_path, "third").take()
 
 
 def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

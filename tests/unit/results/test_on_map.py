@@ -14,6 +14,8 @@ from crackgrow import cli
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.on_map import case_on_map
 
+pytestmark = pytest.mark.physics
+
 ORIGIN = (466000.5, 6700000.0)  # m, as of UTM
 ULP = 2e-9  # m, two of the largest coordinate's
 LOADS = 1e6  # N/m, about
@@ -179,28 +181,6 @@ def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(files: tuple[Path, Path
     assert cli.main([*run, "--out", str(parts), "--resume"]) == 0
     for name in ("tips.csv", "paths.csv", "events.csv", "contact.csv"):
         assert (whole / name).read_text() == (parts / name).read_text()
-
-
-def test_paths_of_a_run_on_a_map_are_cracks_of_a_case_on_it(
-    runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], tmp_path: Path
-) -> None:
-    """In a case in mm, with outlines of files in m."""
-    (tmp_path / "paths.csv").write_text((files[1].parent / "out" / "paths.csv").read_text())
-    bodies = scene(*ORIGIN)["bodies"]
-    for name, body in bodies.items():
-        corners = body["shape"]["polygon"]
-        ring = ", ".join(f"{x!r} {y!r}" for x, y in [*corners, corners[0]])
-        (tmp_path / f"{name}.wkt").write_text(f"POLYGON (({ring}))")
-        body["shape"] = {"file": f"{name}.wkt", "units": "m"}
-    content = {
-        "title": "once more", "plane": "strain", "bodies": bodies, "supports": "minimal",
-        "units": {"length": "mm", "origin": ["466000.5 m", "6700000 m"]},
-        "interfaces": [{"between": ["low", "top"], "contact": "bonded"}],
-        "cracks": {"old": {"path": {"file": "paths.csv"}, "contact": "none"}},
-    }  # fmt: skip
-    (tmp_path / "again.yaml").write_text(json.dumps(content))
-    case = load_case(tmp_path / "again.yaml")
-    np.testing.assert_allclose(case.cracks[0].points + ORIGIN, runs[1].path("flaw"), atol=2e-9)
 
 
 def test_a_map_far_away_without_an_origin_names_the_key(tmp_path: Path) -> None:

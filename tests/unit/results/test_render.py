@@ -9,18 +9,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import pyvista
 from PIL import Image
 
 from crackgrow import cli
-from crackgrow.cli.command_line import parsed
 from crackgrow.errors import CaseError
 from crackgrow.results import field_picture, render, view
 from crackgrow.results.atomic import OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.field_picture import Look
-from crackgrow.results.folder import FolderError, RunFolder, open_run
+from crackgrow.results.folder import FolderError, open_run
 from tests.report_runs import make_run
+
+pytestmark = pytest.mark.physics
 
 
 @pytest.fixture(scope="module")
@@ -45,50 +45,6 @@ def test_every_frame_is_drawn_in_the_size_asked_for_and_in_one_scale(folder: Pat
     bar = slice(470, 600)  # right of the specimen: its colour bar, and what that says
     np.testing.assert_array_equal(first[60:, bar], last[60:, bar])
     assert (first[60:, :470] != last[60:, :470]).any()
-
-
-def test_open_cracks_show_what_is_behind(folder: Path, tmp_path: Path) -> None:
-    behind = round(255 * float(field_picture.BEHIND))
-
-    def share_open(warp: float) -> float:
-        *_, path = render.render(folder, look=Look(warp=warp, size=(400, 560)), out=tmp_path)
-        shown = pixels(path)[140:420, 110:230]  # the middle of the rock
-        return float((shown == behind).all(axis=2).mean())
-
-    assert share_open(10.0) < share_open(30.0)
-    assert share_open(0.0) < 0.05 * share_open(10.0)  # colours may mix to that of the background in a pixel
-
-
-@pytest.mark.parametrize("field", ["displacement", "sigma_3", "stress_xy", "body", "energy_error"])
-def test_other_fields_are_drawn(folder: Path, tmp_path: Path, field: str) -> None:
-    (path,) = render.render(folder, field, steps=[2], look=Look(size=(300, 420)), out=tmp_path)
-    assert path == tmp_path / field / "step_0002.png"
-    assert path.stat().st_size > 5000
-
-
-def test_a_frame_reads_back_with_its_values(folder: Path) -> None:
-    run = open_run(folder)
-    frames = {field: drawn_frame(run, 3, field) for field in ("displacement", "sigma_1", "sigma_3", "stress_xy")}
-    size = frames["displacement"]
-    assert size.by_point
-    np.testing.assert_allclose(size.values, np.hypot(*size.displacement.T), rtol=1e-6)
-    assert all(frame.by_point and len(frame.values) == len(frame.points) for frame in frames.values())
-    radius = (frames["sigma_1"].values - frames["sigma_3"].values) / 2
-    assert (np.abs(frames["stress_xy"].values) <= radius * (1 + 1e-9)).all()
-
-
-def test_what_cells_alone_have_is_drawn_cell_by_cell(folder: Path, tmp_path: Path) -> None:
-    """So it is with the stress of frames that have none at their points."""
-    run = open_run(folder)
-    assert not drawn_frame(run, 3, "energy_error").by_point
-    earlier = run.mesh(3)
-    for name in ("stress", "sigma_1", "sigma_3"):
-        del earlier.point_data[name]
-    (tmp_path / "frames").mkdir()
-    earlier.save(tmp_path / "frames" / "step_0003.vtu")
-    frame = drawn_frame(RunFolder(tmp_path), 3, "stress_xx")
-    assert not frame.by_point
-    np.testing.assert_array_equal(frame.values, earlier.cell_data["stress"][:, 0])
 
 
 def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path: Path) -> None:
@@ -127,21 +83,6 @@ def test_a_run_without_frames_has_a_report_but_no_pictures(tmp_path: Path, capsy
         assert capsys.readouterr().err.startswith(f"crackgrow: {empty} is not a folder of results: summary.json")
 
 
-def test_gif_shows_the_pictures_in_order(tmp_path: Path) -> None:
-    shades = (10, 120, 240)
-    for step, shade in enumerate(shades):
-        Image.new("RGB", (30, 20), (shade,) * 3).save(tmp_path / f"{step}.png")
-    striped = np.repeat(np.array(shades, dtype=np.uint8), 10)[None, :, None].repeat(20, axis=0).repeat(3, axis=2)
-    Image.fromarray(striped).save(tmp_path / "3.png")  # the last picture, whose colours are those of all
-    render.write_gif(tmp_path / "a.gif", [tmp_path / f"{k}.png" for k in range(4)])
-    with Image.open(tmp_path / "a.gif") as film:
-        assert film.n_frames == 4  # type: ignore[attr-defined]
-        assert film.info["loop"] == 0
-        for number, shade in enumerate(shades):
-            film.seek(number)
-            assert set(np.unique(np.asarray(film.convert("L")))) == {shade}
-
-
 def test_mp4_is_made_by_ffmpeg_and_refused_without(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -172,32 +113,6 @@ def test_view_without_a_display_says_what_to_do(folder: Path, monkeypatch: pytes
     assert told.value.exit_code == 3
 
 
-def test_window_shows_the_displaced_specimen_of_the_step_on_its_slider(folder: Path) -> None:
-    plotter = pyvista.Plotter(off_screen=True)
-    view.fill(plotter, folder, "sigma_1", 100.0)
-    run = open_run(folder)
-
-    def height() -> float:
-        low, high = plotter.actors["specimen"].bounds[2:4]
-        return float(high - low)
-
-    def drawn(step: int) -> float:
-        frame = drawn_frame(run, step, "sigma_1")
-        return float(np.ptp(frame.points[:, 1] + 100.0 * frame.displacement[:, 1]))
-
-    assert height() == pytest.approx(drawn(3))
-    (bar,), specimen = plotter.scalar_bars.values(), plotter.actors["specimen"].mapper.lookup_table
-    ends = [np.array(table.GetTable().GetTuple(0)) for table in (bar.GetLookupTable(), specimen)]
-    np.testing.assert_array_equal(*ends)
-    assert bar.GetLookupTable().GetRange() == specimen.GetRange()
-    (slider,) = plotter.widgets.slider_widgets
-    slider.GetRepresentation().SetValue(1.0)
-    slider.InvokeEvent("EndInteractionEvent")
-    assert height() == pytest.approx(drawn(1))
-    assert drawn(1) != pytest.approx(drawn(3))
-    plotter.close()
-
-
 @pytest.mark.parametrize(("limits", "wanted"), [(("-20", "5"), (-20.0, 5.0)), (("-20 MPa", "5000 kPa"), (-20.0, 5.0))])
 def test_limits_of_colours_are_in_the_unit_of_the_bar_or_have_one(limits: tuple[str, str], wanted: tuple[float, float]):
     assert field_picture.limits_of("sigma_1", limits, (1e6, "MPa")) == pytest.approx(wanted)
@@ -212,11 +127,6 @@ def test_limits_of_colours_are_in_the_unit_of_the_bar_or_have_one(limits: tuple[
 def test_limits_that_a_field_cannot_have_are_refused(field: str, limits: tuple[str, str], told: str) -> None:
     with pytest.raises(CaseError, match=re.escape(told)):
         field_picture.limits_of(field, limits, (1e6, "MPa"))
-
-
-@pytest.mark.parametrize("limits", [("-1e1", "1e1"), ("-10MPa", "5MPa"), ("-.5", "-2e-3"), ("-20 MPa", "5 MPa")])
-def test_limits_below_zero_are_no_options(limits: tuple[str, str]) -> None:
-    assert parsed(["render", "outputs/x", "--range", *limits])[2]["limits"] == list(limits)
 
 
 @pytest.mark.parametrize(("limits", "wanted", "signed"), [

@@ -15,10 +15,8 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from crackgrow.api import run_case
 from crackgrow.errors import SolveError
-from crackgrow.results.folder import FolderError, open_run
-from crackgrow.results.report import page as page_module
+from crackgrow.results.folder import FolderError
 from crackgrow.results.report import write_report
 from crackgrow.results.writer import RunWriter
 from tests.report_runs import HOSTILE, make_run, paint
@@ -193,23 +191,6 @@ def scene_steps(page: Page, kind: str = "step") -> list[int]:
     return sorted(int(name.removeprefix(f"{kind}-")) for name in names if re.fullmatch(rf"{kind}-\d+", name))
 
 
-def test_segments_of_the_path_and_tips_have_their_steps_and_places(page: Page, folder: Path) -> None:
-    assert scene_steps(page) == scene_steps(page, "tips") == [0, 1, 2, 3]
-    text = (folder / "report.html").read_text(encoding="utf-8")
-    lengths = {}
-    for step in range(4):
-        group = text[text.index(f'<g id="step-{step}">') :]
-        paths = re.findall(r'd="(M[^"]*)"', group[: group.index("</g>")])
-        lengths[step] = [float(np.hypot(*np.ptp(ends(path), axis=0))) for path in paths]
-    scale = lengths[0][0] / 0.010  # pt/m: the given crack is 10 mm long
-    for step in (1, 2, 3):
-        np.testing.assert_allclose(lengths[step], 0.002 * scale, rtol=1e-4)
-
-
-def ends(path: str) -> np.ndarray[Any, Any]:
-    return np.array([pair.split() for pair in re.split("[ML]", path)[1:]], dtype=float)
-
-
 @pytest.mark.parametrize(("error", "status"), [(SolveError(), "failed"), (KeyboardInterrupt(), "interrupted")])
 def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, error: BaseException, status: str) -> None:
     writer = RunWriter(shipped_case("compression30"), tmp_path)
@@ -221,14 +202,6 @@ def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, error
     assert page.data["places"] == scene_steps(page) == [0]
 
 
-def test_a_run_that_failed_later_shows_what_was_solved(tmp_path: Path) -> None:
-    page = read(make_run(tmp_path, failing="no solution at all"))
-    assert page.content["strong"] == "failed"
-    assert "no solution at all" in page.content["p"]
-    assert page.data["places"] == [0, 1]
-    assert set(page.data["tips"]["steps"]) == {"0", "1"}
-
-
 def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: Path) -> None:
     for file in folder.glob("*.*"):
         if file.name != "report.html":
@@ -238,17 +211,6 @@ def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: P
 
 def copied(folder: Path, to: Path) -> Path:
     return Path(shutil.copytree(folder, to / "copy"))
-
-
-def test_rows_of_a_step_that_a_kill_left_half_written_are_left_out(folder: Path, tmp_path: Path) -> None:
-    copy = copied(folder, tmp_path)
-    steps = (copy / "steps.csv").read_text(encoding="utf-8").splitlines(keepends=True)
-    (copy / "steps.csv").write_text("".join(steps[:-1]), encoding="utf-8")  # tips.csv and contact.csv have step 3
-    run = open_run(copy)
-    assert run.solved == [0, 1, 2]
-    assert set(run.contact["step"]) == set(run.tips["step"]) == {0, 1, 2}
-    write_report(copy)
-    assert set(read(copy).data["tips"]["steps"]) == {"0", "1", "2"}
 
 
 @pytest.mark.parametrize(("name", "text", "message"), [
@@ -271,21 +233,6 @@ def test_damaged_files_are_named(folder: Path, tmp_path: Path, name: str, text: 
     with pytest.raises(FolderError, match=damaged) as got:
         write_report(copy)
     assert message in str(got.value)
-
-
-def test_rendered_pictures_are_shown_with_their_steps(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    make_run(tmp_path)
-    paint(tmp_path, [0, 2, 3, 9])  # 9: of no step of this run
-    write_report(tmp_path)
-    shown = read(tmp_path).data["pictures"]
-    assert [picture["step"] for picture in shown] == [0, 2, 3]
-    assert all(picture["uri"].startswith("data:image/jpeg;base64,") for picture in shown)
-    monkeypatch.setattr(page_module, "MOST_PICTURES", 2)
-    write_report(tmp_path)
-    assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [0, 3]
-    monkeypatch.setattr(page_module, "MOST_BYTES", 100)
-    write_report(tmp_path)
-    assert [picture["step"] for picture in read(tmp_path).data["pictures"]] == [3]
 
 
 COMMIT = "0123456789abcdef"
@@ -312,16 +259,7 @@ def test_checks_estimates_version_and_legend_are_told(
     assert told in told_of(folder, tmp_path, summary, steps)
 
 
-@pytest.mark.parametrize(("name", "legend"), [
-    ("block_rigid", None), ("interface_friction01", "violet: interfaces, dashed unless bonded")
-])  # fmt: skip
-def test_the_legend_of_a_scene_names_nothing_that_is_not_there(name: str, legend: str | None, tmp_path: Path) -> None:
-    run_case(shipped_case(name, ["output.frames=none", "output.figures=false", "numerics.spacing=0.25"]), tmp_path)
-    text = (tmp_path / "report.html").read_text(encoding="utf-8")
-    assert re.findall('<p class="legend">(.*?)</p>', text) == ([legend] if legend else [])
-    assert legend or "K, error" not in text
-
-
+@pytest.mark.physics
 def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
     tmp_path = copied(folder, tmp_path)
     n_steps = 150

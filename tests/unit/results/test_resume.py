@@ -22,6 +22,8 @@ from crackgrow.run.result import Checkpoint
 from tests.properties.broken_off import contents
 from tests.scenes import shipped_case
 
+pytestmark = pytest.mark.physics
+
 CASES = Path(__file__).resolve().parents[3] / "cases"
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
 
@@ -73,15 +75,6 @@ def test_the_last_two_checkpoints_and_the_last_one_flushed_are_kept(
     assert len(list((tmp_path / "checkpoint").iterdir())) == 3
 
 
-def test_a_finished_run_says_so_and_is_left_alone(copy: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    times = {path: path.stat().st_mtime_ns for path in copy.rglob("*")}
-    assert run(copy, "growth.steps=2", resume=True) == 0
-    out, err = capsys.readouterr()
-    assert out.startswith("completed: all 2 growth steps are done\nnothing is left to do")
-    assert err == ""
-    assert {path: path.stat().st_mtime_ns for path in copy.rglob("*")} == times
-
-
 def test_frames_and_pictures_of_steps_to_come_go(tmp_path: Path) -> None:
     frames = ("output.frames=every_step", "growth.steps=1")
     assert run(tmp_path, *frames) == 0
@@ -94,15 +87,6 @@ def test_frames_and_pictures_of_steps_to_come_go(tmp_path: Path) -> None:
     assert run(tmp_path, *frames[:1], "growth.steps=2", resume=True) == 0
     assert not any(path.exists() for path in (*stale, *pictures))
     assert len(list((tmp_path / "frames").glob("*"))) == 3
-
-
-def test_a_finished_run_that_was_killed_at_its_report_gets_one(copy: Path) -> None:
-    whole = (copy / "report.html").read_bytes()
-    (copy / "report.html").unlink()
-    (copy / ".report.tmp.html").write_bytes(whole[:1000])
-    assert run(copy, "growth.steps=2", resume=True) == 0
-    assert (copy / "report.html").read_bytes() == whole
-    assert not (copy / ".report.tmp.html").exists()
 
 
 def test_a_finished_run_goes_on_for_more_steps(copy: Path, tmp_path: Path) -> None:
@@ -168,12 +152,6 @@ def test_loads_to_come_may_change_and_those_before_not(
     assert run(tmp_path / "short", *longer, name=name, resume=True) == 0
     assert run(tmp_path / "at once", *longer, name=name) == 0
     assert contents(tmp_path / "short") == contents(tmp_path / "at once")
-
-
-def test_an_empty_folder_is_begun_with(tmp_path: Path) -> None:
-    assert find_resumption(case(), tmp_path / "none") is None
-    assert run(tmp_path / "none", "growth.steps=0", resume=True) == 0
-    assert json.loads((tmp_path / "none" / "summary.json").read_text())["resumed_with_steps"] == []
 
 
 def test_results_without_a_checkpoint_are_not_written_over(copy: Path) -> None:

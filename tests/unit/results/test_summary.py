@@ -9,15 +9,13 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
 from crackgrow import __version__
-from crackgrow.case.model import Case, Stage, Stages
-from crackgrow.results.gathered import MOST_PLACES, Gathered
-from crackgrow.results.log import Progress, told_line
+from crackgrow.results.gathered import Gathered
+from crackgrow.results.log import told_line
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, git_state, summarize
-from crackgrow.run.result import RunEnd, StartResult, StepResult
+from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
@@ -107,17 +105,6 @@ def test_errors_are_those_of_the_worst_step_and_told_in_one_line() -> None:
     )
 
 
-def test_what_is_unknown_is_null_and_not_told() -> None:
-    tally, end = Tally(), make_end(0)
-    tally.add(with_tips(0))
-    found = written(tally, end)["error_estimate"]
-    assert found.pop("energy_norm_percent") == {"first": None, "last": None}
-    assert set(found.values()) == {None}
-    assert error_line(tally, end) == ""
-    tally.add(with_tips(1, {}))
-    assert error_line(tally, end) == "estimated error: K by at most 8 % of the largest"
-
-
 def git(folder: Path, *words: str) -> str:
     command = ["git", "-C", str(folder), "-c", "user.name=a", "-c", "user.email=a@b", *words]
     return subprocess.run(command, check=True, capture_output=True, text=True).stdout.strip()
@@ -139,28 +126,6 @@ def test_git_state_is_that_of_the_top_of_a_checkout(tmp_path: Path) -> None:
     assert git_state(tmp_path) == (commit, True)
 
 
-GROWS = ", criticality 1.2, grows at K 1.67 MPa sqrt(m), "
-STILL = ", criticality 0.2, no tip advanced, "
-START = "most critical start at (0 m, -20 mm) (tension), criticality 0.871"
-
-
-@pytest.mark.parametrize(("step", "tips", "told"), [
-    (1, [0, 1], {GROWS}),
-    (1, [0], {STILL, START}),
-    (2, [0], {START}),  # the last step: no tip was to advance
-    (1, [], {START}),
-])  # fmt: skip
-def test_a_step_tells_how_critical_its_tips_are_or_the_place_where_a_crack_may_start(
-    step: int, tips: list[int], told: set[str]
-) -> None:
-    result = make_result(step, start=StartResult(np.array([8e-17, -0.02]), "tension", 0.8712))
-    result = replace(result, tips=tuple(result.tips[number] for number in tips))
-    line = told_line(result, make_case(), 0.0)
-    assert {words for words in (GROWS, STILL, START) if words in line} == told
-    assert ("criticality" in line.replace(START, "")) == bool(tips)
-    assert ("no tip advanced" in told_line(result, make_case(), logged=True)) == (1 not in tips)
-
-
 def test_the_log_names_every_tip_that_advanced_in_one_unit() -> None:
     result = make_result(1)
     result = replace(result, tips=tuple(replace(result.tips[1], crack=f"c{k}", K_I=4e5) for k in range(5)))
@@ -170,29 +135,6 @@ def test_the_log_names_every_tip_that_advanced_in_one_unit() -> None:
     assert "c2 end" in told
     assert "c3 end" not in told
     assert ", 2 more, " in told
-
-
-def said_of(case: Case, *results: StepResult) -> list[list[str]]:
-    """Parts of the lines of the steps."""
-    said: list[str] = []
-    progress = Progress(case, lambda text, end: said.append(text), width=None)
-    for result in results:
-        progress.show(result)
-    return [text.split(", ") for text in said if text.startswith("step")]
-
-
-def test_the_lines_of_a_run_keep_the_unit_of_K_while_K_falls() -> None:
-    tip = replace(make_result(0).tips[1], K_II=0.0)
-    lines = said_of(make_case(), *(make_result(0, tips=(replace(tip, K_I=K),)) for K in (114.0, 1.1e6, 0.9e6)))
-    told = [part.partition("K_I ")[2] for line in lines for part in line if " K_I " in part]
-    assert told == ["114 K_II 0 Pa sqrt(m)", "1.10 K_II 0.00 MPa sqrt(m)", "0.900 K_II 0.000 MPa sqrt(m)"]
-
-
-def test_a_stage_is_told_by_its_name() -> None:
-    stages = Stages(Stage("", 0.0, (), ()), tuple(Stage(name, 1.0, (), ()) for name in ("at rest", "excavated")))
-    results = (make_result(0, load_factor=factor) for factor in (1.0, 2.0, 1.5))
-    lines = said_of(replace(make_case(), loading=stages), *results)
-    assert [line[1] for line in lines] == ["stage 'at rest'", "stage 'excavated'", "load factor 1.5"]
 
 
 def overlap(name: str, percent: float) -> StepWarning:
@@ -227,12 +169,6 @@ def test_a_cause_of_warnings_is_one_sentence(cautions: dict[int, list[StepWarnin
         gathered.add(step, each)
     assert gathered.sentences() == sentences
     assert gathered.sentences(with_steps=False) == [text.split(": ", 1)[1] for text in sentences]
-
-
-def test_of_many_places_some_are_named() -> None:
-    gathered = Gathered()
-    gathered.add(0, [overlap(f"f{k}", 100.0 - k) for k in range(MOST_PLACES + 4)])
-    assert [text.endswith("'f6', 3 more") for text in gathered.sentences()] == [True]
 
 
 def test_only_what_is_new_is_news_and_records_bring_it_all_back() -> None:

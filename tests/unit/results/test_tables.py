@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 import errno
 import os
 import resource
 from pathlib import Path
 
-import numpy as np
 import pytest
 
 from crackgrow.results import tables
 from crackgrow.results.atomic import GrowingFile, OutputError, write_atomically, write_text
-from crackgrow.results.folder import table_of
-from tests.unit.results.synthetic import make_result
 
 
 @pytest.mark.parametrize("error", [ValueError, KeyboardInterrupt])
@@ -76,35 +72,6 @@ def test_columns_are_those_of_the_contract() -> None:
     assert {name: ",".join(tables.HEADERS[name]) for name in wanted} == wanted
 
 
-def test_a_step_has_its_row_with_the_time_of_its_frames(tmp_path: Path) -> None:
-    table = tables.Table(tmp_path, "steps")
-    table.extend([tables.step_row(make_result(0), 0.0), tables.step_row(make_result(1), 0.25)])
-    table.replace_last(tables.step_row(make_result(1), 0.5))
-    table.write()
-    with table.path.open(newline="") as file:
-        first, second = csv.DictReader(file)
-    assert float(first["seconds_output"]) == 0.0625
-    wanted = {
-        "step": 1, "n_dofs": 408, "seconds_output": 0.5625, "complementarity": 1e-10, "work": 5.0, "strain_energy": 3.0,
-        "dissipation": 0.5, "released_energy": 0.25, "energy_error": 5e-7, "load_displacement": 2e-5,
-        "crack_length": 0.02 + np.hypot(0.002, 0.002), "mean_stress_yy": -2.1e6, "mean_strain_xy": 2e-5,
-    }  # fmt: skip
-    assert {name: float(second[name]) for name in wanted} == pytest.approx(wanted, rel=1e-12)
-    assert second["contact_status"] == "solved"
-
-
-@pytest.mark.parametrize(("value", "text"), [
-    (0.1 + 0.2, "0.30000000000000004"),
-    (np.float64(1) / 3, "0.3333333333333333"),
-    (float("nan"), "nan"),
-    (np.int64(3), "3"),
-    (True, "true"),
-    ('a,"b"', '"a,""b"""'),
-])  # fmt: skip
-def test_a_cell_reads_back_to_the_same_value(value: tables.Value, text: str) -> None:
-    assert tables.format_value(value) == text
-
-
 def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is_whole_again(tmp_path: Path) -> None:
     table = tables.Table(tmp_path, "a", ("x", "y"))
     table.write()
@@ -135,11 +102,3 @@ def test_rows_from_a_step_on_are_dropped_and_a_row_that_a_kill_cut_off(
     table.drop_from(3)
     assert table.path.read_text() == whole[: whole.index(f"\n{last + 1},") + 1]
     assert len(table) == rows
-
-
-def test_a_whole_table_reads_back_and_has_no_nan() -> None:
-    rows = [("a, b", 0.1, 3), ('say "so"', float("nan"), None), ("", 1e-300, True)]
-    table = table_of(tables.csv_text(("name", "value", "count"), rows), Path("table.csv"))
-    assert table.words("name") == ["a, b", 'say "so"', ""]
-    assert table.words("value") == ["0.1", "", "1e-300"]
-    assert table.words("count") == ["3", "", "true"]

@@ -152,21 +152,6 @@ def test_a_run_that_fails_keeps_what_was_solved(tmp_path: Path, n_steps: int, mo
     assert files(tmp_path) == TABLES | more
 
 
-def test_step_without_mesh_and_cracks_writes_no_frame(tmp_path: Path) -> None:
-    a_run(tmp_path, [make_result(0, mesh=None, faces=())], figures=True)
-    assert files(tmp_path) == TABLES | {"figures/path.png"}
-
-
-def test_figure_that_fails_does_not_take_the_summary_with_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(*_: object) -> None:
-        raise ValueError("no figure")
-
-    monkeypatch.setattr("crackgrow.results.figures.draw_paths", refuse)
-    with pytest.raises(ValueError, match="no figure"):
-        a_run(tmp_path, [make_result(0)], figures=True)
-    assert summary(tmp_path)["status"] == "completed"
-
-
 def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
     mine = ["frames/step_0007.vtu", "frames/step_12345.vtu", "frames/.step_0008.tmp.vtu",
             "cracks/step_0007.vtp", "figures/path.png", ".summary.tmp.json", "figures/load_curve.png", "report.html",
@@ -180,16 +165,6 @@ def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
     RunWriter(replace(make_case(), name="next"), tmp_path).begin()
     assert files(tmp_path) == TABLES | set(others)
     assert all((tmp_path / name).read_text() == name for name in others)
-
-
-@pytest.mark.parametrize("left", [None, ""])
-def test_a_folder_that_has_lost_its_summary_is_still_a_run_s(left: str | None, tmp_path: Path) -> None:
-    """As a loss of power may leave it: the log tells."""
-    (a_run(tmp_path) / "summary.json").unlink()
-    if left is not None:
-        (tmp_path / "summary.json").write_text(left)
-    begun(tmp_path)
-    assert summary(tmp_path)["status"] == "running"
 
 
 OWN = json.dumps(dict.fromkeys(SUMMARY_KEYS, "mine"))

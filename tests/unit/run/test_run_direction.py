@@ -102,16 +102,6 @@ def test_a_trial_that_cannot_be_solved_ends_the_search(start: tuple[Scene, Crack
     assert first.solution is None  # the loop solves it again and says why that fails
 
 
-def test_explicit_directions_are_the_criterions(start: tuple[Scene, Cracks, StepSolution]) -> None:
-    scene, cracks, solution = start
-    growth = scene.case.growth
-    assert growth is not None
-    explicit = replace(scene, case=replace(scene.case, growth=replace(growth, direction="explicit")))
-    found = advance_tips(BeforeAdvance(explicit, cracks, 1), solution, BOTH, unasked)
-    assert found.solution is None
-    assert kinks_of(found) == pytest.approx([70.5, 70.5], abs=0.3)
-
-
 def wall(*ends_mm: tuple[float, float]) -> GrowingCrack:
     """A crack through two points beside the flaw's end, in mm along and across the flaw from there."""
     along = np.array([np.cos(np.deg2rad(30.0)), np.sin(np.deg2rad(30.0))])
@@ -130,17 +120,6 @@ def test_a_corrected_kink_that_leads_to_a_crack_ends_there(start: tuple[Scene, C
     np.testing.assert_array_equal(event.point, found.cracks[0].crack.points[-1])
     assert shapely.distance(shapely.LineString(beside.crack.points), shapely.Point(event.point)) < 1e-15
     assert not found.cracks[0].can_grow(True)
-    assert found.solution is not None
-    assert found.solution.notes == ()
-
-
-def test_the_direction_of_the_other_tip_is_found_where_one_has_met_something(
-    start: tuple[Scene, Cracks, StepSolution],
-) -> None:
-    across = wall((-1.0, 1.0), (3.0, 1.0))
-    found, _ = advance(start, lambda kink: 0.01 * (kink - 40.0), walls=[across])
-    assert kinks_of(found) == pytest.approx([40.0, 70.5], abs=0.3)
-    assert [(event.tip, event.met) for event in found.events] == [("end", "crack 'wall'")]
     assert found.solution is not None
     assert found.solution.notes == ()
 

@@ -7,11 +7,9 @@ import pytest
 
 import crackgrow
 from crackgrow.case.load import read_case
-from crackgrow.cover.cover import build_cover
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.elements import element_points
-from crackgrow.run import grow, layout
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.report import estimate_maker
 from crackgrow.run.result import RunEnd, StepResult
@@ -20,7 +18,6 @@ from crackgrow.solid.elasticity import energy_density
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
 from tests.solving import solve_step
-from tests.unit.cell_sizes import with_sizes
 from tests.whole_run import whole_run
 
 COARSE = "numerics.spacing=3"
@@ -63,16 +60,6 @@ def test_the_estimate_is_the_distance_to_a_finer_solution(name: str, spacing: fl
     assert 0.5 < estimate_maker(coarse)().relative / error < 2.0
 
 
-def test_units_and_loads_do_not_matter() -> None:
-    relative = estimate_maker(solve("compression30", COARSE))().relative
-    for settings, factor in (
-        (("bodies.rock.material.young=10", "loads.0.traction=[0,-1e-4]", "loads.1.traction=[0,1e-4]"), 1.0),
-        ((), 0.25),
-    ):
-        other = estimate_maker(solve("compression30", COARSE, *settings, factor=factor))()
-        np.testing.assert_allclose(other.relative, relative, rtol=1e-6)
-
-
 def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
     results, end = run("growth.steps=1", "output.fields=[energy_error]")
     for result, expected in zip(results, (results[0].norm_error, end.norm_error), strict=True):
@@ -84,36 +71,9 @@ def test_the_cells_of_a_frame_add_up_to_the_estimate() -> None:
         np.testing.assert_allclose(100.0 * np.sqrt(share), expected, rtol=1e-9)
 
 
-def test_the_first_and_the_last_step_are_estimated_alone() -> None:
-    results, end = run("growth.steps=2", "output.frames=none")
-    assert [bool(np.isfinite(result.norm_error)) for result in results] == [True, False, False]
-    assert end.norm_error > results[0].norm_error  # the kinks
-    (only,), end = run("growth.steps=0", "output.frames=none")
-    assert end.norm_error == only.norm_error == results[0].norm_error
-
-
 def _areas(points: np.ndarray, cells: np.ndarray) -> np.ndarray:
     x, y = points[cells].transpose(2, 0, 1)
     return 0.5 * np.sum(x * np.roll(y, -1, axis=1) - y * np.roll(x, -1, axis=1), axis=1)
-
-
-def test_the_stiffness_of_contact_goes_by_the_cells_beside_it(monkeypatch: pytest.MonkeyPatch) -> None:
-    """k = kappa E/h: half the h is twice the kappa. Gauss points lie where they do whatever the cells."""
-
-    def first_step(stiffness: int, *more: str) -> StepResult:
-        contact = f"numerics.contact={{discretization: gauss, stiffness: {stiffness}}}"
-        settings = [contact, "numerics.spacing=1.5", "output.frames=none", "output.figures=false", *more]
-        return next(grow(shipped_case("compression30", settings)))
-
-    stiff, large = first_step(2), first_step(1)
-    assert [tip.cell_size for tip in first_step(1, "numerics.refine.tips=2").tips] == pytest.approx([0.25 * 1.5e-3] * 2)
-    monkeypatch.setattr(layout, "build_cover", lambda *of: with_sizes(build_cover(*of), 0.5))
-    small = first_step(1)
-    for one, other in zip(small.tips, stiff.tips, strict=True):
-        assert pytest.approx(other.K_II, rel=1e-12) == one.K_II
-    assert small.energy.strain == pytest.approx(stiff.energy.strain, rel=1e-12)
-    assert small.overlap == pytest.approx(stiff.overlap, rel=1e-9)
-    assert abs(large.tips[0].K_II / small.tips[0].K_II - 1.0) > 1e-3
 
 
 HELD_IN_PART = """

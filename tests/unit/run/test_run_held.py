@@ -67,13 +67,6 @@ def test_a_piece_slides_out_where_friction_does_not_hold_it(friction: float) -> 
         assert next(grow(case)).residual < 1e-10
 
 
-def test_pieces_without_loads_stay_where_they_are() -> None:
-    case = pressed(HELD_BY_FRICTION, TIPS, [1.5] * 5, loading={"history": [0.0, 1.0]})
-    unloaded, loaded = grow(case)
-    assert np.abs(unloaded.contact.opening).max() == np.abs(unloaded.contact.slip).max() == 0.0
-    assert loaded.residual < 1e-10
-
-
 CAPPED = """
 title: A cap on a block that rests on a base
 units: {length: mm, stress: MPa}

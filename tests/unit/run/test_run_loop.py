@@ -81,15 +81,6 @@ def test_each_step_adds_its_increment_where_the_tip_said() -> None:
     assert not any(tip.advanced for tip in results[-1].tips)
 
 
-def test_a_static_case_is_one_solve() -> None:
-    (result,), end = whole_run(plate(CENTRE))
-    assert end.status == "completed"
-    assert "static" in end.reason
-    assert all(np.isnan([tip.sigma_1, tip.criticality, tip.kink_deg, tip.K_growth]).all() for tip in result.tips)
-    assert {tip.criterion for tip in result.tips} == {"none"}
-    assert all(tip.K_I > 1e5 for tip in result.tips)  # K is known without growth: 0.134 MPa sqrt(m)
-
-
 @pytest.mark.parametrize("steps", [0, 2])
 def test_a_run_whose_cracks_stay_says_how_near_to_growth_they_are(steps: int) -> None:
     settings = ["numerics.spacing=3", f"growth.steps={steps}", "loading.history=[1e-3]"]
@@ -213,16 +204,6 @@ def test_a_tip_that_has_met_a_crack_stays_and_the_other_goes_on(tips: str) -> No
     else:
         assert (end.status, [len(result.events) for result in results]) == ("completed", [0, 1, 0])
         assert [(tip.crack, tip.tip) for tip in results[1].tips if tip.advanced] == [("a", "start")]
-
-
-@pytest.mark.parametrize("advance", ["most_critical", "in_turn"])
-def test_both_ends_of_a_symmetric_crack_grow_by_turns_at_their_critical_loads(advance: str) -> None:
-    """The shorter end misses the criterion by 4e-4 at the load of the other, which is what the lattice makes of it."""
-    growth = {"steps": 4, "advance": advance, "criterion": "max_hoop_stress"}
-    results, _ = whole_run(plate(CENTRE, "loading=critical", size=(120.0, 120.0), growth=growth))
-    assert [[tip.tip for tip in result.tips if tip.advanced] for result in results] == [
-        ["start"], ["end"], ["start"], ["end"], []
-    ]  # fmt: skip
 
 
 def test_a_history_is_gone_through_on_one_factorization() -> None:

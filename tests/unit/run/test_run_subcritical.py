@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.subcritical import WAITS, mean_velocity
-from crackgrow.run.growth import COARSE_TIME
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import WarningCause
-from tests.slow_cracks import GROWTH, SHORTER, slow_cracks
+from tests.slow_cracks import SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
 INCREMENT, V_MAX, N = 1e-3, 0.01, 10  # m, m/s, -
@@ -58,21 +57,6 @@ def test_a_tip_beyond_its_toughness_is_told_and_has_no_more_than_the_largest_vel
     assert results[1].time == pytest.approx(INCREMENT / V_MAX)
     (told,) = [warning.words for warning in results[0].step_warnings if warning.cause == WarningCause.UNSTABLE]
     assert told.startswith(f"the end of crack 'notch' is at {results[0].tips[0].criticality:.3g} of its toughness")
-
-
-def test_coarse_increments_are_told() -> None:
-    """K grows by 14 % in an increment, and v by a factor of 1.7 and of 3.8."""
-    told = {}
-    for exponent in (4, 10):
-        results, _ = whole_run(slow_cracks("growth.steps=1", f"growth.subcritical.exponent={exponent}"))
-        told[exponent] = [COARSE_TIME in result.warnings for result in results]
-    assert told == {4: [False, False], 10: [False, True]}
-
-
-def test_growth_by_the_criterion_alone_takes_no_time() -> None:
-    results, _ = whole_run(slow_cracks(f"growth={{{GROWTH}}}", "growth.steps=0"))
-    assert np.isnan(results[0].time)
-    assert np.isnan(results[0].tips[0].velocity)
 
 
 WALL = "{path: {points: [[-6.5, -6], [-6.5, 6]]}, tips: none, contact: none}"

@@ -61,34 +61,6 @@ def true_error(aim: Case, step: StepResult, solution: StepSolution) -> float:
     return float(np.hypot(*off.T).max() / np.hypot(*finer.T).max())
 
 
-@pytest.mark.parametrize(
-    ("accuracy", "settings", "known"),
-    [
-        ("1 %", ["cracks.flaw.contact.friction=2"], False),  # faces stick: K is zero
-        ("1 %", ["cracks.flaw.contact.friction=5"], False),
-        ("1 %", ["loads.0.traction=[0, 0]", "loads.1.traction=[0, 0]"], True),
-        ("standard", ["numerics.spacing=3"], False),  # cells by hand, and the run says so
-    ],
-)
-def test_where_there_is_no_K_to_aim_at_nothing_is_told(accuracy: str, settings: list[str], known: bool) -> None:
-    step = next(grow(case("compression30", accuracy, *settings)))
-    assert told(step) == []
-    assert all(tip.K_I == tip.K_II == 0.0 for tip in step.tips) == known
-    assert all(math.isnan(tip.K_I_error) for tip in step.tips) != known
-    assert [warning.cause for warning in step.step_warnings].count(WarningCause.UNMEASURED) == (accuracy == "standard")
-    assert step.n_dofs < 20_000
-
-
-@pytest.mark.parametrize(("y", "tips"), [(0.0, "start"), (-0.01, "both")])
-def test_a_crack_that_touches_another_or_nearly_is_met_or_told(y: float, tips: str) -> None:
-    """It ends in the middle of another, or at a distance y (mm) from it."""
-    paths = (f"cracks.lower.path={{points: [[-6, -3], [0, {y}]]}}", "cracks.upper.path={points: [[-6, 0], [6, 0]]}")
-    more = (f"cracks.lower.tips={tips}", "growth.steps=0", "loading={history: [1]}")
-    step = next(grow(case("two_flaws_overlapping", "3 %", *paths, *more)))
-    assert bool(told(step)) != (max(shares(step)) <= 0.03)
-    assert step.n_dofs < target_file.MOST_UNKNOWNS
-
-
 def test_every_load_of_a_history_meets_the_target() -> None:
     steps = list(grow(case("cyclic_friction", "3 %", "loading.history=[0.5, 1.0, 0.8]")))
     assert len(steps) == 3
@@ -178,18 +150,3 @@ def test_a_critical_load_is_within_the_target_and_the_bound() -> None:
     assert coarse.goal_error <= BOUND * 3.0
     assert fine.goal_error <= BOUND * 0.3
     assert 100.0 * abs(coarse.load_factor / fine.load_factor - 1.0) <= coarse.goal_error + fine.goal_error
-
-
-def test_reactions_that_are_nothing_are_held_against_the_loads() -> None:
-    step = next(grow(case("compression30", "1 %", "numerics.goal=reaction")))
-    assert told(step) == []
-    assert step.goal_error < 1e-6
-
-
-def test_a_goal_that_does_not_converge_ends_with_what_was_reached(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A block that sticks everywhere does not slip but for what the contact's averages leave, which never settles."""
-    monkeypatch.setattr(target_file, "MOST_UNKNOWNS", 5000)
-    step = next(grow(case("block_foundation", "1 %", "numerics.goal=slip")))
-    (words,) = told(step)
-    assert words.startswith("slip is asked for within 1 %")
-    assert step.n_dofs <= 5000

@@ -13,14 +13,12 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.case.segments import line_length
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.ripple import Ripple
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.results.gathered import Gathered
 from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step_warnings import _overlapping, contact_violations, ripples
+from crackgrow.run.step_warnings import _overlapping, contact_violations
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.one_size import one_size
 from tests.scenes import shipped_case, told
@@ -44,25 +42,6 @@ def test_the_shipped_scenes_warn_of_nothing_but_their_loads() -> None:
     assert (
         told(first_step("compression30", "cracks.flaw.contact.friction=0.6").warnings) == []
     )  # stuck: jumps are noise
-
-
-CRITICAL = "loading=critical"
-
-
-@pytest.mark.parametrize(
-    ("settings", "times", "told"),
-    [([], 1.5, False), ([], 2.1, True), (["growth.steps=0"], 2.1, False), ([CRITICAL], 2.1, False)],
-)
-def test_a_load_twice_the_critical_one_is_told_once(settings: list[str], times: float, told: bool) -> None:
-    critical = first_step("compression30", CRITICAL).load_factor
-    given = ["growth.steps=2", f"loading={{history: [{times * critical}]}}"]
-    case = shipped_case("compression30", [*one_size("compression30"), *given, *settings])
-    run = Gathered()
-    for step in grow(case):
-        run.add(step.step, step.step_warnings)
-    words = [sentence for sentence in run.sentences() if "growth at this load is unstable" in sentence]
-    assert len(words) == told
-    assert all(" of crack 'flaw' the load is 2." in sentence for sentence in words)
 
 
 def turned(angle: float) -> list[str]:
@@ -189,33 +168,6 @@ def test_every_cause_has_its_words_in_the_same_order() -> None:
     table = yaml.safe_load(files("crackgrow.run").joinpath("warning_causes.yaml").read_text())
     assert list(table) == [cause.name for cause in WarningCause]
     assert all({"words", "effect"} <= set(entry) for entry in table.values())
-
-
-def test_stiff_contact_at_gauss_points_makes_tractions_oscillate() -> None:
-    numbers = "numerics.contact={stiffness: 10000, discretization: gauss}"
-    (words,) = told(first_step("compression30", numbers, "growth.steps=0").warnings)
-    assert "contact tractions on 'flaw' oscillate" in words
-
-
-@pytest.mark.parametrize(
-    ("settings", "remedy"),
-    [
-        (
-            "{discretization: gauss, stiffness: 1000}",
-            "; use numerics.contact.discretization mortar, or a softer contact",
-        ),
-        ("{spacing: 0.7}", "; use numerics.contact.spacing 1.25 or more, or a softer contact"),
-        ("{spacing: 1.25}", ": the pressure changes within less than two cells; use smaller cells there, or a softer"),
-    ],
-)
-def test_what_is_used_already_is_no_remedy_for_tractions_that_oscillate(
-    settings: str, remedy: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("crackgrow.run.step_warnings.worst_ripple", lambda *_: Ripple(0, 0.17))
-    case = shipped_case("compression30", [f"numerics.contact={settings}", "growth.steps=0"])
-    (told,) = ripples(solve_first(make_scene(case)))
-    assert remedy in told.words
-    assert "oscillate by 17 %" in told.words
 
 
 @pytest.mark.parametrize("after", ["kept", "lost"])

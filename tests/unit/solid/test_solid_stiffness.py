@@ -103,6 +103,7 @@ def test_stiffness_has_the_energies_of_rigid_and_linear_fields(
         assert eigenvalues[n_free] > 1e-9  # 100 times the round-off of the others
 
 
+@pytest.mark.physics
 def test_more_than_64_tips_assemble(build) -> None:
     sample = build.field_of_cracks(6, 1.5)
     assert len(sample.cover.tips) == 72

@@ -12,6 +12,8 @@ from crackgrow.errors import CaseError
 from crackgrow.run.result import StepResult
 from tests.whole_run import whole_run
 
+pytestmark = pytest.mark.physics
+
 BEAM = """
 title: pure bending
 plane: stress

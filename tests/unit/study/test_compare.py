@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +12,6 @@ from crackgrow import cli
 from crackgrow.errors import CaseError
 from crackgrow.study.compare import Comparison, compare_paths
 from crackgrow.study.comparison_text import CSV_COLUMNS, comparison_csv, comparison_text
-from crackgrow.study.path_files import read_paths
 
 Vertex = tuple[float, float, int]  # mm, mm, step
 
@@ -112,26 +110,6 @@ def test_same_path_but_further_is_told_from_another_path(
     assert not further.agrees
 
 
-def test_a_tip_that_has_not_grown_has_nothing_in_common(tmp_path: Path) -> None:
-    result = compared(tmp_path, STRAIGHT, STRAIGHT[2:])
-    assert (result.pairs[1].length_b, result.pairs[1].common) == (0.0, None)
-    assert "flaw start: A has grown 4.000 mm further, the other not at all" in comparison_text(result)
-
-
-def test_cracks_that_a_run_started_are_compared_from_their_first_segment(tmp_path: Path) -> None:
-    started: list[Vertex] = [(0, 0, 2), (0, 2, 2), (0, 4, 3)]
-    apart: list[Vertex] = [(0, 0, 2), (0, 2, 2), (0.5, 4, 3)]
-    both_ways: list[Vertex] = [(-3, 9, 4), (-1, 9, 3), (0, 9, 3), (1, 9, 3)]
-    a = folder(tmp_path / "a", flaw=STRAIGHT, new1=started, new2=both_ways)
-    b = folder(tmp_path / "b", flaw=STRAIGHT, new1=apart, new2=both_ways)
-    pairs = {pair.name: pair for pair in compare_paths(a, b).pairs}
-    assert {name for name in pairs if name.startswith("new")} == {"new1 given", "new1 end", "new2 given", "new2 start"}
-    assert pairs["new1 given"].length_a == pytest.approx(2e-3)
-    assert pairs["new1 given"].deviation.frechet == 0.0
-    assert pairs["new1 end"].end_distance == pytest.approx(0.5e-3)
-    assert pairs["new2 start"].length_a == pytest.approx(2e-3)
-
-
 def test_crack_in_one_only_is_beyond_any_tolerance(tmp_path: Path) -> None:
     a = folder(tmp_path / "a", flaw=STRAIGHT, joint=[(0, 5, 0), (1, 5, 0)])
     b = folder(tmp_path / "b", flaw=STRAIGHT)
@@ -141,12 +119,6 @@ def test_crack_in_one_only_is_beyond_any_tolerance(tmp_path: Path) -> None:
     assert compare_paths(a, b).agrees
     assert compare_paths(a, b, tolerance=0, crack="flaw").agrees
     assert compare_paths(b, a, tolerance=0).only_in_b == ("joint",)
-
-
-def test_one_tip_can_be_chosen(tmp_path: Path) -> None:
-    assert [pair.part for pair in compared(tmp_path, STRAIGHT, BENT, tip="start").pairs] == ["start"]
-    assert compared(tmp_path, STRAIGHT, BENT, tip="start", tolerance="0.1 mm").agrees
-    assert not compared(tmp_path, STRAIGHT, BENT, tip="end", tolerance="0.1 mm").agrees
 
 
 @pytest.mark.parametrize("text", [
@@ -185,30 +157,6 @@ def test_reference_beyond_the_tip_is_cut_there_and_one_elsewhere_is_not(x: str, 
     result = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference, tolerance="1 um")
     assert told in comparison_text(result)
     assert result.agrees == told.startswith("flaw path")
-
-
-def test_reference_of_one_of_two_wings_side_by_side(tmp_path: Path) -> None:
-    """The other wing is beside the reference too, but further."""
-    wings: list[Vertex] = [(-1, 10, 2), (-1, 0, 0), (1, 0, 0), (1, 10, 1)]
-    run, reference = folder(tmp_path / "run", flaw=wings), table(tmp_path / "paper.csv", "x_mm,y_mm\n1.1,2\n1.1,10\n")
-    for pair in (*compare_paths(run, reference).pairs, *compare_paths(reference, run).pairs):
-        assert pair.deviation.frechet == pytest.approx(0.1e-3)
-
-
-def test_places_beside_a_reference_that_is_drawn_backwards(tmp_path: Path) -> None:
-    reference = table(tmp_path / "paper.csv", "x_mm,y_mm\n8,0.1\n6,0.3\n")
-    (pair,) = compare_paths(folder(tmp_path / "run", flaw=STRAIGHT), reference).pairs
-    assert pair.deviation.in_a[:2] == pytest.approx([6e-3, 0.0], abs=1e-8)
-    assert pair.deviation.in_b[:2] == pytest.approx([6e-3, 0.3e-3], abs=1e-8)
-
-
-def test_two_files_without_steps(tmp_path: Path) -> None:
-    a = table(tmp_path / "a.csv", "x,y\n0,0\n10,0\n")
-    b = table(tmp_path / "b.csv", "x,y\n4,1\n2,1\n")
-    (pair,) = compare_paths(a, b).pairs
-    assert (pair.name, pair.deviation.hausdorff) == ("path", 1.0)
-    assert "lengths in m\n" in comparison_text(compare_paths(a, b))
-    assert "neither path has the column step" in faults(a, b, tip="end")[0]
 
 
 def test_one_of_several_cracks_and_columns_is_chosen(tmp_path: Path) -> None:
@@ -274,12 +222,6 @@ def test_faults_of_a_csv_name_file_and_line(tmp_path: Path, text: str, message: 
     assert found[0].startswith(f"{path}{message}")
 
 
-def test_faults_of_all_that_is_given_are_told_at_once(tmp_path: Path) -> None:
-    bad = table(tmp_path / "bad.csv", "x,y\nnan,0\n1,nan\n")
-    found = faults(bad, tmp_path / "nowhere", tolerance="3 inch")
-    assert [fault.split(": ")[0] for fault in found] == ["--tolerance", f"{bad}:2", str(tmp_path / "nowhere")]
-
-
 def test_what_is_no_result_is_a_fault(tmp_path: Path) -> None:
     a = folder(tmp_path / "fine", flaw=STRAIGHT)
     (fault,) = faults(a, tmp_path / "fin")
@@ -295,14 +237,6 @@ def test_what_is_no_result_is_a_fault(tmp_path: Path) -> None:
     ]
     ungrown = tmp_path / "b"
     assert faults(ungrown, ungrown, tip="end") == [f"--tip: the end has not grown in {ungrown} nor in {ungrown}"]
-
-
-def test_broken_summary_does_not_hide_the_paths(tmp_path: Path) -> None:
-    a = folder(tmp_path / "a", flaw=STRAIGHT)
-    (a / "summary.json").write_text('{"status": "completed", "steps_done": 4}')
-    assert read_paths(a).status == "completed, 4 steps"
-    (a / "summary.json").write_text("{")
-    assert read_paths(a).status == ""
 
 
 def test_csv_has_si_values_and_blanks(tmp_path: Path) -> None:
@@ -333,24 +267,3 @@ def test_exit_code_and_last_line_tell_of_the_tolerance(tmp_path: Path, capsys: p
     assert cli.main(["compare", a, b, "--tolerance", "0.3 bananas"]) == 2
     assert capsys.readouterr().err.startswith("--tolerance: '0.3 bananas' has an unknown unit; allowed is a length")
     assert cli.main(["compare", a, str(tmp_path / "c")]) == 2
-
-
-def test_csv_is_written_where_asked(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    a = str(folder(tmp_path / "a", flaw=STRAIGHT))
-    assert cli.main(["compare", a, a, "--csv", str(tmp_path / "new" / "rows.csv")]) == 0
-    assert (tmp_path / "new" / "rows.csv").read_text().splitlines()[0] == ",".join(CSV_COLUMNS)
-    assert cli.main(["compare", a, a, "--csv", str(tmp_path / "a" / "paths.csv" / "rows.csv")]) == 3
-    assert "cannot write" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize(("tolerance", "code"), [("0.4 mm", 0), ("0.2 mm", 4)])
-def test_all_of_it_is_told_as_json(
-    tolerance: str, code: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    a, b = (str(folder(tmp_path / name, flaw=path)) for name, path in (("a", STRAIGHT), ("b", BENT)))
-    assert cli.main(["compare", a, b, "--tolerance", tolerance, "--json"]) == code
-    found = json.loads(capsys.readouterr().out)
-    assert (found["a"]["source"], found["agrees"]) == (a, code == 0)
-    assert max(part["hausdorff"] for part in found["parts"]) == pytest.approx(0.3e-3, rel=1e-3)
-    assert [part["beyond"] for part in found["parts"]] == [False, False, code == 4]
-    assert found["only_in_a"] == found["only_in_b"] == []

@@ -12,9 +12,9 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.study.distance import RESOLUTION, WALKED, between, extent, farthest, frechet, nearest, overhang
+from crackgrow.study.distance import RESOLUTION, WALKED, extent, farthest, frechet, nearest
 from crackgrow.study.errors import K_errors, contact_errors, errors_of
-from crackgrow.study.findings import LEAST_ORDER, limit_of, order_of
+from crackgrow.study.findings import LEAST_ORDER, limit_of
 
 SAMPLE = 0.05  # between the samples of the discrete Frechet distance, which is at most this much larger
 
@@ -31,25 +31,7 @@ def random_lines(seed: int) -> tuple[Floats, Floats]:
     return a, np.cumsum(rng.normal(size=(rng.integers(2, 10), 2)), axis=0)
 
 
-POSTS = line((0, 0), (0, -5), (6, -5), (6, 0))
-SHORT, LONG = line((0, 0), (1, 0)), line((0, 0), (5, 0))
 POINT, ABOVE = line((0, 0)), line((0, 1), (0, 4))
-
-
-@pytest.mark.parametrize(("a", "b", "distance", "s"), [
-    (line((0, 0), (4, 0)), line((0, 3), (1, 3), (4, 3)), 3.0, None),
-    (line((0, 4), (6, 4)), POSTS, 5.0, 3.0),  # between two posts, at no vertex of either: on the bisector
-    (SHORT, LONG, 0.0, None),  # one-sided
-    (LONG, SHORT, 4.0, 5.0),
-    (POINT, ABOVE, 1.0, 0.0),
-    (ABOVE, POINT, 4.0, 3.0),
-])  # fmt: skip
-def test_the_farthest_point_of_one_line_from_another(a: Floats, b: Floats, distance: float, s: float | None) -> None:
-    far, at, near_s = farthest(a, b)
-    assert far == pytest.approx(distance, abs=6 * RESOLUTION)
-    assert s is None or at == pytest.approx(s, abs=1e-5)
-    again = nearest(np.column_stack([np.interp(at, arc_lengths(a), x) for x in a.T]), b)
-    assert again == (far, near_s)
 
 
 @pytest.mark.parametrize("offset", [0.0, 1e5])
@@ -85,21 +67,6 @@ def test_distances_against_sampled_ones(seed: int) -> None:
     assert leash - step <= shapely.frechet_distance(*lines) <= leash + SAMPLE
     assert leash >= hausdorff - fine
     assert frechet(b, a) == pytest.approx(leash, rel=1e-12)
-
-
-def test_between_keeps_the_vertices_inside() -> None:
-    bent = line((0, 0), (2, 0), (2, 2))
-    np.testing.assert_allclose(between(bent, 1, 3), [[1, 0], [2, 0], [2, 1]])
-    np.testing.assert_allclose(between(bent, 3, 1), [[2, 1], [2, 0], [1, 0]])
-    np.testing.assert_array_equal(between(bent, 0, 4), bent)
-
-
-def test_overhang_begins_beside_the_tip() -> None:
-    short = line((0, 0), (2, 0))
-    assert overhang(line((0, 1), (5, 1)), short, at_both=False) == pytest.approx(2.0, abs=1e-6)
-    assert overhang(short, line((0, 1), (5, 1)), at_both=False) == 2.0
-    assert overhang(line((3, 1), (5, 1)), short, at_both=False) == 0.0
-    assert overhang(line((-3, 1), (-1, 1)), short, at_both=True) == 0.0
 
 
 def table(columns: str, *rows: tuple[str | float, ...]) -> pd.DataFrame:
@@ -174,22 +141,6 @@ def test_paths_are_compared_as_far_as_both_have_grown(tmp_path: Path):
     assert math.isnan(errors["pressure_error"])
 
 
-def test_step_that_is_judged(tmp_path: Path):
-    first, last = (results(tmp_path / name, (2.0, 0.0)) for name in ("a", "b"))
-    (last / "steps.csv").write_text("step,strain_energy\n0,4.0\n1,14.0\n")
-    assert errors_of(first, last, grows=True)["energy_error"] == 0.0  # step 0
-    assert errors_of(first, last, grows=False)["energy_error"] == 0.5  # the last load factor
-
-
-def test_what_only_one_of_two_has_grown_has_no_distance(tmp_path: Path):
-    """A crack that starts in one of two scenes without any."""
-    grown, bare = (results(tmp_path / name, (2.0, 0.0)) for name in ("a", "b"))
-    (bare / "paths.csv").write_text("crack,vertex,x,y,step\n")
-    for pair in ((grown, bare), (bare, grown)):
-        errors = errors_of(*pair, grows=True)
-        assert all(math.isnan(errors[name]) for name in ("path_hausdorff", "path_frechet", "length_error"))
-
-
 @pytest.mark.parametrize("order", [0.6, 1.0, 1.5, 2.0])
 @pytest.mark.parametrize("sizes", [(4.0, 2.0, 1.0), (3.0, 1.7, 1.2), (1e-3, 5e-4, 1e-4)])
 @pytest.mark.parametrize("factor", [-0.3, 2.0])
@@ -214,7 +165,3 @@ def test_values_without_a_usual_order_are_off_by_a_bound(values: list[float], or
     assert limit.order == pytest.approx(order, rel=1e-3, nan_ok=True)
     assert limit.rest == pytest.approx(rest, rel=1e-9)
     assert limit.value == values[-1] or math.isfinite(order)
-
-
-def test_equal_cells_have_no_order() -> None:
-    assert math.isnan(order_of([3.0, 2.0, 1.5], (2.0, 1.0, 1.0)))

@@ -11,9 +11,8 @@ from pathlib import Path
 import pytest
 
 from crackgrow.study.findings import Findings, findings
-from crackgrow.study.pictures import draw_trade
 from crackgrow.study.runs import Table, Values
-from crackgrow.study.trade import COLUMNS, add_findings, convergence_csv, trade_record, trade_text
+from crackgrow.study.trade import COLUMNS, convergence_csv, trade_record, trade_text
 from crackgrow.study.trade_plan import plan_trade
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -130,13 +129,6 @@ def test_a_verdict_names_the_coarsest_setting_that_is_good_enough(tmp_path: Path
     assert "smaller cells are needed" in told(replace(found, plan=replace(found.plan, tolerance=0.001)))
 
 
-def test_what_moves_the_path_more_is_told(tmp_path: Path) -> None:
-    cells = told(study(tmp_path, bends={"own": 1e-4, HALF: 1e-4}))
-    assert "finer cells would move the path by 0.1 mm, a shorter increment by 0 mm" in cells
-    increments = told(study(tmp_path / "more", bends={"own": 1e-4, "fine": 1e-4, HALF: 3e-4}))
-    assert "a shorter increment would move the path by 0.2 mm, finer cells by 0 mm" in increments
-
-
 def test_a_path_that_moves_by_more_than_twice_the_tolerance_is_not_good_enough(tmp_path: Path) -> None:
     """Of 2 mm that the end grows; K is within the tolerance in both."""
     found = study(tmp_path / "near", bends={"own": 1.8e-4, HALF: 1.8e-4})
@@ -159,15 +151,6 @@ def test_equal_cells_are_not_taken_for_convergence(tmp_path: Path) -> None:
     assert "the same cells" in told(found)
 
 
-def test_load_factors_of_critical_loads_are_compared(tmp_path: Path) -> None:
-    """1 + the side of the cells in metres: order 1, limit 1."""
-    found = study(tmp_path, case="two_flaws_overlapping")
-    loads = [quantity for quantity in found.quantities if quantity.name == "load_factor"]
-    assert len(loads) == 3
-    assert loads[0].limit.value == pytest.approx(1.0)
-    assert loads[0].error("own") == pytest.approx(1.5e-3)
-
-
 def test_csv_and_json_have_every_row(tmp_path: Path) -> None:
     found = study(tmp_path)
     rows = list(csv.DictReader(convergence_csv(found).splitlines()))
@@ -178,16 +161,3 @@ def test_csv_and_json_have_every_row(tmp_path: Path) -> None:
     assert record["good_enough"] is True
     assert record["rows"][0]["extrapolated"] == pytest.approx(1e6)
     assert [run["setting"] for run in record["runs"]] == [*THREE, "own"]
-
-
-def test_the_picture_and_the_table_have_every_setting(tmp_path: Path) -> None:
-    found = study(tmp_path, bends={"own": 1e-4, HALF: 2e-4})
-    table = table_of(found)
-    add_findings(table, found)
-    assert table.found[0]["error"] == found.error("draft")
-    assert table.found[4]["path_apart"] == pytest.approx(1e-4, rel=5e-3)
-    draw_trade(tmp_path / "trade.png", found, table)
-    assert (tmp_path / "trade.png").read_bytes().startswith(b"\x89PNG")
-    lines = told(found).splitlines()
-    assert [line.split("  ")[0] for line in lines[1:6]] == [*THREE, "own", HALF]
-    assert lines[1].split()[1:4] == ["100", "1.00", "300"]

@@ -7,10 +7,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.case.model import PointSupport
 from crackgrow.errors import CaseError
-from crackgrow.study.plan import LONGEST, folder_names
-from crackgrow.study.sweep import combinations, plan_sweep, short_names
+from crackgrow.study.plan import folder_names
+from crackgrow.study.sweep import combinations, plan_sweep
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -71,36 +70,6 @@ parameters:
     assert advance.count("all") == advance.count("most_critical") == n // 2
     assert combinations(file) == combinations(read(tmp_path, text))
     assert combinations(file) != combinations(read(tmp_path, text.replace("seed: 3", "seed: 4")))
-
-
-def test_values_of_any_kind_reach_the_case(tmp_path: Path):
-    text = """
-parameters:
-  loads.1.traction: [[0, "0.1 GPa"], [0, 90]]
-  supports.2.displacement: [{x: 0}, {x: "0.001*y", y: 0}]
-set: {title: "a, b: [c]"}
-"""
-    cases = [run.case for run in plan_sweep(written(tmp_path, text)).runs]
-    tractions = [case.to_dict()["loads"][1]["traction"] for case in cases if case]
-    assert tractions == [
-        [0, 1e8],
-        [0, 1e8],
-        [0, 9e7],
-        [0, 9e7],
-    ]
-    up = np.array([[0.0, 2.0]])
-    held = [case.supports[2].displacement for case in cases if case and isinstance(case.supports[2], PointSupport)]
-    assert held[0] == held[2] == (0.0, None)
-    assert all(not isinstance(x, float) and x is not None and x(up) == 0.002 and y == 0.0 for x, y in held[1::2])
-    assert {case.title for case in cases if case} == {"a, b: [c]"}
-
-
-def test_runs_keep_only_tables_unless_asked(tmp_path: Path):
-    text = f"parameters: {{{ANGLE}: [30]}}\n"
-    for more, frames, figures in (("", "none", False), ("output: {frames: first_and_last}", "first_and_last", False)):
-        case = plan_sweep(written(tmp_path, text + more)).runs[0].case
-        assert case is not None
-        assert (case.output.frames, case.output.figures, case.output.report) == (frames, figures, False)
 
 
 def test_all_faults_of_a_file_are_told_at_once_with_their_lines(tmp_path: Path):
@@ -165,22 +134,6 @@ def test_refused_combinations_are_part_of_the_plan_with_their_reason(tmp_path: P
     assert [run.refusal for run in plan.runs if run.case] == ["", ""]
 
 
-def test_sweep_of_which_every_combination_is_refused_tells_all_reasons(tmp_path: Path):
-    told = faults(tmp_path, f"parameters: {{{FRICTION}: [-1, -2]}}")
-    assert [line.split("'")[1] for line in told] == ["-1", "-2"]
-    assert all(line.startswith("study.yaml:2: ") for line in told)
-
-
-def test_names_are_as_short_as_they_can_be(tmp_path: Path):
-    keys = ("cracks.a.path.angle", "cracks.b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
-    assert short_names(keys) == ("a.path.angle", "b.path.angle", "numerics.spacing", "spacing.numerics.spacing")
-    assert short_names((ANGLE, FRICTION)) == ("angle", "friction")
-    assert short_names(("growth.steps",)) == ("growth.steps",)  # steps is a column of its own
-    plan = plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {{from: 0, to: 1, n: 4}}}}"), tmp_path)
-    assert [run.folder.name for run in plan.runs][1] == "angle=0.333333"
-    assert plan.runs[1].values == ("0.333333333333",)
-
-
 def test_each_run_is_held_against_the_same_one_with_finer_values(tmp_path: Path):
     """One reference for each friction, none for what is no case."""
     text = f"parameters: {{numerics.spacing: [4, 3], {FRICTION}: [0, -1, 0.3]}}\nreference: {{numerics.spacing: 2}}"
@@ -189,14 +142,6 @@ def test_each_run_is_held_against_the_same_one_with_finer_values(tmp_path: Path)
     assert [run.reference for run in plan.runs] == [6, None, 7, 6, None, 7, None, None]
     assert [run.case.numerics.spacing for run in plan.runs if run.case] == [4e-3, 4e-3, 3e-3, 3e-3, 2e-3, 2e-3]
     assert plan.asked == plan.runs[:6]
-
-
-def test_more_values_leave_the_folders_of_runs_as_they_are(tmp_path: Path):
-    few, more = (
-        plan_sweep(written(tmp_path, f"parameters: {{{ANGLE}: {values}}}"), tmp_path)
-        for values in ("[30, 60]", "[15, 30, 45, 60]")
-    )
-    assert [run.folder for run in few.runs] == [more.runs[1].folder, more.runs[3].folder]
 
 
 def test_shipped_sweep_has_24_runs_that_are_cases():
@@ -214,11 +159,3 @@ def test_folders_have_letters_that_every_file_system_takes_and_names_of_their_ow
     names: list[str], folders: list[str]
 ) -> None:
     assert folder_names(names) == folders
-
-
-def test_long_names_are_cut_and_told_apart_by_their_ends_wherever_they_stand() -> None:
-    names = [f"{'a' * 200}=1", f"{'a' * 200}=2", "\u0444" * 200]  # the last letter has two bytes
-    folders = folder_names(names)
-    assert len(set(folders)) == 3
-    assert {len(folder.encode()) for folder in folders} <= {LONGEST - 1, LONGEST}
-    assert folder_names(names[::-1]) == folders[::-1]

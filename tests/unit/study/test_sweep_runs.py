@@ -19,13 +19,13 @@ from distributed import Client, LocalCluster
 import crackgrow
 from crackgrow import cli
 from crackgrow.case import load_case
-from crackgrow.errors import CaseError
 from crackgrow.study import workers
 from crackgrow.study.plan import Study
-from crackgrow.study.runs import Row, Values
 from crackgrow.study.sweep import plan_sweep, sweep
 from crackgrow.study.workers import ClusterError
 from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, process_of
+
+pytestmark = pytest.mark.physics
 
 SHORT = "growth.steps: 1"
 
@@ -112,18 +112,6 @@ def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytes
     assert [row["status"] for row in rows_of(out / "sweep.csv")] == ["completed", "refused", "completed"]
 
 
-@pytest.mark.parametrize(("status", "code"), [("failed", 3), ("arrested", 0)])
-def test_exit_code_tells_whether_any_run_is_done(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, status: str, code: int
-) -> None:
-    def ended(plan: Study, **_: object) -> Iterator[Row]:
-        values: Values = {"status": status, "reason": "so", "steps": 1, "seconds": 1.0, "peak_memory_mb": 1.0}
-        yield Row(plan.runs[0], values, True)
-
-    monkeypatch.setattr("crackgrow.sweep", ended)
-    assert cli.main(["sweep", str(written(tmp_path, "[0]")), "--out", str(tmp_path)]) == code
-
-
 NO_ADDRESS = "--scheduler: '{}' is no address of a scheduler; wanted: such as tcp://"
 
 
@@ -140,27 +128,6 @@ def test_options_that_no_machine_can_meet_are_refused_at_once(
         assert cli.main(["sweep", str(path), f"--{option}={value}", "--out", str(out)]) == 2
         assert told.format(value) in capsys.readouterr().err
     assert not out.exists()
-
-
-def test_scenes_without_cracks_are_swept_too(tmp_path: Path) -> None:
-    """And a value that has no letter in it has a name of a folder."""
-    path = tmp_path / "study.yaml"
-    flaw = "{flaw: {path: {center: [0, 0], length: 10, angle: 30}, tips: both, contact: {friction: 0, cohesion: 0}}}"
-    scene = f"base: {FLAW}\nset: {{numerics.spacing: 4, growth.steps: 0}}\n"
-    path.write_text(f"{scene}parameters: {{cracks: [{{}}, {flaw}]}}\n")
-    rows = sorted(sweep(plan_sweep(path, tmp_path / "out"), workers=1), key=lambda row: row.run.number)
-    assert [row.values["status"] for row in rows] == ["completed"] * 2
-    without, with_flaw = (str(row.values["reason"]) for row in rows)
-    assert without == "the static solve is done"
-    assert with_flaw.startswith(f"{without}; the most critical is at ")
-    assert rows[0].run.folder.name == "cracks=none"
-    assert (tmp_path / "out" / "sweep.png").is_file()
-
-
-def test_memory_that_the_system_does_not_bound_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sys, "platform", "darwin")
-    with pytest.raises(CaseError, match="--memory: only Linux bounds the memory of a process"):
-        next(sweep(plan_sweep(written(tmp_path), tmp_path), memory="1GB"))
 
 
 @pytest.mark.parametrize("scheduled", [True, False])

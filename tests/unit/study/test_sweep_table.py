@@ -8,7 +8,7 @@ import pytest
 
 import crackgrow
 from crackgrow.study.errors import ERRORS, errors_of
-from crackgrow.study.pictures import draw_sweep, responses_of, shown_as
+from crackgrow.study.pictures import draw_sweep, responses_of
 from crackgrow.study.plan import Run, Study
 from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep
@@ -55,13 +55,6 @@ def test_rows_tell_what_their_files_tell(table: Table) -> None:
     assert row["n_dofs"] == int(rows_of(run.folder / "steps.csv")[-1]["n_dofs"])
 
 
-def test_the_file_holds_every_run(table: Table) -> None:
-    rows = rows_of(table.study.folder / "sweep.csv")
-    assert [row["status"] for row in rows] == ["completed", "completed", "refused", "waiting"]
-    assert [row["angle"] for row in rows] == ["30", "45", "30", "45"]
-    assert [row["steps"] for row in rows] == ["1", "1", "", ""]
-
-
 def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -> None:
     plan = planned(tmp_path, "numerics.spacing: [5, 4]", "reference: {numerics.spacing: 2}", "growth.steps: 1")
     table = Table(plan, {})
@@ -76,42 +69,11 @@ def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -
     assert [row["K_error"] == "" for row in rows_of(plan.folder / "sweep.csv")] == [False, False, True]
 
 
-def test_parameter_with_the_name_of_a_column_keeps_its_values(tmp_path: Path) -> None:
-    path = tmp_path / "study.yaml"
-    path.write_text(f"base: {FLAW}\nparameters: {{growth.steps: [4, 3]}}\n")
-    plan = plan_sweep(path, tmp_path)
-    Table(plan, {1: {"status": "arrested", "reason": "", "steps": 2}}).write()
-    rows = rows_of(plan.folder / "sweep.csv")
-    assert [(row["growth.steps"], row["steps"]) for row in rows] == [("4", ""), ("3", "2")]
-
-
 def test_overview_takes_words_as_values_and_runs_that_are_missing(table: Table, tmp_path: Path) -> None:
     draw_sweep(tmp_path / "sweep.png", table)
     assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
     chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
     assert responses_of(table, [table.row(run) for run in table.study.runs]) == chosen
-
-
-@pytest.mark.parametrize(("name", "shown"), [
-    ("flaw.end.K_I_last", (1e-6, "MPa sqrt(m)")),
-    ("flaw.start.y", (1e3, "mm")),
-    ("path_hausdorff", (1e3, "mm")),
-    ("n_dofs", (1.0, "")),
-    ("seconds", (1.0, "s")),
-])  # fmt: skip
-def test_overview_has_units(name: str, shown: tuple[float, str]) -> None:
-    assert shown_as(name, (1e3, "mm")) == shown
-
-
-@pytest.mark.parametrize("more", ["", "responses: [n_dofs]"])
-def test_overview_of_one_parameter_and_of_no_run_that_is_done(tmp_path: Path, more: str) -> None:
-    plan = planned(tmp_path, "cracks.flaw.path.angle: [30]", more)
-    table = Table(plan, {})
-    draw_sweep(tmp_path / "sweep.png", table)
-    assert not (tmp_path / "sweep.png").exists()
-    table.ended(plan.runs[0], solve(plan.runs[0]))
-    draw_sweep(tmp_path / "sweep.png", table)
-    assert (tmp_path / "sweep.png").exists()
 
 
 def test_nothing_is_told_of_a_folder_that_is_damaged_of_another_version_or_of_another_case(tmp_path: Path) -> None:

@@ -6,16 +6,14 @@ import json
 import os
 import subprocess
 import sys
-import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.results.lock import LOCK
-from crackgrow.study.workers import TRIM, Workers, run_process
+from crackgrow.study.workers import Workers, run_process
 
 ROOT = Path(__file__).parents[3]
 FLAW = ROOT / "cases" / "compression30.yaml"
@@ -76,19 +74,3 @@ def test_runs_end_with_a_study_that_has_no_time_to_end_them(tmp_path: Path) -> N
         process = process_of(tmp_path)
         program.kill()
     until(lambda: not is_there(process))
-
-
-def test_runs_have_one_thread_and_keep_memory_from_array_to_array(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As in a run alone, also on a worker of Dask, which has a threshold of its own."""
-    given: list[dict[str, str]] = []
-    popen = subprocess.Popen
-
-    def started(words: list[str], env: dict[str, str], **more: object) -> object:
-        given.append(env)
-        return popen(words, env=env, **more)  # type: ignore[call-overload]
-
-    monkeypatch.setenv(TRIM, "65536")
-    monkeypatch.setattr(subprocess, "Popen", started)
-    assert run_process(("--version",), None, None) == run_process(("--version",), None, None, threading.Event()) == ""
-    assert [env.get(TRIM) for env in given] == [None, "65536"]
-    assert {env[name] for env in given for name in THREAD_SETTINGS} == {"1"}

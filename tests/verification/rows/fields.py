@@ -80,7 +80,7 @@ def _patches() -> Iterator[Row]:
 
 
 SPACINGS = (6.0, 4.0, 3.0, 2.0)  # mm; from 1.5 mm on, the hole with 360 sides shows: 7e-6
-HOLE, SHEAR_MODULUS, KOLOSOV = 10.0, 4000.0, 2.0  # mm, MPa, 3 - 4 nu
+HOLE, YOUNG, POISSON = 10.0, 1e4, 0.25  # mm, MPa
 PLATE = f"""{HEAD}
 bodies:
   rock:
@@ -90,14 +90,14 @@ supports:
 """
 
 
-def kirsch() -> tuple[str, str]:
-    """Formulas of u_x and u_y (mm) under a tension of 1 MPa along x, hole free of tractions."""
-    r_sq = "(x**2+y**2)"
+def kirsch(poisson: float, plane: str) -> tuple[str, str]:
+    """Formulas of u_x and u_y (mm) under a tension of 1 MPa along x, hole free of tractions (Kirsch 1898)."""
+    kolosov = 3.0 - 4.0 * poisson if plane == "strain" else (3.0 - poisson) / (1.0 + poisson)
+    r_sq, a_sq, factor = "(x**2+y**2)", HOLE**2, (1.0 + poisson) / (2.0 * YOUNG)
     cos, sin = f"((x**2-y**2)/{r_sq})", f"(2*x*y/{r_sq})"  # of the double angle
-    a_sq, k = HOLE**2, KOLOSOV
-    factor = 1.0 / (4.0 * SHEAR_MODULUS)
-    radial = f"({factor}*({(k - 1) / 2}+{cos}+{a_sq}/{r_sq}*(1+{1 + k}*{cos})-{a_sq**2}/{r_sq}**2*{cos}))"  # over r
-    around = f"({-factor}*(1+{(k - 1) * a_sq}/{r_sq}+{a_sq**2}/{r_sq}**2)*{sin})"
+    hole, far = f"{a_sq}/{r_sq}", f"{a_sq**2}/{r_sq}**2"
+    radial = f"({factor}*({(kolosov - 1) / 2}+{cos}+{hole}*(1+{1 + kolosov}*{cos})-{far}*{cos}))"  # over r
+    around = f"({-factor}*(1+{kolosov - 1}*{hole}+{far})*{sin})"
     return f"{radial}*x-{around}*y", f"{radial}*y+{around}*x"
 
 
@@ -107,12 +107,12 @@ def samples() -> tuple[Floats, Floats]:
     points = np.random.default_rng(1).uniform(-0.03, 0.03, (20000, 2))
     points = points[np.hypot(*points.T) > 1e-3 * HOLE]
     x, y = 1e3 * points.T
-    return points, 1e-3 * np.stack([eval(formula, {"x": x, "y": y}) for formula in kirsch()], axis=1)
+    return points, 1e-3 * np.stack([eval(formula, {"x": x, "y": y}) for formula in kirsch(POISSON, "strain")], axis=1)
 
 
 def hole_error(spacing: float, support: float) -> float:
     """Relative L2 error of the displacement of the plate, displacements of its outline prescribed."""
-    x, y = kirsch()
+    x, y = kirsch(POISSON, "strain")
     line = '  - {{on: {{body: rock, edge: {}}}, displacement: {{x: "{}", y: "{}"}}}}\n'
     text = PLATE + "".join(line.format(edge, x, y) for edge in ("left", "right", "bottom", "top"))
     found = solved_text(text, f"numerics.spacing={spacing}", f"numerics.support={support}")

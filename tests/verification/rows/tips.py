@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cache, partial
 from typing import Any
 
@@ -130,18 +130,6 @@ def _open() -> Iterator[Row]:
             )
             yield Row(name, "K of an open crack", value, 0.0, "brazilian_disk_N.csv: Atkinson and others 1982", 3e-3)
     yield Row("open crack of 2 mm", "opening and slip of an open crack", opening_error, 0.0, INFINITE, 1e-2)
-    for name in ("disk, along the load", "disk, 15 degrees off"):
-        yield Row(
-            f"brazilian_disk, {name}", "K of an open crack", partial(known_error, name), 0.0, "series, arcs", 3e-3
-        )
-
-
-def known_error(name: str) -> float:
-    """Error of K of a scene of the table of targets as it is shipped."""
-    known = SCENES[name]()
-    assert known.truth is not None
-    (K, *_) = known.truth.values()
-    return off(solve_case(case_of(known.case)).result, K)
 
 
 # Closed cracks.
@@ -297,16 +285,6 @@ def of_two_sizes() -> float:
     return float((np.hypot(*(found - exact).T) / np.hypot(*exact.T)).max())
 
 
-def in_two_pieces() -> float:
-    """Largest relative difference of K_I of a crack that is given in two pieces from that of the whole one."""
-    whole = {"whole": ([[-6.0, 0.0], [6.0, 0.0]], "both")}
-    pieces = {"left": ([[-6.0, 0.0], [1.3, 0.0]], "start"), "right": ([[1.3, 0.0], [6.0, 0.0]], "end")}
-    law = {"friction": 0, "cohesion": 0}
-    one, two = (K_of(next(grow(case_of({**cracks((0.0, 10.0), lines, law), "numerics": {"accuracy": "standard"}}))))
-                for lines in (whole, pieces))  # fmt: skip
-    return float(np.abs(two[:, 0] / one[:, 0] - 1.0).max())
-
-
 def fifty_flaws(share: float) -> float:
     """The error of K that a share of the tips does not exceed, over the largest K of all."""
     truth = SCENES["fifty flaws"]().truth
@@ -332,30 +310,8 @@ def collinear() -> float:
     return float(np.abs(found / (MPA * np.array([outer, inner, inner, outer])) - 1.0).max())
 
 
-def spread(wing: Sequence[tuple[float, float]], spacing: float) -> float:
-    """By how much K varies over the discs of the integral, relative; the flaw has wings of lengths (mm) at degrees."""
-    points = [5.0 * np.array([np.cos(np.pi / 6), np.sin(np.pi / 6)])]
-    for length, angle in wing:
-        points.append(points[-1] + length * np.array([np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))]))
-    path = [p.tolist() for p in (*[-p for p in points[::-1]], *points)]
-    tip = solved("compression30", f"cracks.flaw.path={{points: {path}}}", f"numerics.spacing={spacing}").solution.tips[
-        1
-    ]
-    return float(max(tip.intensity.K_I_spread, tip.intensity.K_II_spread) / np.hypot(*tip.K))
-
-
 def _many() -> Iterator[Row]:
     for name in ("young wings", "grown wings"):
-        for functions in ("patch", "gathered"):
-            settings = (
-                f"numerics.tip_functions={functions}",
-                "numerics.spacing=3",
-                "numerics.refine={tips: 3, kinks: 5}",
-            )
-            value = partial(with_wings, name, *settings)
-            yield Row(
-                f"compression30, {name}, cells by hand, {functions}", "K of wings", value, 0.0, "grown_K.csv", 2e-3
-            )
         for accuracy, tolerance in (("draft", 0.03), ("standard", 5e-3), ("fine", 2e-3)):
             value = partial(with_wings, name, AUTOMATIC, f"numerics.accuracy={accuracy}")
             yield Row(f"compression30, {name}, {accuracy}", "K of wings", value, 0.0, "grown_K.csv", tolerance)
@@ -371,19 +327,10 @@ def _many() -> Iterator[Row]:
             )
             yield Row(name, "K of a small crack", value, 0.0, INFINITE, 1e-3)
     yield Row("1 um beside 2 mm", "K of a small crack", of_two_sizes, 0.0, "singular integral equations", 5e-3)
-    yield Row("a crack in two pieces", "K of many cracks", in_two_pieces, 0.0, "the whole one", 1e-3)
     yield Row("two collinear cracks", "K of many cracks", collinear, 0.0, "Erdogan 1962", 5e-3)
     for share, tolerance in ((0.9, 0.01), (1.0, 0.02)):
         name, value = f"random_flaws, {share:.0%} of the tips", partial(fifty_flaws, share)
         yield Row(name, "K of many cracks", value, 0.0, "random_flaws_K.csv", tolerance, slow=True)
-    for words, wing in (
-        ("one increment", [(2.0, 100.0)]),
-        ("half a spacing", [(0.75, 100.0)]),
-        ("two increments", [(2.0, 95.0), (2.0, 100.0)]),
-    ):
-        for spacing, tolerance in ((1.5, 5e-3), (0.5, 1e-2)):  # discs of 2.6 to 3.75 mm, and of 0.9 to 1.25 mm
-            value = partial(spread, wing, spacing)
-            yield Row(f"wings of {words}, {spacing} mm", "spread of K over discs", value, 0.0, "itself", tolerance)
 
 
 # Beside corners and ends of held parts, where stress has no limit either.
