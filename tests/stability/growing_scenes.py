@@ -105,52 +105,6 @@ def growing_scene(seed: int) -> Scene:
     return {**scene, "numerics": numerics, "output": {"frames": "none", "figures": False, "report": False}}
 
 
-def odd_scene(seed: int) -> Scene:
-    """A case document of what nobody would draw: cracks and loads anywhere in a polygon that may not be convex."""
-    rng = np.random.default_rng([seed, 15])
-    frame, n = _frame(rng, 1.0, 1.0), int(rng.integers(3, 8))
-    angles = 2.0 * np.pi / n * (0.4 * rng.random(n) + np.arange(n))
-    radii = 0.5 * frame.size * rng.uniform(0.5, 1.0, n)
-    corners = radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    shape, polygon = {"polygon": corners.tolist()}, Polygon(corners)
-    if rng.random() < 0.3:
-        polygon = with_hole(rng, shape, polygon, frame.size)
-    manner = Manner(int(rng.integers(1, 4)), 4.0, 3, (0.4, 0.2, 0.2, 0.2))
-    cracks = random_cracks(rng, polygon, frame.spacing, manner)
-    held, loaded = (on(str(edge)) for edge in rng.permutation(n)[:2])
-    stretch = frame.level / frame.young * frame.size * rng.uniform(-1.0, 1.0)
-    supports = [{"on": held, "displacement": {"x": 0, "y": 0}}, {"on": loaded, "displacement": {"y": float(stretch)}}]
-    loads: list[Scene] = [
-        {"on": loaded, "traction": (frame.level * rng.uniform(-0.5, 0.5, 2)).tolist()},
-        {"body": "rock", "stress": (frame.level * rng.uniform((-1.5, -1.5, -0.5), (0.0, 0.0, 0.5))).tolist()},
-        {"body": "rock", "gravity": frame.weight(float(rng.random())), "held": bool(rng.random() < 0.5)},
-        *({"crack": name, "pressure": float(0.2 * frame.level)} for name in cracks if rng.random() < 0.3),
-    ]
-    stiffness: str | float = "rigid" if rng.random() < 0.6 else float(10.0 ** rng.uniform(0.0, 4.0))
-    few = stiffness != "rigid" and sum(map(len, cracks.values())) <= 4  # a segment has 50 Gauss points
-    contact = {"stiffness": stiffness, "discretization": "gauss" if few else "mortar"}
-    scene: Scene = {
-        "title": f"odd scene {seed}",
-        "plane": str(rng.choice(["strain", "stress"])),
-        "bodies": {"rock": {"shape": shape, "material": {"young": frame.young, "poisson": 0.3, "density": DENSITY}}},
-        "cracks": {name: {"path": {"points": p.tolist()}, "contact": _law(frame)} for name, p in cracks.items()},
-        "supports": supports[: 1 + int(rng.random() < 0.3)],
-        "loads": [load for load in loads if rng.random() < 0.8],
-        "numerics": {
-            "spacing": 1.5 * frame.spacing,
-            "support": float(rng.choice([1.5, 2.0, 2.5])),
-            "contact": {**contact, "solver": str(rng.choice(["newton", "lemke"]))},
-        },
-        "output": {"frames": "none", "figures": False, "report": False},
-    }
-    for crack in scene["cracks"].values():
-        law = crack["contact"]
-        if law != "none" and rng.random() < 0.5:
-            law["dilation_angle"] = float(0.5 * np.rad2deg(np.arctan(law.get("residual_friction", law["friction"]))))
-    set_tips(rng, scene, polygon, frame.size)
-    return scene
-
-
 def _frame(rng: Rng, in_metres: float, in_pascals: float) -> Frame:
     size, young = float(10.0 ** rng.uniform(-1.5, 1.0)), float(10.0 ** rng.uniform(9.0, 11.0))
     level = young * float(10.0 ** rng.uniform(-4.0, -2.7))

@@ -13,11 +13,9 @@ from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.geometry.tolerance import ON_LINE
 from tests.stability.growing_scenes import Scene, text_of
-from tests.stability.judge.verdict import judged
 from tests.stability.judge.written import WrittenRun, run_case
 
 HELD = {"body": "rock", "edge": "2"}
-WIDE = [[-7.5, 23.0], [-14.0, 30.0], [-30.0, 30.0], [-33.0, 20.0], [-21.0, 10.0]]
 TRIANGLE = [[4.0, -10.0], [-6.0, -9.0], [-0.6, -20.0]]
 
 
@@ -35,41 +33,6 @@ def run(folder: Path, corners: list, material: dict, cracks: Scene, load: dict, 
     }
     (folder / "scene.yaml").write_text(text_of(document), encoding="utf-8")
     return run_case(folder / "scene.yaml", folder / "out")
-
-
-@pytest.mark.parametrize("solver", ["newton", "lemke"])
-@pytest.mark.parametrize(
-    ("corners", "material", "path", "law", "load", "spacing"),
-    [
-        (
-            WIDE,
-            {"young": 1e6, "poisson": 0.2},
-            [[-24.0, 25.0], [-20.0, 20.0]],
-            {"friction": 0.6, "cohesion": 20.0, "dilation_angle": 30.0},
-            {"body": "rock", "stress": [-1.0, -7.0, -2.0]},
-            4.0,
-        ),
-        (
-            TRIANGLE,
-            {"young": 4e4, "poisson": 0.0},
-            [[2.0, -10.0], [3.0, -10.0]],
-            {"friction": 0.8, "cohesion": 1.0, "dilation_angle": 30.0},
-            {"on": {"body": "rock", "edge": "0"}, "traction": [5.0, -6.0]},
-            1.0,
-        ),
-    ],
-    ids=["in-situ stress", "traction"],
-)
-def test_faces_that_stick_do_not_open_by_dilation(
-    tmp_path: Path, corners: list, material: dict, path: list, law: dict, load: dict, spacing: float, solver: str
-) -> None:
-    """A repetition that put the opening of one solve into the next one never came to rest here."""
-    cracks = {"flaw": {"path": {"points": path}, "contact": law}}
-    found = run(tmp_path, corners, material, cracks, load, {"spacing": spacing, "contact": {"solver": solver}})
-    assert set(found.tables["contact"]["state"]) == {"stick"}
-    court = judged(found)
-    assert court.judged["average gap under pressure"] == 1
-    assert [d for d in court.departures if not d.told and d.kind != "open under pressure"] == []
 
 
 @pytest.mark.parametrize("traction", [[5.0, -6.0], [0.0, 1.0]], ids=["oblique", "along y"])

@@ -6,22 +6,18 @@ from pathlib import Path
 
 import pytest
 
-from tests.stability.growing_scenes import Scene, growing_scene, odd_scene, text_of
+from tests.stability.growing_scenes import Scene, growing_scene, text_of
 from tests.stability.judge.court import Court
 from tests.stability.judge.verdict import judged
 from tests.stability.judge.written import WrittenRun, run_case
 
 GROWING = (1, 16, 10, 31, 4)
 """Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base, of pieces that lie anywhere."""
-ODD = (0, 2, 4, 5, 7, 9, 11, 12, 13, 14, 16, 19)
-"""Seeds: faces stick, slip both ways and open, some dilate, some are elastic, with mortar nodes and Gauss points."""
 MANY = 400
 
 NO_EXCUSE = ("energy balance", "dissipation falls", "released energy below zero", "reactions", "moment")
 """In scenes that are no limit states the run may not even have to tell of these."""
 
-POINTWISE = ("overlap", "open under pressure")
-"""Where odd cracks meet, jumps at points are off: the law holds for their averages."""
 DONE = ("completed", "arrested", "broke_through")
 
 
@@ -50,20 +46,11 @@ def test_nothing_is_wrong_without_a_word(runs: dict[int, WrittenRun]) -> None:
     assert sum(len(run.tables["steps"]) for run in runs.values()) > 12
 
 
-@pytest.mark.parametrize("seed", ODD)
-def test_nothing_is_wrong_in_odd_scenes(tmp_path: Path, seed: int) -> None:
-    run = run_scene(tmp_path, str(seed), odd_scene(seed))
-    assert run.exit_code == 0, run.errors
-    assert not [words for words in silent(judged(run), NO_EXCUSE) if not words.startswith(POINTWISE)]
-
-
 @pytest.mark.slow
 def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
     n_solved = 0
     for seed in range(MANY):
         found = judged(run_scene(tmp_path, f"growing{seed}", growing_scene(seed)))
         assert not silent(found), f"growing {seed}"
-        odd = judged(run_scene(tmp_path, f"odd{seed}", odd_scene(seed)))
-        assert not [words for words in silent(odd) if not words.startswith(POINTWISE)], f"odd {seed}"
-        n_solved += (found.run.exit_code == 0) + (odd.run.exit_code == 0)
-    assert n_solved > 0.7 * 2 * MANY
+        n_solved += found.run.exit_code == 0
+    assert n_solved > 0.7 * MANY

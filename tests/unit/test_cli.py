@@ -310,6 +310,7 @@ def test_what_a_command_prints_is_not_lost_without_a_word(command: list[str]) ->
     assert done.stderr == "crackgrow: cannot write standard output: No space left on device\n"
 
 
+@pytest.mark.physics
 def test_nothing_is_loaded_that_posix_alone_has(tmp_path: Path) -> None:
     code = (
         "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource')); from crackgrow.cli import main; "

@@ -77,6 +77,7 @@ def loads_none(heavy: Sequence[str], code: str) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
+@pytest.mark.physics
 def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
     """With frames, figures and report, as it writes them by default."""
     heavy = ["pyvista", "vtkmodules", "pandas", "matplotlib.pyplot", "dask"]

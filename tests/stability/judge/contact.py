@@ -88,21 +88,12 @@ def _given(run: WrittenRun, points: pd.DataFrame, name: str) -> np.ndarray:
 
 def _averages(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
     """The law itself: nowhere overlap, and under pressure no gap but what dilation opens."""
-    gap, slip = _given_way_less(court.run, points)
+    gap, slip = points["mean_opening"].to_numpy(), points["mean_slip"].to_numpy()
     court.check("average overlap", float((-gap).max()) / largest, ON_AVERAGE, step, name)
     closed = points["state"].to_numpy() != "open"
     if closed.any():
         risen = (gap - np.abs(slip) * np.tan(np.deg2rad(law["dilation_angle"])))[closed]
         court.check("average gap under pressure", float(np.abs(risen).max()) / largest, ON_AVERAGE, step, name)
-
-
-def _given_way_less(run: WrittenRun, points: pd.DataFrame) -> tuple[np.ndarray, np.ndarray]:
-    """Average gap and slip (n,) m, less those by which elastic contact gives way."""
-    stiffness = run.case["numerics"]["contact"]["stiffness"]
-    compliance = 0.0 if stiffness == "rigid" else run.spacing / (stiffness * run.softest)
-    gap, slip = points["mean_opening"].to_numpy(), points["mean_slip"].to_numpy()
-    normal, shear = (points[f"{which}_traction"].to_numpy() for which in ("normal", "tangential"))
-    return gap - compliance * normal, slip - compliance * shear
 
 
 def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
@@ -111,8 +102,6 @@ def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: 
     At a kink two contact points meet: the jump there is at the end of what both stand for, and tells of neither.
     """
     opening, slip = points["opening"].to_numpy(), points["slip"].to_numpy()
-    if court.run.case["numerics"]["contact"]["stiffness"] != "rigid":
-        return
     limit = BETWEEN if name in court.run.case["cracks"] else AT_CORNERS
     court.check("overlap", float((-opening).max()) / largest, limit, step, name)
     at_kink = points["s"].round(12).duplicated(keep=False).to_numpy()
@@ -134,9 +123,9 @@ def _sense(
 ) -> None:
     """Shear acts with the slip of the last increment, where the files tell it; `sizes` of traction and jump."""
     run, (size, largest) = court.run, sizes
-    change = _given_way_less(run, points)[1]
+    change = points["mean_slip"].to_numpy()
     if run.growth is None and len(before):
-        change = change - _given_way_less(run, before[before["crack"] == name])[1]
+        change = change - before[before["crack"] == name]["mean_slip"].to_numpy()
     elif not _from_rest(run):
         return
     shear, slips = points["tangential_traction"].to_numpy(), points["state"].to_numpy() == "slip"

@@ -5,14 +5,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 
-from crackgrow.arrays import Floats
 from crackgrow.case import dump_case, load_case
-from crackgrow.case.accuracy import REFINED_AT, TARGETS, Kind, cells_along
+from crackgrow.case.accuracy import REFINED_AT, TARGETS, cells_along
 from crackgrow.case.dump import written
-from crackgrow.case.sizing import Length, automatic_spacing, feature_lengths
+from crackgrow.case.sizing import Length, automatic_spacing
 from crackgrow.plan.text import overview
 from tests.unit.case.scenes import COMPRESSION, MATERIAL, compression, fault, load
 
@@ -118,71 +116,6 @@ def test_cells_by_hand(settings: list[str], measured: bool, refine: tuple[object
 
 
 # --- lengths of a scene ----------------------------------------------------------------------------------------------
-
-BOX = [[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]]
-L_SHAPE = [[0.0, 0.0], [12.0, 0.0], [12.0, 2.0], [2.0, 2.0], [2.0, 12.0], [0.0, 12.0]]
-V_NOTCHED = [[-10.0, -10.0], [10.0, -10.0], [10.0, 10.0], [-10.0, 10.0], [-10.0, 1.0], [-8.0, 0.0], [-10.0, -1.0]]
-
-
-def circle(n: int, radius: float = 2.0, x: float = 0.0, scatter: float = 0.0) -> Floats:
-    """A hole (n, 2) round (x, 0), which lies on the right of its outline; `scatter` makes radii and angles uneven."""
-    rng = np.random.default_rng(7)
-    angles = np.linspace(0.0, -2.0 * np.pi, n, endpoint=False)
-    if scatter:
-        angles = -np.sort(rng.uniform(0.0, 2.0 * np.pi, n))
-    radii = radius * (1.0 + scatter * rng.uniform(-1.0, 1.0, n))
-    return np.column_stack([x + radii * np.cos(angles), radii * np.sin(angles)])
-
-
-def shortest(kind: Kind, *rings: Any) -> float:
-    """The shortest length of a kind that a body with these rings has, inf if none."""
-    lengths = feature_lengths("rock", [np.asarray(ring, dtype=float) for ring in rings])
-    return min((length.metres for length in lengths if length.kind == kind), default=np.inf)
-
-
-def turned(points: Any, angle: float) -> Floats:
-    cos, sin = np.cos(angle), np.sin(angle)
-    return np.asarray(points) @ np.array([[cos, sin], [-sin, cos]])
-
-
-def divided(points: Any, parts: int) -> Floats:
-    """A ring with every side in so many parts."""
-    ring = np.asarray(points)
-    return np.concatenate(
-        [np.linspace(a, b, parts, endpoint=False) for a, b in zip(ring, np.roll(ring, -1, axis=0), strict=True)]
-    )
-
-
-SLOT = [[-6.0, -0.1], [-6.0, 0.1], [6.0, 0.1], [6.0, -0.1]]
-HALF_CIRCLE = np.linspace(np.pi / 2, -np.pi / 2, 60)
-NOTCHED = [*BOX, *np.column_stack([-20.0 + 1.5 * np.cos(HALF_CIRCLE), 1.5 * np.sin(HALF_CIRCLE)])]
-SIDE = np.linspace(20.0, -20.0, 2000)
-ROUGH_SIDE = 20.0 + 0.1 * np.random.default_rng(1).uniform(-1.0, 1.0, len(SIDE))
-
-
-@pytest.mark.parametrize(
-    ("rings", "length", "within"),
-    [
-        # a round hole counts by its diameter however many sides it has
-        *(((BOX, circle(n)), 4.0, 0.08) for n in (8, 12, 36, 360, 2000)),
-        ((BOX, circle(500, scatter=0.004)), 4.0, 0.02),  # uneven and rough sides are no short lengths
-        (([*BOX[:2], *np.column_stack([SIDE, ROUGH_SIDE])],), np.inf, 0.0),
-        ((BOX, SLOT), 0.2, 1e-6),  # by its width
-        ((NOTCHED,), 3.0, 0.1),  # by its diameter
-        ((V_NOTCHED,), np.hypot(2.0, 1.0), 0.1),  # by its sides; convex corners do not count
-        ((BOX,), np.inf, 0.0),
-    ],
-)
-def test_the_shortest_feature(rings: tuple[Any, ...], length: float, within: float):
-    assert shortest("feature", *rings) == pytest.approx(length, rel=within)
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.5, np.pi / 2])
-@pytest.mark.parametrize("parts", [1, 30])
-def test_bridges_of_rock_do_not_depend_on_direction_or_straight_corners(angle: float, parts: int):
-    assert shortest("bridge", turned(divided(L_SHAPE, parts), angle)) == pytest.approx(2.0)
-    assert shortest("bridge", BOX, circle(360, x=-2.5), circle(360, x=2.5)) == pytest.approx(1.0, rel=1e-3)
-    assert shortest("bridge", BOX, circle(360, x=17.5)) == pytest.approx(0.5, rel=1e-3)
 
 
 def pressed(width: float, holes: list[Any], loads: list[Any]) -> dict[str, Any]:

@@ -141,6 +141,7 @@ def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Pa
     assert yaml.safe_load(dump_case(case)) == written(case)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("name", NAMES)
 def test_every_shipped_case_reads_back_also_from_a_writer_of_yaml_1_1(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

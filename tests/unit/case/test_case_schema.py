@@ -1,9 +1,8 @@
-"""What tells people of the format: the JSON Schema, other names of keys, and the shipped scenes that show every key."""
+"""What tells people of the format: the JSON Schema, other names of keys, and what is meant."""
 
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -169,67 +168,3 @@ def test_what_is_a_load_here_is_said_with_an_example_that_loads(tmp_path: Path, 
     example = yaml.safe_load(message.split("`")[-2].replace("NAME", "flaw"))
     scene["bodies"]["rock"]["material"]["density"] = "2600 kg/m^3"
     assert load(tmp_path, {**scene, **example}).loads
-
-
-# --- shipped scenes --------------------------------------------------------------------------------------------------
-
-ROW = re.compile(r"^\| `(\S+)` \| .*? \| (.*?) \| [^|]*\|$", re.MULTILINE)
-LEFT_OUT = {"cracks.NAME.path.layer": "of a GeoPackage alone, which is no text"}
-"""Keys that no scene has, and why."""
-
-TUTORIAL = sorted(CASES.glob("[0-9][0-9]_*.yaml"))
-
-
-def reference() -> dict[str, str]:
-    """What each key of KEYS.md takes, by its whole name."""
-    found: dict[str, str] = {}
-    for section in (CASES / "KEYS.md").read_text(encoding="utf-8").split("\n## ")[1:]:
-        head = section.split("`")[1]
-        found.update({head + key if key.startswith(".") else key: takes for key, takes in ROW.findall(section)})
-    return found
-
-
-def keys_in(value: Any, before: str = "") -> Iterator[str]:
-    """The dotted names of all keys below a value."""
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for name, inner in items:
-        yield f"{before}{name}"
-        yield from keys_in(inner, f"{before}{name}.")
-
-
-def keys_in_text(text: str) -> set[str]:
-    """The keys of a case, those that it sets on its base as if they stood in it."""
-    case = read_yaml12(text)
-    names = [
-        *keys_in(case),
-        *(f"{key}.{name}" for key, value in case.get("set", {}).items() for name in keys_in(value)),
-    ]
-    whole = [*names, *case.get("set", {})]
-    return {".".join(parts[: end + 1]) for parts in (name.split(".") for name in whole) for end in range(len(parts))}
-
-
-def stands(key: str, takes: dict[str, str], used: set[str]) -> bool:
-    """Whether a key is used where the reference has it, or where another key takes the same mapping."""
-    places = [key]
-    for other, text in takes.items():
-        if (like := re.search(r"with the keys of ([\w.]+\w)", text)) and key.startswith(f"{like[1]}."):
-            by_name = ".NAME.NAME" if other.endswith("contact_by") else ""
-            places.append(other + by_name + key.removeprefix(like[1]))
-    patterns = (re.escape(place).replace("NAME", r"[^.]+").replace(r"\.N\.", r"\.\d+\.") for place in places)
-    return any(re.fullmatch(pattern, name) for pattern in patterns for name in used)
-
-
-def test_every_key_of_the_reference_stands_in_a_shipped_scene():
-    takes = reference()
-    assert len(takes) > 150
-    used = set().union(*(keys_in_text(file.read_text(encoding="utf-8")) for file in CASES.glob("*.yaml")))
-    assert {key for key in takes if not stands(key, takes, used)} == set(LEFT_OUT)
-    used = set().union(*(keys_in_text(file.read_text(encoding="utf-8")) for file in TUTORIAL))
-    assert not stands("laws.NAME.barton.jrc", takes, used)
-
-
-def test_the_page_on_maps_shows_the_shipped_case():
-    (shown,) = re.findall(r"^```yaml\n(.*?)^```$", (CASES / "MAPS.md").read_text(), flags=re.MULTILINE | re.DOTALL)
-    whole = yaml.safe_load((CASES / "joint_map.yaml").read_text())
-    for key, value in yaml.safe_load(shown).items():
-        assert value == whole[key]

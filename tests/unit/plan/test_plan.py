@@ -143,6 +143,7 @@ UNTOLD = {
 """What makes runs longer, and is not told of."""
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
 def test_what_is_told_of_a_shipped_case_is_within_a_factor_of_two_of_what_it_took(name: str) -> None:
     lines = (CASES.parent / "tests" / "benchmarks" / "cost.md").read_text(encoding="utf-8").splitlines()

@@ -68,6 +68,7 @@ def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
     assert (tmp_path / "scene.svg").read_text(encoding="utf-8").count("<path") > 20
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("name", "settings", "mark", "least", "most"), [
     ("compression30", ["numerics.spacing=3"], "#b2182b", 1, 999),  # arrows of loads
     ("compression30", ["numerics.spacing=3", "loads=[]", HELD], "#b2182b", 0, 0),

@@ -21,6 +21,8 @@ from crackgrow.results.vtk_frames import write_frame
 from tests.report_runs import make_run
 from tests.unit.results.synthetic import make_frame
 
+pytestmark = pytest.mark.physics
+
 WITH_FIELDS = [to for to in FORMATS if to not in ("inp", *PATHS)]  # Abaqus' format has none
 NAMES = ("stress_xx", "stress_yy", "stress_zz", "stress_xy", "sigma_1", "sigma_3")
 

@@ -87,6 +87,7 @@ def white_rim(path: Path) -> bool:
     return all(bool((side == 1.0).all()) for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("size", "stretch"), [(1.0, (1.0, 1.0)), (1.234567e-5, (40.0, 40.0)), (1e12, (8.0, 1.0)), (1.0, (1.0, 8.0))]
 )

@@ -20,6 +20,8 @@ from crackgrow.results.folder import FolderError, RunFolder, open_run
 from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_frame, make_result
 
+pytestmark = pytest.mark.physics
+
 NAME = "compression30"
 TABLES = ("steps", "tips", "contact", "reactions", "events", "paths", "history")
 SETTINGS = ["numerics.spacing=3", "growth.steps=2", "output.frames=every_step",
@@ -33,7 +35,6 @@ def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[crackgrow.Run, RunFo
     return crackgrow.run_case(shipped_case(NAME, SETTINGS), folder), open_run(folder)
 
 
-@pytest.mark.physics
 def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[crackgrow.Run, RunFolder]) -> None:
     folder = both[1].folder
     assert cli.main(["render", str(folder), "--size", "200x200"]) == 0

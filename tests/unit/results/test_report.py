@@ -166,6 +166,7 @@ def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> Non
     np.testing.assert_allclose(start["y"], numbers(of_tip, "criticality"), rtol=ROUNDING)
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("case", "settings", "title", "x", "y"), [
     ("compression30", ["loading=critical"], "Load curve", "load_displacement", "load_factor"),
     ("edge_tension", SLOWLY, "Growth in time", "time", "crack_length"),

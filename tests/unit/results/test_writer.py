@@ -112,6 +112,7 @@ def test_events_are_in_the_table_the_log_and_the_summary_as_they_come(tmp_path: 
         assert {name: str(value) for name, value in record.items() if name != "words"} == row
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("factors", "curve"), [([1.0], False), ([1.0, 1.0, 1.0], False), ([1.0, 0.8, 0.9], True)])
 def test_figures_are_those_that_show_something(tmp_path: Path, factors: list[float], curve: bool) -> None:
     """Curves where load factor and stress change, with the peak in the summary; one picture twice in one step."""
@@ -134,6 +135,7 @@ def test_frames_policy(tmp_path: Path, policy: str, n_steps: int, kept: list[int
     assert listed == [kept, kept] if kept else listed == []
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("n_steps", "more"), [
     (2, {"figures/path.png", "figures/sigma_1_first.png", "figures/sigma_1_last.png", "figures/contact.png",
          "figures/stress_strain.png"}),

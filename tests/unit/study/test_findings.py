@@ -15,6 +15,8 @@ from crackgrow.study.runs import Table, Values
 from crackgrow.study.trade import COLUMNS, convergence_csv, trade_record, trade_text
 from crackgrow.study.trade_plan import plan_trade
 
+pytestmark = pytest.mark.physics
+
 CASES = Path(__file__).parents[3] / "cases"
 HALF = "half increment"
 THREE = ("draft", "standard", "fine")

@@ -55,6 +55,7 @@ def test_rows_tell_what_their_files_tell(table: Table) -> None:
     assert row["n_dofs"] == int(rows_of(run.folder / "steps.csv")[-1]["n_dofs"])
 
 
+@pytest.mark.physics
 def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -> None:
     plan = planned(tmp_path, "numerics.spacing: [5, 4]", "reference: {numerics.spacing: 2}", "growth.steps: 1")
     table = Table(plan, {})

@@ -58,6 +58,7 @@ def test_memory_is_bounded(tmp_path: Path) -> None:
     assert "KiB of data are allowed" in run_process(command(tmp_path), 200_000_000, None)
 
 
+@pytest.mark.physics
 def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
     with Workers(1).there() as submit:
         future, waiting = submit(command(tmp_path, *LONG)), submit(("--version",))
@@ -67,6 +68,7 @@ def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
     assert not is_there(process)
 
 
+@pytest.mark.physics
 @pytest.mark.skipif(sys.platform != "linux", reason="elsewhere they go on to their own end")
 def test_runs_end_with_a_study_that_has_no_time_to_end_them(tmp_path: Path) -> None:
     code = f"from crackgrow.study.workers import run_process; run_process({command(tmp_path, *LONG)}, None, None)"

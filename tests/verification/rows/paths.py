@@ -287,25 +287,19 @@ HALF, WIDTH, PULL, V_MAX = 0.02, 0.8, 1.5, 0.01  # m, m, MPa, m/s
 SLOW = {"direction": "explicit", "law": "subcritical"}
 
 
-def slow(
-    cracks: dict[str, Any], loads: list[dict[str, Any]], exponent: int, increment: float, n: int, levels: int = 3
-) -> list[StepResult]:
-    """The steps of cracks that grow slowly."""
-    law = {**SLOW, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}, "steps": n, "increment": increment}
-    numerics = {"spacing": 20, "refine": {"tips": levels}}
-    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": [1]}, **law)))
-
-
-def open_crack(x: float, length: float) -> dict[str, Any]:
-    """A crack along x (mm)."""
-    return {"path": {"center": [x, 0], "length": length, "angle": 0}, "contact": "none"}
+def slow(exponent: int, increment: float) -> list[StepResult]:
+    """The steps of a crack that grows slowly to twice its length in increments (mm)."""
+    law = {**SLOW, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}, "increment": increment}
+    cracks = {"flaw": {"path": {"center": [0, 0], "length": 40, "angle": 0}, "contact": "none"}}
+    loads, numerics = [{"far_field": [0, PULL, 0]}], {"spacing": 20, "refine": {"tips": 3}}
+    steps = round(20 / increment)
+    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": [1]}, steps=steps, **law)))
 
 
 @cache
 def error_of_time(exponent: int, increment: float) -> float:
     """What the time is off by, relative, in which the crack has come to twice its length in increments (mm)."""
-    n = round(20 / increment)
-    steps = slow({"flaw": open_crack(0, 40)}, [{"far_field": [0, PULL, 0]}], exponent, increment, n)
+    steps = slow(exponent, increment)
 
     def intensity(a: float) -> float:
         return float(PULL * np.sqrt(np.pi * a / np.cos(np.pi * a / WIDTH)))
@@ -323,45 +317,12 @@ def fall_of_time_error(exponent: int) -> float:
     return abs(error[0] - error[1]) / abs(error[1] - error[2])
 
 
-@cache
-def too_far(increment: float) -> float:
-    """By what part of its growth the shorter of two cracks is ahead, when the longer one has come to twice its length.
-
-    With n = 5 both obey a^(-3/2) = a_0^(-3/2) - C t, with one C, but for what they know of each other and the edges.
-    """
-    cracks, loads = {"long": open_crack(-150, 40), "short": open_crack(150, 36)}, [{"far_field": [0, PULL, 0]}]
-    last = slow(cracks, loads, 5, increment, round(20 / increment))[-1]
-    half = {str(each.name): 0.5 * float(np.hypot(*np.diff(each.points, axis=0).T).sum()) for each in last.cracks}
-    assert abs(half["long"] / (2.0 * HALF) - 1.0) < 0.01
-    exact = (half["long"] ** -1.5 - HALF**-1.5 + 0.018**-1.5) ** (-1.0 / 1.5)
-    return float((half["short"] - exact) / (exact - 0.018))
-
-
-def fall_of_too_far() -> float:
-    """The same over that of twice the increment."""
-    return abs(too_far(2.5) / too_far(5.0))
-
-
-def least_advance_of_time() -> float:
-    """The shortest step (s) where the fastest tip slows while another one waits."""
-    cracks = {"wedged": open_crack(-150, 10), "slow": open_crack(150, 40)}
-    loads = [{"crack": "wedged", "pressure": "20*exp(-((x+150)/2)**2)"}, {"crack": "slow", "pressure": 2.08}]
-    return float(np.diff([step.time for step in slow(cracks, loads, 20, 5, 4, 4)]).min())
-
-
 def _times() -> Iterator[Row]:
     for exponent in (2, 10):
         name, value = f"exponent {exponent}", partial(error_of_time, exponent, 2.5)
         yield Row(name, "time of growth", value, 0.0, "Feddersen", 0.01)
         value = partial(fall_of_time_error, exponent)
         yield Row(name, "fall of the error of time", value, 3.0, "order of two", 0.0, "at least")
-    source = "the velocity of each"
-    yield Row("a slower crack", "growth too far", partial(too_far, 2.5), 0.0, source, 0.01)
-    name = "growth too far, over that of twice the increment"
-    yield Row("a slower crack", name, fall_of_too_far, 0.35, "order of two", 0.0, "at most")
-    yield Row(
-        "a tip that waits", "least step of time [s]", least_advance_of_time, 1e-9, "time goes on", 0.0, "at least"
-    )
 
 
 ROWS = [*_wings(), *_others(), *_times()]
