@@ -172,22 +172,23 @@ def _add_defects(
     add("outside", np.array([[2.0, 2.0], [2.5, 2.0]]) * half, "J1")
 
 
-def case_text(map_: JointMap, **changes: str) -> str:
-    """A case with the map in the folder of the case; `changes` replace lines by their first word."""
+def case_text(map_: JointMap) -> str:
+    """A case with the map in the folder of the case."""
     x, y = map_.origin
-    lines = {
-        "title": "a map of joints",
-        "units": f"{{length: m, stress: MPa, origin: [{x:.0f}, {y:.0f}]}}",
-        "plane": "strain",
-        "laws": "{rough: {friction: 0.7, cohesion: 0}, smooth: {friction: 0.4, cohesion: 0}}",
-        "bodies": "{rock: {shape: {file: outline.geojson}, material: {young: 60 GPa, poisson: 0.25}}}",
-        "cracks": f"{{joints: {{path: {{file: joints.geojson, tolerance: {map_.tolerance}}}, contact: rough, "
-        "contact_by: {set: {J2: smooth}}}}",
-        "supports": "minimal",
-        "numerics": "{accuracy: draft}",
-        **changes,
-    }
-    return "".join(f"{key}: {value}\n" for key, value in lines.items())
+    return f"""
+title: a map of joints
+units: {{length: m, stress: MPa, origin: [{x:.0f}, {y:.0f}]}}
+plane: strain
+laws: {{rough: {{friction: 0.7, cohesion: 0}}, smooth: {{friction: 0.4, cohesion: 0}}}}
+bodies: {{rock: {{shape: {{file: outline.geojson}}, material: {{young: 60 GPa, poisson: 0.25}}}}}}
+cracks:
+  joints:
+    path: {{file: joints.geojson, tolerance: {map_.tolerance}}}
+    contact: rough
+    contact_by: {{set: {{J2: smooth}}}}
+supports: minimal
+numerics: {{accuracy: draft}}
+"""
 
 
 if __name__ == "__main__":

@@ -122,30 +122,6 @@ def test_fluid_pressure_opens_a_crack_as_tension_does() -> None:
     assert max(abs(K) for tip in closed.tips for K in tip.K) < 1e-3 * blown.tips[0].K[0]
 
 
-DISK = """
-title: A disk under pressure
-plane: stress
-bodies:
-  disk: {shape: {disk: {center: [1, 2], radius: 3}}, material: {young: 1000, poisson: 0.25}}
-supports:
-  - {at: [1, 2], displacement: {x: 0, y: 0}}
-  - {at: [2, 2], displacement: {y: 0}}
-loads: []
-numerics: {spacing: 0.5}
-"""
-
-
-def test_traction_on_an_arc_has_its_resultant() -> None:
-    on_arc = "loads=[{on: {body: disk, edge: arc, from: -10.5, to: 20.25}, traction: [2, -1]}]"
-    solution = solve(DISK, on_arc)
-    chord = 2.0 * 3.0 * np.sin(np.deg2rad(0.5))
-    before = 3.0 * np.cos(np.deg2rad(0.5)) * np.tan(np.deg2rad(0.25))  # 20.25 is as far from the middle of its side
-    length = 31 * chord - before
-    np.testing.assert_allclose(total_load(solution.state), [2.0 * length, -length], rtol=1e-7)
-    forces = {item.where: np.array(item.force) for item in reactions(solution.state)}
-    np.testing.assert_allclose(sum(forces.values()), [-2.0 * length, length], rtol=1e-8)
-
-
 SLANTED = """
 title: Two blocks with a slanted joint
 plane: strain

@@ -20,7 +20,6 @@ from crackgrow import cli
 from crackgrow.case.model import Case
 from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
 from crackgrow.results import writer
-from crackgrow.results.atomic import OutputError
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.unit.results.synthetic import make_case, make_end, make_result
@@ -197,21 +196,6 @@ def test_a_second_interrupt_ends_what_a_library_is_doing(tmp_path: Path) -> None
         assert process.wait(timeout=60) == 130
         assert process.stderr.read() == ""
     assert summary(tmp_path / "outputs" / "block_rigid")["status"] == "running"  # as that of a run that was killed
-
-
-def test_report_that_fails_does_not_hide_why_a_run_broke_off(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def fails(self: writer.RunWriter) -> None:
-        raise IndexError("in the report")
-
-    monkeypatch.setattr(writer.RunWriter, "_write_report", fails)
-    for first, code in ((OutputError("no space"), 3), (SolveError("singular"), 3), (KeyboardInterrupt(), 130)):
-        monkeypatch.setattr(crackgrow, "grow", breaking(first))
-        assert cli.main(["run", "block.yaml"]) == code
-        second, told = capsys.readouterr().err.splitlines()
-        assert second == "crackgrow: internal error: IndexError: in the report"
-        assert told.startswith(f"crackgrow: {first or 'interrupted'}")
 
 
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(

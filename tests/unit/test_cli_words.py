@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import inspect
 import json
 import shlex
 import subprocess
-from importlib import import_module
 from pathlib import Path
 
 import pytest
 from jsonschema import Draft7Validator
 
 from crackgrow import cli, grow, load_case
-from crackgrow.cli.command_line import command_line, commands_of, declared, groups
+from crackgrow.cli.command_line import declared, groups
 from crackgrow.cli.start import SCHEMA_FILE, template_text
 from crackgrow.cli.tools import completion_script
 from tests.yaml12 import read_yaml12
@@ -87,16 +85,6 @@ def test_help_lists_commands_by_group_and_has_examples(capsys: pytest.CaptureFix
         with pytest.raises(SystemExit):
             cli.main([name, "--help"])
         assert "examples:" in capsys.readouterr().out, name
-
-
-def test_every_command_is_a_function_of_the_arguments_that_are_declared() -> None:
-    parsers = commands_of(command_line()).choices
-    for group, of_group in groups().items():
-        for name in of_group:
-            given = {action.dest for action in parsers[name]._actions} - {"help"}
-            more = {"again"} if "resume" in given else set()
-            function = getattr(import_module(f"crackgrow.cli.{group}"), f"do_{name}")
-            inspect.signature(function).bind(**dict.fromkeys(given | more))
 
 
 def explained(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:

@@ -6,8 +6,6 @@ stress there did, and when all of that is released the rest is what it would be 
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -15,13 +13,10 @@ from crackgrow.accuracy.companion import BOUND
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.cover.elements import locate
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import STICK, StepResult
-from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
 from tests.verification.solutions import case_of
@@ -306,27 +301,11 @@ def test_forces_balance_while_benches_go_with_what_holds_them() -> None:
     assert max(result.energy.error for result in results) < 1e-6
 
 
-SQUARE = {"disk: {center: [0, 0], radius: 2}": "rectangle: {center: [0, 0], width: 4, height: 4}"}
 SLIPPERY = "cracks: {a: {path: {points: [[3, 1], [5.5, 2.2]]}, contact: {friction: 0, cohesion: 0}}}"
 JUDGED = (
     "growth={criterion: max_hoop_stress, advance: all, steps: 0, increment: 0.5}",
     "bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}",
 )
-
-
-@pytest.mark.parametrize("accuracy", ["draft", "0.1"])
-def test_a_crack_that_starts_after_stages_is_as_one_that_was_given(accuracy: str) -> None:
-    """Its cells are those of all rock, though some is gone."""
-    law = "contact: {friction: 0.1, cohesion: 0}"
-    paths = {"a": "[[3, 1], [5.5, 2.2]]", "b": "[[-3, 1], [-5, 2]]"}
-    cracks = "\n  ".join(["cracks:", *(f"{name}: {{path: {{points: {path}}}, {law}}}" for name, path in paths.items())])
-    growth = (JUDGED[0].replace("steps: 0", "steps: 1"), JUDGED[1])
-    case = tunnel(ONE_STAGE, *growth, SPACING=f"1, accuracy: {accuracy}", CRACKS=cracks, **SQUARE)
-    both = tuple(map(GrowingCrack.given, case.cracks))
-    started = replace(both[1], steps=np.ones(2, dtype=np.int64))
-    alone = make_scene(replace(case, cracks=case.cracks[:1]))
-    known = [tip.K for tip in load(make_scene(case), both).tips]
-    assert [tip.K for tip in load(alone, (both[0], started)).tips] == known
 
 
 def aimed(accuracy: float | str, loading: str = ONE_STAGE, *settings: str) -> Case:

@@ -15,7 +15,7 @@ import shapely
 from crackgrow import cli
 from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError
-from tests.joint_maps import SHIPPED, JointMap, case_text, joint_map
+from tests.joint_maps import SHIPPED, case_text, joint_map
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import CASES, rectangle, text_of, with_body
 
@@ -106,17 +106,13 @@ def test_without_the_extra_it_is_named(tmp_path: Path, monkeypatch: pytest.Monke
 # --- whole maps ------------------------------------------------------------------------------------------------------
 
 
-def case_of(map_: JointMap, folder: Path) -> Case:
-    (map_.write(folder) / "scene.yaml").write_text(case_text(map_))
-    return load_case(folder / "scene.yaml")
-
-
 @pytest.mark.physics
 @pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(12)), *((200, k) for k in range(3)), (700, 0)])
 def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """No tip is left within the tolerance of anything, and none of the joints that are well drawn is lost."""
     map_ = joint_map(n, seed)
-    case = case_of(map_, tmp_path)
+    (map_.write(tmp_path) / "scene.yaml").write_text(case_text(map_))
+    case = load_case(tmp_path / "scene.yaml")
     lines = [shapely.LineString(crack.points) for crack in case.cracks]
     rims = [shapely.LinearRing(ring.points) for ring in case.bodies[0].rings]
     tree = shapely.STRtree([*lines, *rims])
@@ -147,33 +143,6 @@ def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, 
         told = capsys.readouterr().out
         assert "these were moved: " in told
         assert "was left out of cracks, " in told
-
-
-@pytest.mark.slow
-def test_fifty_joints_grow(tmp_path: Path):
-    """Pulled apart, so that most faces open: slip along connected joints takes contact long."""
-    map_ = joint_map(50, 1)
-    case_of(map_, tmp_path)
-    held = [f"{{on: {{edge: {k}}}, displacement: {{x: 0, y: 0}}}}" for k in range(len(map_.outline))]
-    rock = "{young: 60 GPa, poisson: 0.25}, strength: {tension: 5 MPa, cohesion: 20 MPa, friction_angle: 40, "
-    text = case_text(
-        map_,
-        bodies=f"{{rock: {{shape: {{file: outline.geojson}}, material: {rock}toughness: 1 MPa sqrt(m)}}}}}}",
-        supports=f"[{', '.join(held)}]",
-        loads="[{stress: [10, 10, 0]}]",
-        loading="critical",
-        growth="{steps: 2, increment: 0.3, criterion: max_hoop_stress, direction: explicit, advance: most_critical}",
-        output="{frames: none, figures: false, report: false}",
-    )
-    (tmp_path / "grows.yaml").write_text(text)
-    assert cli.main(["run", str(tmp_path / "grows.yaml"), "--out", str(tmp_path / "out"), "--quiet"]) == 0
-    rows = np.genfromtxt(tmp_path / "out" / "paths.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
-    assert set(rows["step"].tolist()) == {0, 1, 2}
-    grown = rows[rows["step"] > 0]
-    ends = np.column_stack([grown["x"], grown["y"]])
-    assert all(shapely.Polygon(map_.outline).covers(shapely.Point(end)) for end in ends)
-    given = shapely.MultiLineString([points for points, _ in map_.traces])
-    assert all(given.distance(shapely.Point(end)) < 2.0 * 0.3 + 0.5 for end in ends)  # two increments, what was moved
 
 
 @pytest.mark.physics
