@@ -1,6 +1,9 @@
 """Run the commands of all READMEs, in their order, in a copy of the checkout. Exit code 1: one of them fails.
 
 python -m tests.readme.run [--only FILE ...]
+
+An indented block holds shell commands, one a line, or longer with a backslash at the end. A fenced block says what it
+is: `sh` the same, `console` commands after `$ ` with what they print below, `python` a program; other words are text.
 """
 
 from __future__ import annotations
@@ -16,9 +19,8 @@ import tempfile
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
 from pathlib import Path
-
-from tests.readme.commands import Command, commands
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -48,6 +50,14 @@ COPIED = (
 )  # fmt: skip
 TIMEOUT = 1800  # s
 SHOWN_LINES = 30  # of a command that fails, its last ones
+BLOCK = re.compile(r"^```(\w*)\n(.*?)^```$|(?<=\n\n)((?:    [^\n]*\n)+)", re.MULTILINE | re.DOTALL)
+"""A fenced block, its language first, or an indented one."""
+
+SHELL = {"sh": re.compile(r"(?:.*\\\n)*.+"), "console": re.compile(r"(?<=^\$ ).*(?:\n(?!\$ ).+)*", re.MULTILINE)}
+"""A command in such a block: its lines, and for `console` what it prints."""
+
+TEXTS = ("bibtex", "yaml", "text")
+COMMENT = re.compile(r"\s+# .*$")
 NUMBER = re.compile(r"-?\d+(\.\d+)?(e[+-]?\d+)?")
 
 
@@ -74,6 +84,38 @@ def main(argv: Sequence[str] | None = None) -> int:
             failed, n_run = failed + bool(fault), n_run + 1
     print(f"{n_run - failed} passed, {failed} failed")
     return 1 if failed else 0
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """A command of a README."""
+
+    text: str
+    place: str
+    language: str  # sh | python
+    prints: tuple[str, ...] = ()  # lines that the README shows of its output
+
+
+def commands(text: str, file: str) -> Iterator[Command]:
+    """All commands of a README, in order; raises ValueError for a block that is none of those above."""
+    for block in BLOCK.finditer(text):
+        fenced = block[3] is None
+        language, inner = (block[1], block[2]) if fenced else ("sh", block[3])
+        first = text[: block.start(2 if fenced else 3)].count("\n") + 1
+        if language == "python":
+            yield Command(inner.rstrip("\n"), f"{file}:{first}", language)
+        elif language in SHELL:
+            for found in SHELL[language].finditer(inner):
+                place = f"{file}:{first + inner[: found.start()].count(chr(10))}"
+                command, *prints = found[0].splitlines() if language == "console" else [joined(found[0])]
+                yield Command(command, place, "sh", tuple(prints))
+        elif language not in TEXTS:
+            raise ValueError(f"{file}:{first}: a block of {language!r}: wanted is sh, console, python, {TEXTS}")
+
+
+def joined(lines: str) -> str:
+    """A command that goes on over several lines as one, without comments."""
+    return "".join(COMMENT.sub("", line.strip()).removesuffix("\\") for line in lines.splitlines())
 
 
 def all_commands(files: Sequence[str] = READMES) -> list[Command]:

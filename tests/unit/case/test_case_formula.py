@@ -49,6 +49,9 @@ def test_not_a_number(text: str):
         ("2500", "density", 2500.0),
         ("2.7 g/cm^3", "density", 2700.0),
         ("30 deg", "angle", 30.0),
+        ("1 mm/year", "velocity", 1e-3 / (365.25 * 86400.0)),
+        ("40 kPa sqrt(m)", "toughness", 4e4),
+        ("1 MPa sqrt(mm)", "toughness", 1e9**0.5),
     ],
 )
 def test_quantities_are_the_nearest_floats(text: str, kind: str, value: float):
