@@ -55,17 +55,6 @@ def test_compression30_is_symmetric_and_does_not_depend_on_the_spacing() -> None
     assert np.ptp(x, axis=0).max() < 0.3  # mm
 
 
-def test_most_critical_tip_in_tension_runs_out_of_the_plate_and_then_the_other_one_tears_it_apart() -> None:
-    results, end = run("tension0", "growth.advance=most_critical", "growth.steps=30")
-    assert end.status == "broke_through"
-    assert "is free to move" in end.reason
-    events = [event for result in results for event in result.events] + list(end.events)
-    assert [(event.kind, event.met) for event in events] == [("break_through", "the outline of body 'rock'")] * 2
-    assert {event.tip for event in events} == {"start", "end"}
-    assert events[1].step == results[-1].step + 1  # the last advance was not solved
-    np.testing.assert_allclose(np.abs(end.cracks[0].points[[0, -1], 0]), 15.5 * MM, rtol=1e-9)
-
-
 def written(folder: Path, *settings: str) -> Path:
     """The folder of results of the two flaws."""
     chosen = [

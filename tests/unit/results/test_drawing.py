@@ -16,7 +16,7 @@ from crackgrow.results import signs
 from crackgrow.results.drawing import draw_scene
 from crackgrow.results.places import extent
 from crackgrow.results.report.page import describe_actions
-from crackgrow.results.units import LENGTHS, STRESSES, factor_text, rounded_all, shown, unit_of
+from crackgrow.results.units import LENGTHS, STRESSES, TIMES, factor_text, rounded_all, shown, unit_of
 from tests.scenes import shipped_case
 
 Arrow = tuple[np.ndarray, np.ndarray]
@@ -85,6 +85,13 @@ def test_the_picture_shows_cracks_and_what_acts_and_nothing_else(
     assert least <= (tmp_path / "scene.svg").read_text(encoding="utf-8").count(mark) <= most
 
 
+def test_the_arrow_of_a_point_force_ends_at_its_point() -> None:
+    case = shipped_case("compression30", ["loads=[{at: [0, 27.5], force: [0 N/m, -1000 N/m]}]"])
+    ((tail, head),) = drawn(case)[0]
+    np.testing.assert_allclose(head, [0.0, 0.0275], atol=1e-15)
+    assert tail[1] > head[1]
+
+
 def test_actions_are_told_in_words() -> None:
     told = dict(describe_actions(shipped_case("compression30")))
     assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
@@ -94,6 +101,8 @@ def test_actions_are_told_in_words() -> None:
 def test_numbers_are_shown_in_the_unit_that_suits_them() -> None:
     assert unit_of([3e6, -2.5e8, float("nan")], STRESSES) == (1e6, "MPa")
     assert unit_of([1e-3], LENGTHS) == (1e-3, "mm")
+    assert unit_of([3 * 86400.0], TIMES) == (86400.0, "days")
+    assert unit_of([2 * 365.25 * 86400.0], TIMES) == (365.25 * 86400.0, "years")
     assert unit_of([], LENGTHS) == unit_of([0.0], LENGTHS) == (1e-9, "nm")
     assert rounded_all([1.23456789e6, float("inf")], 1e6) == [1.23457, None]
     assert shown(float("nan")) == "\N{EN DASH}"

@@ -90,10 +90,13 @@ def test_frames_and_pictures_of_steps_to_come_go(tmp_path: Path) -> None:
 
 
 def test_a_finished_run_goes_on_for_more_steps(copy: Path, tmp_path: Path) -> None:
+    """What the first run has spent counts."""
+    spent = json.loads((copy / "summary.json").read_text())["cpu_seconds"]
     assert run(copy, "growth.steps=3", resume=True) == 0
     assert run(tmp_path / "at once", "growth.steps=3") == 0
     assert contents(copy) == contents(tmp_path / "at once")
     summary = json.loads((copy / "summary.json").read_text())
+    assert summary["cpu_seconds"] > spent > 0.0
     assert (summary["status"], summary["steps_done"], summary["resumed_with_steps"]) == ("completed", 3, [2])
 
 
