@@ -1,4 +1,4 @@
-"""Covers with cells of several sizes, and gathered tip functions: rigid motions, the direct solver, error at a tip."""
+"""Covers with cells of several sizes, and gathered tip functions: rigid motions, error at a tip."""
 
 from __future__ import annotations
 

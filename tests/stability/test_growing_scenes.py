@@ -1,4 +1,4 @@
-"""Random scenes, judged from their files alone: what is wrong must be told by the run, and the judge must see it."""
+"""Random scenes, judged from their files alone: what is wrong must be told by the run."""
 
 from __future__ import annotations
 

@@ -15,6 +15,7 @@ import yaml
 
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.errors import CaseError, Fault
+from tests.scenes import fault_of
 
 FILE = Path(__file__).parent / "compression30.yaml"
 COMPRESSION = FILE.read_text(encoding="utf-8")
@@ -169,7 +170,7 @@ def fault(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> tuple[str, 
     """Write a scene with one fault and return its key and message."""
     path = tmp_path / "scene.yaml"
     path.write_text(text_of(scene), encoding="utf-8")
-    (only,) = faults_of(path, overrides)
+    only = fault_of(path, *overrides)
     return only.key, only.message
 
 

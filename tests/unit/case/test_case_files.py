@@ -12,10 +12,10 @@ import yaml
 
 from crackgrow.case import dump_case, load_case
 from crackgrow.case.json_schema import case_schema
-from crackgrow.errors import CaseError, Fault
+from crackgrow.errors import CaseError
 from crackgrow.study.sweep_file import read_sweep_file
 from tests.scenes import fault_of
-from tests.unit.case.scenes import CASES, FILE, faults_of, held, rectangle, text_of, with_body
+from tests.unit.case.scenes import CASES, FILE, held, rectangle, text_of, with_body
 
 COMPRESSION = FILE.read_bytes()
 
@@ -128,11 +128,6 @@ def write(folder: Path, **files: str) -> Path:
     return folder / f"{name}.yaml"
 
 
-def only(path: Path, *overrides: str) -> Fault:
-    (fault,) = faults_of(path, overrides)
-    return fault
-
-
 def test_a_base_with_settings_is_the_case_with_these_overrides(tmp_path: Path):
     text = "base: base.yaml\ntitle: other\nset: {numerics.spacing: 50 cm, 'loads.0.stress': [0, 1, 2]}"
     case = load_case(write(tmp_path, changed=text))
@@ -165,15 +160,15 @@ def test_files_are_relative_to_the_file_that_names_them(tmp_path: Path):
 def test_faults_of_bases(tmp_path: Path):
     """What is wrong in a base is told with its name; a circle of bases and an override of one are refused."""
     path = write(tmp_path, middle="base: base.yaml\nset: {plane: strian}", changed="base: middle.yaml")
-    fault = only(path)
+    fault = fault_of(path)
     assert (Path(fault.source).name, fault.line, fault.key) == ("middle.yaml", 2, "plane")
     path = write(tmp_path, one="base: two.yaml", two="base: changed.yaml", changed="base: one.yaml")
-    assert "changed.yaml -> one.yaml -> two.yaml -> changed.yaml" in only(path).message
+    assert "changed.yaml -> one.yaml -> two.yaml -> changed.yaml" in fault_of(path).message
     path = write(tmp_path, changed="base: base.yaml")
-    fault = only(path, "base=other.yaml")
+    fault = fault_of(path, "base=other.yaml")
     assert fault.key == "base"
     assert "takes no override" in fault.message
-    assert "File name too long; wanted: a case file" in only(write(tmp_path, changed=f"base: {'9' * 300}")).message
+    assert "File name too long; wanted: a case file" in fault_of(write(tmp_path, changed=f"base: {'9' * 300}")).message
 
 
 def test_the_schema_takes_a_case_with_a_base_and_no_half_case():

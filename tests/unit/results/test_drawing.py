@@ -1,4 +1,4 @@
-"""The drawing of a scene: arrows that push or pull, supports outside of the rock, numbers in units that suit them."""
+"""The drawing of a scene: arrows that push or pull, what acts and nothing else, numbers in units that suit them."""
 
 from __future__ import annotations
 

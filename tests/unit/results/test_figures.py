@@ -1,4 +1,4 @@
-"""Figures: they show something, scaled as they say, with room for all words, whatever the user's settings are."""
+"""Figures: displaced so that holes keep their shape, with room for all words, whatever the user has set."""
 
 from __future__ import annotations
 

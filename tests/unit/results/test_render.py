@@ -1,4 +1,4 @@
-"""Pictures of frames: one scale for all, displaced and open cracks, sizes, animations, and what is refused."""
+"""Pictures of frames: one scale for all, sizes, limits of colours, animations, and what is refused."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The estimated error of whole scenes beside that of a finer solution; contact and held edges by the size of cells."""
+"""The estimated error of whole scenes beside that of a finer solution; edges held in part on small cells."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The table: one row for each run whatever became of it, and the picture made of it."""
+"""The table: what rows tell of runs, held against finer ones, and the picture made of it."""
 
 from __future__ import annotations
 

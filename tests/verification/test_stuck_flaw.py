@@ -1,4 +1,4 @@
-"""Cracks that stay closed: K behind kinks settles on small cells, and what sticks everywhere does not grow."""
+"""A crack that sticks everywhere does not grow, and its K falls with the spacing."""
 
 from __future__ import annotations
 
