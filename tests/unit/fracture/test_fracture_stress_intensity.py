@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from crackgrow.case.formula import CoordinateFormula, parse_formula
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
 from crackgrow.fracture.advance import GrowingCrack
@@ -208,20 +209,27 @@ def test_a_small_disc_is_told_and_too_small_a_one_has_no_K(build) -> None:
         assert np.isnan(near.K_I) == (room < SMALLEST_RADIUS)
 
 
+VARYING = tuple(CoordinateFormula(parse_formula(text)) for text in ("y - 12", "x/2 - 15", "1.5"))
+"""Without divergence: no body force is needed."""
+
+
+@pytest.mark.parametrize("initial", [InSitu((-2.0, -5.0, 1.5)), InSitu(varying=((1.0, VARYING),))])
 @pytest.mark.parametrize(
     "points", [[(7, 8), (14, 11)], [(7, 8), (9, 9), (12, 9.5), (13, 12)]], ids=["straight", "bent"]
 )
-def test_in_situ_stress_that_the_tractions_balance_has_no_K(build, points: list[tuple[float, float]]) -> None:
-    """No displacement, a uniform stress, and on the faces its tractions by the crack's own normals."""
+def test_in_situ_stress_that_the_tractions_balance_has_no_K(
+    build, points: list[tuple[float, float]], initial: InSitu
+) -> None:
+    """No displacement, a stress, and on the faces its tractions by the crack's own normals."""
     sample = build.block((20, 20), [build.crack(points)], support=2.0)
-    material = replace(sample.material, initial=InSitu((-2.0, -5.0, 1.5)))
+    material = replace(sample.material, initial=initial)
     u = np.zeros(sample.cover.n_dofs)
 
     def traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         places = points_at(sample.cover, 0, s)
-        xx, yy, xy = material.initial.uniform
+        xx, yy, xy = initial.at(sample.lattice.to_metres(places.points)).T
         n = places.normal
-        vector = n @ np.array([[xx, xy], [xy, yy]])
+        vector = np.stack([xx * n[:, 0] + xy * n[:, 1], xy * n[:, 0] + yy * n[:, 1]], axis=1)
         return np.sum(vector * n, axis=1), vector[:, 0] * n[:, 1] - vector[:, 1] * n[:, 0]
 
     for tip in (0, 1):
