@@ -17,7 +17,7 @@ from pathlib import Path
 
 from tests.verification.row import Outcome, Row, evaluate
 
-SUBJECTS = ("tips", "faces", "fields", "limits", "paths")
+SUBJECTS = ("tips", "faces", "fields", "limits", "paths", "specimens")
 """Modules of tests.verification.rows; a solved case is kept within its subject."""
 
 COLUMNS = ("scene", "quantity", "value", "reference", "measure", "error", "tolerance", "pass", "source", "failure",

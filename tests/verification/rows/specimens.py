@@ -1,0 +1,143 @@
+"""Tensile cracks of specimens that were tested in laboratories: kinks, paths and holes that cracks meet.
+
+What was measured is as it is quoted in the literature. Sheets and beams are of acrylic glass, the shear
+beam is of concrete.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from functools import cache, partial
+
+import numpy as np
+
+from crackgrow.run.result import CrackPath
+from tests.verification.row import Row
+from tests.verification.solutions import Floats, case_of
+from tests.whole_run import whole_run
+
+INCH = 25.4  # mm
+HEAD = """
+title: a specimen
+units: {length: mm, stress: MPa}
+plane: stress
+loading: critical
+numerics: {accuracy: draft}
+"""
+PMMA = """
+    material: {young: 3000, poisson: 0.35}
+    strength: {tension: 70, cohesion: 100, friction_angle: 0, toughness: 1 MPa sqrt(m)}
+"""
+
+SLANTED = f"""{HEAD}
+bodies:
+  sheet:
+    shape: {{rectangle: {{center: [0, 0], width: 229, height: 457}}}}{PMMA}
+cracks:
+  crack: {{path: {{center: [0, 0], length: 50.8, angle: ANGLE}}, contact: none}}
+supports: minimal
+loads:
+  - {{on: {{body: sheet, edge: top}}, traction: [0, 1]}}
+  - {{on: {{body: sheet, edge: bottom}}, traction: [0, -1]}}
+growth: {{steps: 1, increment: 2, criterion: max_hoop_stress, direction: explicit}}
+"""
+KINKS = {30: 62.4, 40: 55.6, 50: 51.1, 60: 43.1, 70: 30.7, 80: 17.3}
+"""Degrees, by the angle between crack and load."""
+
+PASSING = f"""{HEAD}
+bodies:
+  sheet:
+    shape: {{rectangle: {{center: [0, 0], width: 200, height: 300}}}}{PMMA}
+cracks:
+  left: {{path: {{points: [[-100, -HALF], [-INNER, -HALF]]}}, contact: none, tips: end}}
+  right: {{path: {{points: [[100, HALF], [INNER, HALF]]}}, contact: none, tips: end}}
+supports:
+  - {{on: {{body: sheet, edge: bottom}}, displacement: {{y: -0.1}}}}
+  - {{on: {{body: sheet, edge: top}}, displacement: {{y: 0.1}}}}
+  - {{at: [0, -150], displacement: {{x: 0}}}}
+growth: {{steps: 80, increment: EACH, criterion: max_hoop_stress}}
+"""
+
+THREE_HOLES = f"""{HEAD}
+bodies:
+  beam:
+    shape:
+      rectangle: {{center: [0, 101.6], width: 508, height: 203.2}}
+      holes:
+        - disk: {{center: [-101.6, 69.85], radius: 6.35}}
+        - disk: {{center: [-101.6, 120.65], radius: 6.35}}
+        - disk: {{center: [-101.6, 171.45], radius: 6.35}}{PMMA}
+cracks:
+  notch: {{path: {{points: [[{-6 * INCH}, 0], [{-6 * INCH}, {INCH}]]}}, contact: none, tips: end}}
+supports:
+  - {{at: [-228.6, 0], displacement: {{x: 0, y: 0}}}}
+  - {{at: [228.6, 0], displacement: {{y: 0}}}}
+loads: [{{at: [0, 203.2], force: [0, -1 kN/m]}}]
+growth: {{steps: 60, increment: 6, criterion: max_hoop_stress}}
+"""
+
+SHEAR_BEAM = f"""{HEAD}
+bodies:
+  beam:
+    shape: {{rectangle: {{center: [661, 153], width: 1322, height: 306}}}}
+    material: {{young: 24800, poisson: 0.18}}
+    strength: {{tension: 3, cohesion: 100, friction_angle: 0, toughness: 1.57 MPa sqrt(m)}}
+cracks:
+  notch: {{path: {{points: [[661, 0], [661, 82]]}}, contact: none, tips: end}}
+supports:
+  - {{at: [600, 0], displacement: {{x: 0, y: 0}}}}
+  - {{at: [1119, 0], displacement: {{y: 0}}}}
+loads:
+  - {{at: [203, 306], force: [0, -0.13 kN/mm]}}
+  - {{at: [722, 306], force: [0, -1 kN/mm]}}
+growth: {{steps: 60, increment: 10, criterion: max_hoop_stress}}
+"""
+
+
+@cache
+def grown(text: str, **words: float) -> tuple[CrackPath, ...]:
+    """The cracks at the end of a run."""
+    return whole_run(case_of(text, **words))[1].cracks
+
+
+def kink(angle: int) -> float:
+    """Degrees by which the end of a crack at an angle to the load turns."""
+    old, new = np.diff(grown(SLANTED, ANGLE=90 - angle)[0].points[-3:], axis=0)
+    return float(abs(np.rad2deg(np.arctan2(old[0] * new[1] - old[1] * new[0], old @ new))))
+
+
+def slenderness(half: float, inner: float, each: float) -> float:
+    """Distance of the tips of cracks that pass each other over the width across it of what lies between them."""
+    left, right = (crack.points for crack in grown(PASSING, HALF=half, INNER=inner, EACH=each))
+    along, points = left[-1] - right[-1], np.concatenate([left, right])
+    between: Floats = points[(points[:, 0] > right[-1, 0]) & (points[:, 0] < left[-1, 0])]
+    return float(along @ along / np.ptp(between @ np.array([-along[1], along[0]])))
+
+
+def from_middle_hole() -> float:
+    """Distance (mm) of the end of the crack from the rim of the middle hole."""
+    return float(abs(np.hypot(*(1e3 * grown(THREE_HOLES)[0].points[-1] - [-101.6, 120.65])) - 6.35))
+
+
+def beyond_the_force() -> float:
+    """By how much (mm) beyond the larger force the crack leaves the beam at its top."""
+    x, y = 1e3 * grown(SHEAR_BEAM)[0].points[-1]
+    assert y > 305.9
+    return float(x - 722.0)
+
+
+def _rows() -> Iterator[Row]:
+    for angle, measured in KINKS.items():
+        name = f"slanted crack, {angle} degrees to the load"
+        yield Row(name, "kink [degrees]", partial(kink, angle), measured, "Erdogan, Sih 1963", 3.0, "absolute")
+    for half, inner, each in ((2.5, 30.0, 1.0), (5.0, 40.0, 2.0)):
+        name, value = f"passing cracks, {2 * half:g} mm apart", partial(slenderness, half, inner, each)
+        source = "Fender, Lechenault, Daniels 2010"
+        yield Row(name, "length over width of the lens", value, 2.0, source, 0.15, "absolute", slow=True)
+    source = "Ingraffea, Grigoriu 1990"
+    yield Row("beam with three holes", "end from the middle hole [mm]", from_middle_hole, 0.0, source, 1e-3)
+    source = "Arrea, Ingraffea 1982"
+    yield Row("four-point shear beam", "end beyond the force [mm]", beyond_the_force, 0.0, source, 0.0, "at least")
+
+
+ROWS = [*_rows()]
