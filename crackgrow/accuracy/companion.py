@@ -16,7 +16,7 @@ lies (`unresolved_shear`).
 Targets are of the estimate, as is usual where cells follow from errors: a target on the bound is met by errors of a
 fifth of it in the median, for three times the unknowns where cracks are many. Cells are refined for a target at the
 features of what is off, or everywhere where that leaves too much. K of a crack is also off by what cells miss at
-features of others close by: such neighbours are refined together.
+features of others close by, whose own K then mostly is, too: such neighbours are refined together in a second round.
 """
 
 from __future__ import annotations
@@ -225,7 +225,7 @@ def refined(
     unknown = math.isinf(errors.estimate(goal))
     stuck = not unknown and before is not None and errors.estimate(goal) > STUCK * before.estimate(goal)
     levels = [grading.level(crack) for crack in range(len(cracks))]
-    for crack, share in enumerate((_shares(errors, goal, cracks) / target).tolist()):
+    for crack, share in enumerate((_shares(errors, goal, cracks, before is not None) / target).tolist()):
         if share > 1.0 or unknown:
             levels[crack] += 1 if stuck or unknown else math.ceil(math.log2(min(share, 2.0**MOST_AT_ONCE)))
     none = all(level == grading.level(crack) for crack, level in enumerate(levels))
@@ -235,7 +235,10 @@ def refined(
 def coarsened(errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats], changes: Changes) -> Grading:
     """The grading that the next step begins with; contact status changes at some places by now."""
     grading = errors.grading
-    levels, shares = [grading.level(crack) for crack in range(len(cracks))], _shares(errors, goal, cracks) / target
+    levels, shares = (
+        [grading.level(crack) for crack in range(len(cracks))],
+        _shares(errors, goal, cracks, widely=True) / target,
+    )
     rest_too = grading.rest > 0 and bool(2.0 * np.fmax.reduce(shares, initial=math.nan) < ROOM)
     for crack, share in enumerate((shares * 2.0**rest_too).tolist()):
         if share < ROOM:  # neither where it is not known
@@ -244,15 +247,19 @@ def coarsened(errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats
     return replace(grading, cracks=tuple(levels), rest=grading.rest - rest_too, changes=changes)
 
 
-def _shares(errors: Errors, goal: Goal, cracks: Sequence[Floats]) -> Floats:
-    """What the goal is off by (n,) of its largest value, crack by crack, each with its neighbours; nan: not known.
+def _shares(errors: Errors, goal: Goal, cracks: Sequence[Floats], widely: bool) -> Floats:
+    """What the goal is off by (n,) of its largest value, crack by crack; nan: not known.
 
-    A crack without tips has the largest of all: any K may hang on it.
+    A crack without tips has that of its neighbours. `widely` every crack has, and any K may hang on one without tips.
     """
     own = errors.estimate_by_crack(goal, len(cracks))
     tipless = np.setdiff1d(np.arange(len(cracks)), [crack for crack, _ in errors.ends])
-    own[tipless] = errors.estimate(goal) if math.isfinite(errors.estimate(goal)) else math.nan
-    found = own.copy()
     first, second = neighbours(cracks)
+    if widely:
+        own[tipless] = errors.estimate(goal) if math.isfinite(errors.estimate(goal)) else math.nan
+    else:
+        near = np.isin(first, tipless)
+        first, second = first[near], second[near]
+    found = own.copy()
     np.fmax.at(found, first, own[second])
     return found

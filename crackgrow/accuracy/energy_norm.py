@@ -14,18 +14,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import fields_at, values_at
+from crackgrow.approximation.basis import arrays_of, gathered, most_functions
+from crackgrow.approximation.mls import mls
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.quadrature.elements import ElementPoints, element_points
-from crackgrow.ragged import numbered
+from crackgrow.ragged import distinct, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity, energy_components
-from crackgrow.solid.recovery import stress_of
+from crackgrow.solid.recovery import stress_at
 
 N_MONOMIALS = 6
 """1, x, y, x^2, x y, y^2."""
@@ -35,20 +37,6 @@ RIDGE = 1e-12
 
 N_POINTS = 2
 """Gauss points per direction at which stress is sampled: with 4 the estimate differs by 3 %, at thrice the cost."""
-
-AT_ONCE = 8_000
-"""Points, and pairs of a point and a patch, taken together: more do not fit into a cache."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Samples:
-    """Pairs of a point anywhere and a patch over it; values may differ from patch to patch."""
-
-    elements: Ints  # (p,)
-    patches: Ints  # (p,)
-    distance: Floats  # (p, 2) from the node to the point, in the largest cells at the node
-    weights: Floats  # (p,) area, in squared spacings, times phi_i
-    values: Floats  # (p, 3)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -73,84 +61,108 @@ def error_estimate(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, singular: Sequence[SingularStress]
 ) -> ErrorEstimate:
     """Estimate for displacements `u` (n_dofs,) m in bodies of `materials`, in-situ stress included."""
-    n_patches, everywhere = len(cover.patches.nodes), element_points(cover, N_POINTS)
-    acting = [(part, part.patches) for part in singular]
-    some = [slice(start, start + AT_ONCE) for start in range(0, len(everywhere.points), AT_ONCE)]
-    blocks = [_sampled(cover, materials, u, everywhere, block, acting) for block in some]
-    samples, norm = [part for parts, _ in blocks for part in parts], sum(squares for _, squares in blocks)
-    parts = fit_residuals(fit(n_patches, samples), samples, cover.elements.n)
-    area = cover.lattice.spacing**2
-    return ErrorEstimate(area * parts, math.sqrt(area * norm))
-
-
-def _sampled(
-    cover: Cover,
-    materials: Sequence[PlaneElasticity],
-    u: Floats,
-    at: ElementPoints,
-    block: slice,
-    acting: Sequence[tuple[SingularStress, Bools]],
-) -> tuple[list[Samples], float]:
-    """Samples at a block of points, and the integral of their squares; singular parts act on some of the patches."""
-    points, weights, element = at.points[block], at.weights[block], at.element[block]
-    body = cover.elements.body[element]
-    gradient = fields_at(cover, u.reshape(-1, 2), points, element)[1:].transpose(1, 2, 0)
-    places = cover.lattice.to_metres(points)
-    values = energy_components(materials, stress_of(materials, gradient, body, places), body)
-    basis, patches = values_at(cover, points, element), cover.patches.of_element.taken(element)
-    point = patches.row
+    at, patches = element_points(cover, N_POINTS), cover.patches
+    body = cover.elements.body[at.element]
+    stress = energy_components(materials, stress_at(cover, materials, u, at.points, at.element), body)
+    scale = cover.lattice.support / patches.half  # of the polynomials' arguments, which are of order 1
     # no fits on crumbs, whose stress is uniform
-    phi = np.where(
-        cover.patches.in_crumb[element][point],
-        0.0,
-        np.maximum(basis.values[0, basis.functions < len(cover.patches.nodes)], 0.0),
-    )
-    less = np.zeros((len(point), 3))  # patch by patch, what is told apart there
-    for part, acts in acting:
-        sees = np.flatnonzero(acts[patches.values])
-        mine, back = numbered(point[sees], len(points))
-        if len(mine):
-            less[sees] += energy_components(materials, part.at(points[mine], element[mine]), body[mine])[back]
-    half = cover.patches.half[patches.values] / cover.lattice.support
-    distance = (points[point] - cover.patches.nodes[patches.values]) / half[:, None]
-    owner, area, own = element[point], weights[point] * phi, values[point] - less
-    some = [slice(start, start + AT_ONCE) for start in range(0, len(point), AT_ONCE)]
-    samples = [Samples(owner[at], patches.values[at], distance[at], area[at], own[at]) for at in some]
-    return samples, float(weights @ np.sum(values**2, axis=1))
+    weights = np.where(patches.in_crumb[at.element], 0.0, at.weights)
+    samples = at.points, at.element, weights, stress, *_singular_stress(cover, materials, at, singular)
+    sums = np.zeros((len(patches.nodes), N_MONOMIALS, N_MONOMIALS + 3))
+    _add_moments(arrays_of(cover), scale, samples, sums)
+    elements = np.zeros(cover.elements.n)
+    _add_squares(arrays_of(cover), scale, samples, _solved(sums), elements)
+    area = cover.lattice.spacing**2
+    return ErrorEstimate(area * elements, math.sqrt(area * float(at.weights @ np.sum(stress**2, axis=1))))
 
 
-def monomials(d: Floats) -> Floats:
-    """1, x, y, x^2, x y, y^2 (6, n) of d (n, 2)."""
-    x, y = d.T
-    return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y])
+def _singular_stress(
+    cover: Cover, materials: Sequence[PlaneElasticity], at: ElementPoints, singular: Sequence[SingularStress]
+) -> tuple[Bools, Ints, Ints, Floats]:
+    """The singular stress of the tips near by, point after point: those of point i are start[i] to start[i + 1].
+
+    Returns the patches in which each tip's is told apart (n_tips, n_patches), start (n + 1,), tips (q,), and stresses
+    (q, 3) in the components of the energy.
+    """
+    of_element = cover.patches.of_element
+    acts = np.array([tip.patches for tip in singular], dtype=bool).reshape(-1, len(cover.patches.nodes))
+    point, number, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros((0, 3))]
+    for n, tip in enumerate(singular):
+        sees = np.zeros(of_element.n, dtype=bool)
+        sees[distinct(of_element.row[acts[n][of_element.values]])] = True
+        mine = np.flatnonzero(sees[at.element])
+        element = at.element[mine]
+        stress = tip.at(at.points[mine], element)
+        point.append(mine)
+        number.append(np.full(len(mine), n))
+        values.append(energy_components(materials, stress, cover.elements.body[element]))
+    points = np.concatenate(point)
+    order = np.argsort(points, kind="stable")
+    start = starts_of(np.bincount(points, minlength=len(at.points)))
+    return acts, start, np.concatenate(number)[order], np.concatenate(values)[order]
 
 
-def fit(n_patches: int, samples: list[Samples]) -> Floats:
-    """Coefficients (n_patches, 6, 3) of the polynomials, round each patch's node."""
-    sums = np.zeros((n_patches, N_MONOMIALS, N_MONOMIALS + 3))  # of monomials times monomials, then times values
-    number = np.zeros(n_patches, dtype=np.int64)
-    for block in samples:
-        seen = np.flatnonzero(np.bincount(block.patches, minlength=n_patches))
-        number[seen] = np.arange(len(seen))
-        n, p = len(block.patches), np.ascontiguousarray(monomials(block.distance).T)
-        products = p[:, :, None] * np.column_stack([p, block.values])[:, None]  # pair by pair, as they are gathered
-        gather = csc_array((block.weights, number[block.patches], np.arange(n + 1)), shape=(len(seen), n))
-        sums[seen] += (gather @ products.reshape(n, -1)).reshape(len(seen), *sums.shape[1:])
-    return _solved(sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:])
+@kernel
+def _regular_stress(i: int, patch: int, stress: Floats, acts: Bools, start: Ints, tip: Ints, singular: Floats) -> Any:
+    """Give the stress at a point less the singular stress that is told apart in a patch."""
+    a, b, c = stress[i, 0], stress[i, 1], stress[i, 2]
+    for at in range(start[i], start[i + 1]):
+        if acts[tip[at], patch]:
+            a, b, c = a - singular[at, 0], b - singular[at, 1], c - singular[at, 2]
+    return a, b, c
 
 
-def fit_residuals(coefficients: Floats, samples: list[Samples], n_elements: int) -> Floats:
-    """The integrals of sum_i phi_i |P_i - s|^2 over each element (n_elements,), in squared spacings."""
-    found = np.zeros(n_elements)
-    by_patch = np.ascontiguousarray(coefficients.transpose(1, 2, 0))
-    for block in samples:
-        fitted = np.sum(monomials(block.distance)[:, None] * by_patch.take(block.patches, axis=2), axis=0)
-        squares = np.sum((fitted - block.values.T) ** 2, axis=0)
-        found += np.bincount(block.elements, block.weights * squares, n_elements)
-    return found
+@kernel
+def _add_moments(arrays: Any, scale: Floats, samples: Any, sums: Floats) -> None:
+    """Add integrals of phi_i, times monomials round the node, times these and the stress, to `sums` (patches, 6, 9)."""
+    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
+    points, elements, weights, stress, acts, start, tip, singular = samples
+    most, k, m = most_functions(patch_at, pair_at, carrier_at), 0, np.ones(6)
+    f, work, at, per = np.empty((3, most)), np.empty((5, most)), np.empty((2, most)), np.empty(most)
+    for i in range(len(points)):
+        e, x, y = elements[i], points[i, 0], points[i, 1]
+        if i == 0 or e != elements[i - 1]:
+            k = gathered(e, at, per, nodes, half, patch_at, patch)
+        mls(x, y, at, per, k, False, f, work)
+        for j in range(k):
+            p = patch[patch_at[e] + j]
+            weight, dx, dy = weights[i] * max(f[0, j], 0.0), (x - nodes[p, 0]) * scale[p], (y - nodes[p, 1]) * scale[p]
+            a, b, c = _regular_stress(i, p, stress, acts, start, tip, singular)
+            m[1], m[2], m[3], m[4], m[5] = dx, dy, dx * dx, dx * dy, dy * dy
+            for row in range(6):
+                part = weight * m[row]
+                for column in range(6):
+                    sums[p, row, column] += part * m[column]
+                sums[p, row, 6] += part * a
+                sums[p, row, 7] += part * b
+                sums[p, row, 8] += part * c
 
 
-def _solved(moments: Floats, right: Floats) -> Floats:
+@kernel
+def _add_squares(arrays: Any, scale: Floats, samples: Any, fits: Floats, found: Floats) -> None:
+    """Add the integrals of sum_i phi_i |P_i - s|^2 over each element to `found` (elements,), in squared spacings."""
+    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
+    points, elements, weights, stress, acts, start, tip, singular = samples
+    most, k, m = most_functions(patch_at, pair_at, carrier_at), 0, np.ones(6)
+    f, work, at, per = np.empty((3, most)), np.empty((5, most)), np.empty((2, most)), np.empty(most)
+    for i in range(len(points)):
+        e, x, y = elements[i], points[i, 0], points[i, 1]
+        if i == 0 or e != elements[i - 1]:
+            k = gathered(e, at, per, nodes, half, patch_at, patch)
+        mls(x, y, at, per, k, False, f, work)
+        for j in range(k):
+            p = patch[patch_at[e] + j]
+            dx, dy = (x - nodes[p, 0]) * scale[p], (y - nodes[p, 1]) * scale[p]
+            a, b, c = _regular_stress(i, p, stress, acts, start, tip, singular)
+            m[1], m[2], m[3], m[4], m[5] = dx, dy, dx * dx, dx * dy, dy * dy
+            for row in range(6):
+                a, b, c = a - m[row] * fits[p, row, 0], b - m[row] * fits[p, row, 1], c - m[row] * fits[p, row, 2]
+            found[e] += weights[i] * max(f[0, j], 0.0) * (a * a + b * b + c * c)
+
+
+def _solved(sums: Floats) -> Floats:
+    """Coefficients (n_patches, 6, 3) of the polynomials, round each patch's node; zero where nothing was sampled."""
+    moments, right = sums[..., :N_MONOMIALS], sums[..., N_MONOMIALS:]
     size = np.sqrt(np.einsum("nii->ni", moments))
     scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
     normal = moments * scale[:, :, None] * scale[:, None, :] + RIDGE * np.eye(N_MONOMIALS)

@@ -116,8 +116,13 @@ def apart(n: int, distance: float = 1.0) -> list[Floats]:
     return [np.array([[0.0, distance * number], [1.0, distance * number]]) for number in range(n)]
 
 
-def test_neighbours_are_refined_and_kept_with_a_crack_that_is_off() -> None:
-    assert refined(off(0.035, 0.009, 0.0), None, 0.01, "K", apart(3, 0.4), ()).cracks == (2, 2, 0)
+def test_neighbours_are_refined_in_a_second_round_and_kept_with_a_crack_that_is_off() -> None:
+    """In the first those alone that have no K to say so themselves."""
+    now, lines = off(0.035, 0.009, 0.0), apart(3, 0.4)
+    assert refined(now, None, 0.01, "K", lines, ()).cracks == (2, 0, 0)
+    assert refined(now, off(0.07, 0.0, 0.0), 0.01, "K", lines, ()).cracks == (2, 2, 0)
+    tipless = replace(now, ends=((0, True), (2, True)), K=(0.035, 0.0))
+    assert refined(tipless, None, 0.01, "K", lines, ()).cracks == (2, 2, 0)
     begun = off(0.001, 0.02, 0.001, math.nan, grading=replace(GRADING, cracks=(2, 2, 2, 2)))
     assert coarsened(begun, 0.01, "K", [*apart(3, 0.2), *apart(5)[4:]], ()).cracks == (2, 2, 2, 2)
     assert coarsened(begun, 0.01, "K", apart(4), ()).cracks == (0, 2, 0, 2)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.accuracy.energy_norm import Samples, error_estimate, fit, fit_residuals
+from crackgrow.accuracy.energy_norm import error_estimate
 from crackgrow.solid.elasticity import energy_density
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
@@ -75,18 +75,3 @@ def test_the_parts_of_the_elements_add_up_and_the_norm_is_that_of_the_stress(bui
     estimate = error_estimate(sample.cover, [sample.material], np.zeros(sample.cover.n_dofs), ())
     assert estimate.absolute == 0.0
     assert np.isnan(estimate.relative)
-
-
-def test_fits_find_quadratic_fields_and_leave_patches_without_points_alone() -> None:
-    rng = np.random.default_rng(4)
-    points, n = rng.uniform(-2.0, 2.0, (60, 2)), 60
-    nodes = np.array([[0.5, 0.0], [-1.0, 1.0], [9.0, 9.0]])  # the third has no points
-    x, y = points.T
-    values = np.stack([1.0 + x * y, y**2 - x, 3.0 * x**2 + 2.0 * y], axis=1)
-    patches, point = np.repeat([0, 1], n), np.tile(np.arange(n), 2)
-    weights, distance = rng.uniform(0.1, 1.0, 2 * n), points[point] - nodes[patches]
-    samples = Samples(np.zeros(2 * n, dtype=np.int64), patches, distance, weights, values[point])
-    coefficients = fit(3, [samples])
-    np.testing.assert_allclose(coefficients[0, 0], [1.0, -0.5, 0.75], atol=1e-8)  # the values at the node
-    assert fit_residuals(coefficients, [samples], 1)[0] < 1e-16
-    assert not coefficients[2].any()
