@@ -282,7 +282,7 @@ class LoadHistory:
     """Factors of the loads that are not held, applied in turn; friction remembers."""
 
     factors: tuple[float, ...]
-    increments: int | None = None  # of each load; None: they go from event to event
+    increments: int | Literal["events"] | None = None  # of each load, or from event to event; None: as laws need it
 
 
 @dataclass(frozen=True, slots=True, eq=False)

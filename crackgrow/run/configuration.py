@@ -140,6 +140,13 @@ class Configuration:
         sized = law.cohesion.any() or law.breakable.any() or law.bends.any()
         return not (sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
 
+    @property
+    def forgets(self) -> bool:
+        """Whether points have plain friction alone, so that slip hardly depends on the way of loads that grow."""
+        law = self.contact.law
+        lasting = (law.cohesion, law.tension, law.dilation, law.breakable, law.bends)
+        return not any(values.any() for values in lasting)
+
     def with_excavated(self, excavated: Sequence[Excavated]) -> Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
         if not excavated:

@@ -22,7 +22,7 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StepSolution, TipState
 from crackgrow.run.increments import LoadState
-from crackgrow.run.layout import cells_of, cover_of
+from crackgrow.run.layout import cells_of
 from crackgrow.run.loading import HistorySolver, NextStepSolver
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import mean_stress, reactions
@@ -78,12 +78,13 @@ def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: E
     wanted = refined(errors, before, numerics.target, numerics.goal, _lines(solution), changes)
     scene = solution.scene.with_grading(wanted)
     try:
-        if cells_of(scene, solution.cracks).equal(solution.cover.lattice.cells):
+        cells, now = cells_of(scene, solution.cracks), solution.cover.lattice.cells
+        if cells.equal(now):
             by_hand = any(isinstance(level, int) for level in (refine.tips, refine.kinks, refine.corners))
             return f"cells are as small as {'numerics.refine lets them' if by_hand else 'they can'} be"
-        n_dofs = cover_of(scene, solution.cracks, solution.cover).n_dofs
+        n_dofs = solution.cover.n_dofs * cells.n // now.n
         if n_dofs > MOST_UNKNOWNS:
-            return f"smaller cells make {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
+            return f"smaller cells make some {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
         return solver.solve(scene, solution.configuration)
     except (GeometryError, SolveError) as error:
         return f"smaller cells are not to be had: {error}"

@@ -148,7 +148,8 @@ def test_a_critical_load_needs_no_tip_where_cracks_may_start():
         (["loading={history: [0.5, 0.5, 1e-1]}"], (0.5, 0.5, 0.1), None),
         (["loading.history=[0]"], (0.0,), None),
         (["loading={}"], (1.0,), None),
-        (["loading.follow=events"], (1.0,), None),
+        (["loading.follow=events"], (1.0,), "events"),
+        (["loading.follow=auto"], (1.0,), None),
         (["loading.follow=8"], (1.0,), 8),
         # a history takes the place of a word
         (["loading=critical", "loading.history=[2, 3]", "loading.history.1=4"], (2.0, 4.0), None),
@@ -158,7 +159,7 @@ def test_a_critical_load_needs_no_tip_where_cracks_may_start():
 )
 @pytest.mark.parametrize("before", ["", "\nloading: critical\n"])
 def test_history_or_critical_load(
-    settings: list[str], factors: tuple[float, ...] | None, increments: int | None, before: str, tmp_path: Path
+    settings: list[str], factors: tuple[float, ...] | None, increments: int | str | None, before: str, tmp_path: Path
 ):
     (tmp_path / "scene.yaml").write_text(COMPRESSION + before, encoding="utf-8")
     loading = load_case(tmp_path / "scene.yaml", settings).loading

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
+from typing import Literal
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.evaluation import evaluated
-from crackgrow.run.increments import LoadState, from_state, held_loads, increment, mapped, unloaded
+from crackgrow.run.increments import INCREMENTS, LoadState, from_state, held_loads, increment, mapped, unloaded
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene, make_scene
 from tests.scenes import shipped_case
@@ -173,12 +174,12 @@ def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
     case = shipped_case(name, ["numerics.spacing=3"])
     cracks = tuple(map(GrowingCrack.given, case.cracks))
 
-    def loaded(follow: int | None) -> LoadState:
+    def loaded(follow: int | Literal["events"]) -> LoadState:
         loading = LoadHistory((1.0,), follow)
         configuration = assemble(make_scene(replace(case, loading=loading)), cracks)
         return increment(configuration, held_loads(configuration), 1.0)
 
-    events, some = loaded(None), [loaded(number) for number in (4, 8, 16)]
+    events, some = loaded("events"), [loaded(number) for number in (4, 8, 16)]
     for state in some:
         slip, known = state.outcome.points.slip, events.outcome.points.slip
         np.testing.assert_allclose(slip, known, atol=1e-9 * np.abs(known).max())
@@ -191,6 +192,29 @@ def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
         assert off[2] < 0.6 * off[1] < 0.36 * off[0] < 0.01
         assert len(events.via) > 1
     assert max(errors) < 1e-5
+
+
+@pytest.mark.parametrize(
+    ("settings", "n_increments"),
+    [
+        ((), INCREMENTS),
+        (("loading={history: [1], follow: events}",), None),
+        (("cracks.flaw.contact.cohesion=0.1",), None),
+        (("cracks.flaw.contact.dilation_angle=5",), None),
+        (("loads.2.held=false", "loads.3.held=false"), 1),
+    ],
+)
+def test_many_points_of_plain_friction_are_loaded_in_increments(
+    monkeypatch: pytest.MonkeyPatch, settings: tuple[str, ...], n_increments: int | None
+) -> None:
+    """Loads that all grow in proportion take one; laws by which results depend on the way follow events."""
+    monkeypatch.setattr(increments, "FEW_POINTS", 0)
+    _, _, configuration = ready("confined30", "numerics.spacing=3", *settings)
+    state = increment(configuration, held_loads(configuration), 1.0)
+    factors = [each.factor for each in (*state.via, state)]
+    equal = np.allclose(factors, np.linspace(0.0, 1.0, len(factors) + 1)[1:])
+    assert equal == (n_increments is not None)
+    assert n_increments in (None, len(factors))
 
 
 @pytest.fixture(scope="module")
