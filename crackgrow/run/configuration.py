@@ -133,19 +133,23 @@ class Configuration:
         return np.asarray(both @ both.T)
 
     @property
+    def sized(self) -> bool:
+        """Whether tractions or slips of a size change what contact does: else states are in proportion to all loads."""
+        law = self.contact.law
+        # what breaks is gone from the least slip on
+        return bool(law.cohesion.any() or law.breakable.any() or law.bends.any())
+
+    @property
     def proportional(self) -> bool:
         """Whether states from rest on are in proportion to the load factor: nothing else has a size."""
-        law, (a, _) = self.contact.law, self.scene.given_parts
-        # what breaks is gone from the least slip on
-        sized = law.cohesion.any() or law.breakable.any() or law.bends.any()
-        return not (sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
+        a, _ = self.scene.given_parts
+        return not (self.sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
 
     @property
     def forgets(self) -> bool:
         """Whether points have plain friction alone, so that slip hardly depends on the way of loads that grow."""
         law = self.contact.law
-        lasting = (law.cohesion, law.tension, law.dilation, law.breakable, law.bends)
-        return not any(values.any() for values in lasting)
+        return not (self.sized or law.tension.any() or law.dilation.any())
 
     def with_excavated(self, excavated: Sequence[Excavated]) -> Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""

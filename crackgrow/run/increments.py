@@ -33,7 +33,7 @@ from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import MOST_JUMPS, next_piece
+from crackgrow.run.path import MOST_JUMPS, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import along_surfaces
@@ -210,7 +210,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     if start.grown:
         return _told(_booked(_part(configuration, start, end), start), began)
     reached = list[LoadState]()
-    for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if (number := _number_of(configuration)) else ():
+    for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if (number := _number_of(configuration, start)) else ():
         reached.append(_part(configuration, at, start.level.towards(end, share)))
         at = from_state(reached[-1])
     in_turn = 0  # jumps
@@ -231,13 +231,14 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     return _told(replace(last, via=passed, notes=notes), began)
 
 
-def _number_of(configuration: Configuration) -> int:
+def _number_of(configuration: Configuration, start: Start) -> int:
     """Number of increments that a load is taken in, 0 where it goes from event to event."""
     loading = configuration.scene.case.loading
     if isinstance(loading, LoadHistory) and loading.increments is not None:
         return 0 if loading.increments == "events" else loading.increments
-    many = configuration.faces.n > FEW_POINTS and not configuration.proportional
-    return INCREMENTS if many and configuration.forgets else 0
+    if configuration.faces.n <= FEW_POINTS or starts_in_proportion(configuration, start.memory, start.level):
+        return 0
+    return INCREMENTS if configuration.forgets else 0
 
 
 def equilibrated(state: LoadState, configuration: Configuration) -> Start:

@@ -122,7 +122,7 @@ def next_piece(
     path = _LoadPath(configuration, was, *ends, before)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
     law = configuration.contact.law
-    if configuration.proportional and not configuration.shares(path.first).any() and was.at_rest:
+    if starts_in_proportion(configuration, was, path.first):
         return Piece(path.at(1.0), path.last, "straight")
     if law.weakens.any() or law.bends.any():
         start = path.at(least)
@@ -145,6 +145,11 @@ def next_piece(
     end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
     return Piece(end if event == 1.0 else path.on_branch(states, event), path.level(event), "straight")
+
+
+def starts_in_proportion(configuration: Configuration, was: ContactMemory, level: LoadLevel) -> bool:
+    """Whether nothing has happened yet, and states will be in proportion to the loads from here on."""
+    return was.at_rest and not (configuration.sized or configuration.shares(level).any())
 
 
 def _bent_piece(path: _LoadPath, start: PointStates, least: float) -> Piece | None:
