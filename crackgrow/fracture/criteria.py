@@ -77,13 +77,8 @@ class TipLoading:
 
     @property
     def K_eq(self) -> float:
-        """The K_I (Pa sqrt(m)) that alone has the largest hoop stress of K_I and K_II, which is at the kink t.
-
-        K_eq = cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t), Erdogan, Sih 1963.
-        """
-        kink = hoop_stress_kink(self.K_I, self.K_II)
-        half = np.cos(0.5 * kink)
-        return float(half * (self.K_I * half**2 - 1.5 * self.K_II * np.sin(kink)))
+        """The K_I (Pa sqrt(m)) that alone has the largest hoop stress of K_I and K_II, which is at the kink."""
+        return hoop_K(self.K_I, self.K_II, hoop_stress_kink(self.K_I, self.K_II))
 
     @property
     def none(self) -> TipLoading:
@@ -250,6 +245,15 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
     else:
         kink = 0.0
     return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
+
+
+def hoop_K(K_I: float, K_II: float, t: float) -> float:
+    """The K_I (Pa sqrt(m)) that alone has, straight ahead, the hoop stress of K_I and K_II at an angle t (rad).
+
+    cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t), Erdogan, Sih 1963.
+    """
+    half = np.cos(0.5 * t)
+    return float(half * (K_I * half**2 - 1.5 * K_II * np.sin(t)))
 
 
 CRITERIA = {

@@ -13,7 +13,7 @@ from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
-from crackgrow.run.evaluation import StepSolution, evaluated
+from crackgrow.run.evaluation import StepSolution, evaluated, with_ranges
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, from_state, held_loads, increment, mapped
 from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
@@ -45,6 +45,9 @@ class NextStepSolver:
             solution = _solved(iter([(state, origin)]))
         elif isinstance(scene.case.loading, CriticalLoad):
             solution = critically_loaded(configuration, origin.guess)
+        elif scene.case.growth is not None and scene.case.growth.fatigue is not None:
+            states = list(_through_history(configuration))
+            solution, origin = with_ranges(_solved(iter(states)), states[0][0]), FROM_REST  # steps begin unloaded
         else:
             solution = _solved(_through_history(configuration))
         return replace(solution, origin=origin)

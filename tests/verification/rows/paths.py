@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -11,11 +12,13 @@ import shapely
 from scipy.integrate import quad
 
 from crackgrow import grow, load_case
+from crackgrow.fracture.subcritical import mean_velocity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.result import StepResult
 from tests.scenes import MPA, plate, winged
 from tests.verification.row import Row
 from tests.verification.rows import limits
+from tests.verification.slit_body import plate as series
 from tests.verification.solutions import CASES, QUIET, Floats, case_of, table
 
 
@@ -292,8 +295,15 @@ def slow(
 ) -> list[StepResult]:
     """The steps of cracks that grow slowly."""
     law = {**SLOW, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}, "steps": n, "increment": increment}
+    return at_a_rate(cracks, loads, law, [1], levels)
+
+
+def at_a_rate(
+    cracks: dict[str, Any], loads: list[dict[str, Any]], law: dict[str, Any], history: list[float], levels: int = 3
+) -> list[StepResult]:
+    """The steps of cracks that grow by a law of rate under loads."""
     numerics = {"spacing": 20, "refine": {"tips": levels}}
-    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": [1]}, **law)))
+    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": history}, **law)))
 
 
 def open_crack(x: float, length: float) -> dict[str, Any]:
@@ -320,6 +330,37 @@ def error_of_time(exponent: int, increment: float) -> float:
 def fall_of_time_error(exponent: int) -> float:
     """How much less the error changes from the middle increment to the short one than from the long one to it."""
     error = [error_of_time(exponent, increment) for increment in (10.0, 5.0, 2.5)]
+    return abs(error[0] - error[1]) / abs(error[1] - error[2])
+
+
+PARIS, LEAST_LOAD = {"rate": "1e-6 mm", "at": "1 MPa sqrt(m)", "exponent": 3}, 0.2  # of the largest load
+
+
+@cache
+def cycles_over_exact(increment: float, in_increments: bool) -> float:
+    """Cycles of a central crack to twice its length over those by Paris' law with the exact K, minus 1.
+
+    That is the integral over the length, or its sum over increments (mm) along which ln(da/dN) is linear.
+    """
+    n = round(20 / increment)
+    law = {"direction": "explicit", "law": "fatigue", "fatigue": PARIS, "steps": n, "increment": increment}
+    crack, pull = {"flaw": open_crack(0, 40)}, [{"far_field": [0, PULL, 0]}]
+    steps = at_a_rate(crack, pull, law, [LEAST_LOAD, 1])
+
+    def rate(a: float) -> float:
+        return 1e-9 * ((1.0 - LEAST_LOAD) * series(a, 0.0, WIDTH, WIDTH, PULL).K_I) ** 3
+
+    half = np.array([0.5 * step.crack_length for step in steps])
+    if in_increments:
+        mean = [mean_velocity(rate(before), rate(after)) for before, after in pairwise(half.tolist())]
+        return float(steps[-1].cycles / (np.diff(half) / mean).sum() - 1.0)
+    exact, _ = quad(lambda a: 1.0 / rate(a), half[0], half[-1], epsrel=1e-6)
+    return float(steps[-1].cycles / exact - 1.0)
+
+
+def fall_of_cycles() -> float:
+    """How much less the cycles change from the middle increment to the short one than from the long one to it."""
+    error = [cycles_over_exact(increment, False) for increment in (10.0, 5.0, 2.5)]
     return abs(error[0] - error[1]) / abs(error[1] - error[2])
 
 
@@ -355,6 +396,12 @@ def _times() -> Iterator[Row]:
         yield Row(name, "time of growth", value, 0.0, "Feddersen", 0.01)
         value = partial(fall_of_time_error, exponent)
         yield Row(name, "fall of the error of time", value, 3.0, "order of two", 0.0, "at least")
+    for increment in (10, 5, 2.5):
+        name, value = f"increments of {increment} mm", partial(cycles_over_exact, increment, True)
+        yield Row(name, "cycles of growth, in increments", value, 0.0, "slit_body.py, Paris", 0.001)
+    value = partial(cycles_over_exact, 2.5, False)
+    yield Row("increments of 2.5 mm", "cycles of growth", value, 0.0, "slit_body.py, Paris", 0.005)
+    yield Row("Paris", "fall of the error of cycles", fall_of_cycles, 3.0, "order of two", 0.0, "at least")
     source = "the velocity of each"
     yield Row("a slower crack", "growth too far", partial(too_far, 2.5), 0.0, source, 0.01)
     name = "growth too far, over that of twice the increment"
