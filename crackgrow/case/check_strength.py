@@ -66,10 +66,18 @@ def _check_limits(scene: Scene, key: Path, strength: Strength) -> None:
     A toughness in shear stands for a length by the cohesion, and is for criteria that judge shear on rays.
     """
     slope, criterion = float(np.tan(np.deg2rad(strength.friction_angle))), scene.get("growth", "criterion")
-    if strength.tension * slope > strength.cohesion:
-        apex = scene.units.show(strength.cohesion / slope, "stress")
-        message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
-        scene.report.fault((*key, "tension"), message)
+    bedding = strength.bedding
+    for where, tension in ((key, strength.tension), ((*key, "bedding"), bedding.tension if bedding else None)):
+        if tension is not None and tension * slope > strength.cohesion:
+            apex = scene.units.show(strength.cohesion / slope, "stress")
+            message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most "
+            scene.report.fault((*where, "tension"), f"{message}that")
+    if bedding is not None and bedding.tension is None and bedding.toughness is None:
+        message = "gives nothing that differs along the planes; give tension, toughness or both"
+        scene.report.fault((*key, "bedding"), message)
+    if bedding is not None and bedding.toughness is not None and strength.toughness is None:
+        message = "is that of cracks along the planes; give strength.toughness, that across them, too"
+        scene.report.fault((*key, "bedding", "toughness"), message)
     if strength.shear_toughness is None:
         return
     message = ""

@@ -33,15 +33,25 @@ class Material:
     density: float | None = None  # kg/m^3
 
 
+@dataclass(frozen=True, slots=True)
+class Bedding:
+    """What a crack that runs along planes of bedding or foliation opens at."""
+
+    angle: float  # degrees, of the planes
+    tension: float | None = None  # Pa
+    toughness: float | None = None  # Pa sqrt(m)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Strength:
-    """Tension cut-off and Mohr-Coulomb shear strength."""
+    """Tension cut-off and Mohr-Coulomb shear strength; with bedding, tension and toughness are those across it."""
 
     tension: float  # Pa
     cohesion: float  # Pa
     friction_angle: float  # degrees
     toughness: float | None = None  # Pa sqrt(m)
     shear_toughness: float | None = None  # Pa sqrt(m)
+    bedding: Bedding | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)

@@ -12,6 +12,9 @@ the pressure of a fluid or of confinement in it, and would let mode I grow at se
 stays that of the average: by that of K straight increments turn to and fro beside closed faces, by 35 to 50 degrees in
 compression30. Shear goes by the average, too, since pressure on a plane holds it.
 
+Where the rock has bedding tensile strength and toughness follow the direction of a crack (`share_across`), and it goes
+where the stress over them is largest.
+
 Cracks that have started in shear go on by `shear_growth`, whatever the criterion, as long as that is met.
 """
 
@@ -42,6 +45,12 @@ UNEVEN = 1e-5
 
 LARGEST_RATIO = 1e30
 """Ratio that stands for a resistance that is used up."""
+
+KINKS = np.linspace(-LARGEST_KINK, LARGEST_KINK, 881)
+"""rad: directions in which a tip may go, a quarter of a degree apart."""
+
+Resisting = Literal["tension", "toughness"]
+"""What bedding gives a direction."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -78,7 +87,7 @@ class TipLoading:
     @property
     def K_eq(self) -> float:
         """The K_I (Pa sqrt(m)) that alone has the largest hoop stress of K_I and K_II, which is at the kink."""
-        return hoop_K(self.K_I, self.K_II, hoop_stress_kink(self.K_I, self.K_II))
+        return float(hoop_K(self.K_I, self.K_II, hoop_stress_kink(self.K_I, self.K_II)))
 
     @property
     def none(self) -> TipLoading:
@@ -128,8 +137,13 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     centre, radius = 0.5 * (s1 + s3), 0.5 * (s1 - s3)
     shear = float(_ratio(radius, limits.cohesion * np.cos(phi) - centre * np.sin(phi)))
     compression_axis = axis + 0.5 * np.pi - field.direction
-    tension = _tension(s1, loading, limits)
-    across = _forward(compression_axis)  # perpendicular to sigma_1
+    pulled, across = s1, _forward(compression_axis)  # perpendicular to sigma_1
+    if limits.bedding is not None:
+        # every axis is among the KINKS, and not at their end
+        hoop, _ = _turned(field.direction + KINKS, field.mean)
+        pulled, across = _peak(KINKS, hoop / share_across(limits, _known(loading, limits), field.direction + KINKS))
+        across = _forward(across)
+    tension = _tension(pulled, loading, limits)
     planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
     planes = [plane for plane in planes if _within(field, plane)]
     tension, shear = tension * _within(field, across), shear * bool(planes)
@@ -155,7 +169,8 @@ def directional_strength(loadings: Sequence[TipLoading], limits: Strength) -> li
     tan_phi = np.tan(np.deg2rad(limits.friction_angle))
     for some, angles, hoop, shear in _ahead_together([loading.field for loading in loadings]):
         sees[some] = True
-        peaks[:2, some] = _peaks(angles, hoop)
+        directions = np.array([loadings[number].field.direction for number in some])[:, None] + angles
+        peaks[:2, some] = _peaks(angles, hoop / share_across(limits, _known(loadings[some[0]], limits), directions))
         peaks[2:, some] = _peaks(angles, _ratio(np.abs(shear), limits.cohesion - tan_phi * hoop))
     found = []
     for number, (first, last, own) in enumerate(zip(s1.tolist(), s3.tolist(), peaks.T.tolist(), strict=True)):
@@ -212,7 +227,8 @@ def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
     across = float(np.interp(kink, angles, hoop))
     resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * across
     ratio = float(_ratio(largest, resistance))
-    return Verdict(s1, s3, "shear", ratio if across < limits.tension else 0.0, kink, ratio)
+    tension = limits.tension * float(share_across(limits, "tension", field.direction + kink))
+    return Verdict(s1, s3, "shear", ratio if across < tension else 0.0, kink, ratio)
 
 
 def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
@@ -221,15 +237,46 @@ def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
     A tip under compression alone does not grow.
     """
     s1, s3, _ = (float(v[0]) for v in principal(loading.field.mean[None]))
-    criticality = loading.K_eq / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius))
-    return Verdict(s1, s3, "tension", float(criticality), hoop_stress_kink(loading.K_I, loading.K_II))
+    K, kink = opening((loading.K_I, loading.K_II), limits, loading.field.direction)
+    return Verdict(s1, s3, "tension", float(K / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius))), kink)
+
+
+def opening(K: tuple[float, float], limits: Strength, direction: float) -> tuple[float, float]:
+    """The K_I (Pa sqrt(m)) that is as critical across bedding as K_I, K_II of a tip; the kink (rad) by which it opens.
+
+    There the hoop stress of K_I and K_II is largest; with bedding that stress over the resistance in the `direction`
+    (rad from x) of the tip and beside it.
+    """
+    if limits.bedding is None:
+        kink = hoop_stress_kink(*K)
+        return float(hoop_K(*K, kink)), kink
+    of: Resisting = "tension" if limits.toughness is None else "toughness"
+    return _peak(KINKS, hoop_K(*K, KINKS) / share_across(limits, of, direction + KINKS))
+
+
+def share_across(limits: Strength, of: Resisting, t: Floats | float) -> Floats:
+    """Tensile strength or toughness of cracks in directions t (rad from x), over that across bedding; 1 without any.
+
+    along + (across - along) sin^2 of the angle to it: Buczek, Herakovich 1985 (strength), Saouma, Ayari, Leavell 1987
+    (toughness).
+    """
+    along = None if limits.bedding is None else getattr(limits.bedding, of)
+    if limits.bedding is None or along is None:
+        return np.ones(np.shape(t))
+    share = along / getattr(limits, of)
+    return np.asarray(share + (1.0 - share) * np.sin(t - np.deg2rad(limits.bedding.angle)) ** 2)
+
+
+def _known(loading: TipLoading, limits: Strength) -> Resisting:
+    """What lets a site open: the toughness where K is known, else the tensile strength."""
+    return "tension" if limits.toughness is None or not np.isfinite(loading.K_eq) else "toughness"
 
 
 def _tension(stress: float, loading: TipLoading, limits: Strength) -> float:
-    """Tension over strength: K_eq over the toughness where both are known, else a stress (Pa) over T0."""
-    if limits.toughness is None or not np.isfinite(loading.K_eq):
+    """Tension over strength: K over the toughness where both are known, else a stress (Pa) over T0; across bedding."""
+    if limits.toughness is None or _known(loading, limits) == "tension":
         return stress / limits.tension
-    return loading.K_eq / limits.toughness
+    return opening((loading.K_I, loading.K_II), limits, loading.field.direction)[0] / limits.toughness
 
 
 def hoop_stress_kink(K_I: float, K_II: float) -> float:
@@ -247,13 +294,13 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
     return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
 
 
-def hoop_K(K_I: float, K_II: float, t: float) -> float:
+def hoop_K(K_I: float, K_II: float, t: Floats | float) -> Floats:
     """The K_I (Pa sqrt(m)) that alone has, straight ahead, the hoop stress of K_I and K_II at an angle t (rad).
 
     cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t), Erdogan, Sih 1963.
     """
     half = np.cos(0.5 * t)
-    return float(half * (K_I * half**2 - 1.5 * K_II * np.sin(t)))
+    return np.asarray(half * (K_I * half**2 - 1.5 * K_II * np.sin(t)))
 
 
 CRITERIA = {

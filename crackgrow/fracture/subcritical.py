@@ -41,7 +41,8 @@ def velocities(driving: Floats, law: Subcritical | Fatigue) -> Floats:
 
 def range_of_K(first: tuple[float, float], last: tuple[float, float], kink: float) -> float:
     """Range dK (Pa sqrt(m)) of the K that opens a tip along a kink (rad), between (K_I, K_II) at two loads."""
-    return abs(max(hoop_K(*last, kink), 0.0) - max(hoop_K(*first, kink), 0.0))
+    opens = [max(float(hoop_K(*K, kink)), 0.0) for K in (first, last)]
+    return abs(opens[1] - opens[0])
 
 
 def lengths(velocity: Floats, gathered: Floats, increment: float) -> tuple[Floats, Floats, int | None]:

@@ -108,6 +108,11 @@ def _body_line(body: model.Body, scale: float, show: Shown) -> str:
         f"tension {stress_text(body.strength.tension)}, cohesion {stress_text(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"
     )  # fmt: skip
+    if body.strength is not None and body.strength.bedding is not None:
+        bedding = body.strength.bedding
+        strength += f"; along bedding at {bedding.angle:g} deg"
+        strength += f" tension {stress_text(bedding.tension)}" if bedding.tension else ""
+        strength += f" toughness {1e-6 * bedding.toughness:g} MPa sqrt(m)" if bedding.toughness else ""
     return f"body {body.name}: {', '.join(words)}; {strength}"
 
 

@@ -8,10 +8,13 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+import pytest
 import shapely
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from crackgrow import grow, load_case
+from crackgrow.case.toughness import radius_of
 from crackgrow.fracture.subcritical import mean_velocity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.result import StepResult
@@ -283,6 +286,66 @@ def _others() -> Iterator[Row]:
     yield Row("ten cracks, the first", "distance of a path [m]", first_of_ten, 0.0, others, 3.2e-3)
 
 
+# Directions of growth in rock with bedding. Its elasticity is isotropic, and K what it is without bedding.
+
+ALONG = 0.4  # of the toughness across the planes
+
+
+def kink_in_bedding(criterion: str, angle: float, planes: float) -> float:
+    """Kink (degrees) of a crack of 40 mm in a pulled plate 20 times as wide; angles are from x, across the pull."""
+    bedding = {"angle": planes, "toughness": f"{ALONG} MPa sqrt(m)"}
+    strength = {**limits.ROCK, "tension": 50, "cohesion": 1000, "friction_angle": 30, "bedding": bedding}
+    cells, pull = {"spacing": "auto", "accuracy": "draft"}, [{"far_field": [0, 1, 0]}]
+    (step,) = grow(limits.plate(800, limits.flaw(20, angle), pull, cells, strength, criterion))
+    tip = step.tips[1]
+    assert tip.criticality == pytest.approx(1.0)
+    return tip.kink_deg
+
+
+def largest_over_toughness(criterion: str, angle: float, planes: float) -> float:
+    """The kink (degrees) at which the hoop stress of the exact K is largest over the toughness of a direction.
+
+    `directional_strength` sees its average over R, 2 / sqrt(2 pi R) times that of K, and T, which is not singular.
+    """
+    exact, t = series(HALF, angle, WIDTH, WIDTH, 1.0), np.linspace(-110.0, 110.0, 220_001)
+    half, away = np.deg2rad(0.5 * t), np.deg2rad(angle + t - planes)
+    hoop = np.cos(half) * (exact.K_I * np.cos(half) ** 2 - 1.5 * exact.K_II * np.sin(2.0 * half))
+    if criterion == "directional_strength":
+        hoop = 2.0 / np.sqrt(2.0 * np.pi * radius_of(criterion, 50.0, 1.0)) * hoop + exact.T * np.sin(2.0 * half) ** 2
+    return float(t[np.argmax(hoop / (ALONG + (1.0 - ALONG) * np.sin(away) ** 2))])
+
+
+def steady(planes: float) -> float:
+    """The angle (degrees) of a crack in a wide plate that goes straight on.
+
+    There 3/2 K_II / K_I, that is 3/2 tan(angle), is the derivative of ln(toughness), backwards.
+    """
+
+    def turns(angle: float) -> float:
+        away = angle - np.deg2rad(planes)
+        toughness = ALONG + (1.0 - ALONG) * np.sin(away) ** 2
+        return float(1.5 * np.tan(angle) + (1.0 - ALONG) * np.sin(2.0 * away) / toughness)
+
+    return float(np.rad2deg(brentq(turns, 0.0, np.deg2rad(planes))))
+
+
+def _bedding() -> Iterator[Row]:
+    for criterion, tolerance in (("max_hoop_stress", 0.1), ("directional_strength", 0.5)):
+        for angle, planes in ((0, 45), (30, -20), (30, 60), (60, 20)):
+            name, value = (
+                f"{criterion}, {angle} and {planes} degrees",
+                partial(kink_in_bedding, criterion, angle, planes),
+            )
+            exact = largest_over_toughness(criterion, angle, planes)
+            yield Row(name, "kink in bedding [degrees]", value, exact, "slit_body.py", tolerance, "absolute")
+    for planes in (30, 60):
+        name, value = (
+            f"bedding at {planes} degrees",
+            partial(kink_in_bedding, "max_hoop_stress", steady(planes), planes),
+        )
+        yield Row(name, "kink of a steady crack [degrees]", value, 0.0, "closed form", 0.5)
+
+
 # Time of subcritical growth of a crack in tension in a wide plate: the integral of da / (v_max (K / K_c)^n), with
 # K = c s sqrt(pi a) / sqrt(cos(pi a / W)) (Feddersen), where c = 1 but for the error of the first K.
 
@@ -411,4 +474,4 @@ def _times() -> Iterator[Row]:
     )
 
 
-ROWS = [*_wings(), *_others(), *_times()]
+ROWS = [*_wings(), *_others(), *_bedding(), *_times()]
