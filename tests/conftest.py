@@ -60,6 +60,7 @@ PHYSICS = (
     "unit/results/test_figures.py::test_a_run_and", "unit/results/test_figures.py::test_pictures_take", "unit/run/",
     "unit/solid/test_solid_stiffness.py::test_more_than_64",
     "unit/solid/test_solid_varying_loads.py", "unit/study/test_trade.py::test_a_setting",
+    "unit/study/test_fit.py::test_the",
     "unit/study/test_sweep_runs.py", "unit/study/test_trade.py::test_an_edge", "unit/study/test_trade.py::test_wings",
     "unit/contact/test_uniqueness.py::test_a_second_solution", "unit/contact/test_uniqueness.py::test_below_the_limit",
     "unit/test_api.py::test_events_of_a_run", "unit/test_blas.py::test_a_case_is_solved",
