@@ -103,7 +103,7 @@ def fit(
     timeout: float | None = None,
     resume: bool = False,
 ) -> Fit:
-    """Find the keys, handing each run to `show` as it ends, and write fit.csv, a row for each run, and fit.json.
+    """Find the keys, handing each run to `show` as it ends, and write fit.csv, fit.json, fit.png.
 
     The rest is as for `sweep`. Raises what `sweep` raises, and SolveError where a run has not come to its end or not as
     far as what was measured, or where that does not tell the keys apart.
@@ -113,6 +113,11 @@ def fit(
         place, residual, jacobian = least_squares_of(runs.residuals, len(plan.names))
         found = _fit_of(plan, place, residual, jacobian, len(runs.runs))
         write_text(plan.folder / "fit.json", json.dumps(asdict(found), indent=2) + "\n")
+        from crackgrow.study.pictures import draw_fit  # here: it loads matplotlib
+
+        best = next(run for run in runs.runs if run.values == _texts(plan.file, place))
+        lines = {f"the run with {run.name}": run_line(run.folder, plan.file.measured) for run in (runs.runs[0], best)}
+        draw_fit(plan.folder / "fit.png", plan.points, lines, plan.file.measured)
     return found
 
 
@@ -209,28 +214,38 @@ class _Runs:
         return Run(number, name, self.plan.folder / folder_names([name])[0], values, file, case, refusal)
 
 
-def missed(folder: Path, points: Floats, measured: Measured) -> Floats:
-    """What a run misses of measured points (n, 2): the difference of y at x, or both components to the nearest point.
-
-    Raises SolveError where the run does not go as far as these.
-    """
+def run_line(folder: Path, measured: Measured) -> Floats:
+    """What a run has in place of the measured points: its curve or its path (n, 2); raises SolveError where x falls."""
     if measured.crack is not None:
-        import shapely  # here: curves need none of it
-
-        line, places = shapely.LineString(read_paths(folder).cracks[measured.crack].points), shapely.points(points)
-        nearest = shapely.line_interpolate_point(line, shapely.line_locate_point(line, places))
-        return np.asarray((shapely.get_coordinates(nearest) - points).ravel())
+        return read_paths(folder).cracks[measured.crack].points
     assert measured.x is not None  # the file was checked
     assert measured.y is not None
     run = RunFolder(folder)
     in_steps = {measured.x, measured.y} <= set(run.table("steps").columns)
     table = run.table("steps" if in_steps or not run.has("history.csv") else "history")
-    x, y = table.numbers(measured.x), table.numbers(measured.y)
-    least, most = points[:, 0].min(), points[:, 0].max()
-    if (np.diff(x) < 0.0).any() or least < x[0] - NEAR * (most - least) or most > x[-1] + NEAR * (most - least):
-        what = f"{measured.x} of the run in {folder} goes from {x[0]:g} to {x[-1]:g}"
-        raise SolveError(f"{what}; wanted: that it rises, from {least:g} to {most:g} at least, as was measured")
-    return np.asarray(np.interp(points[:, 0], x, y) - points[:, 1])
+    line = np.stack([table.numbers(name) for name in (measured.x, measured.y)], axis=1)
+    if (np.diff(line[:, 0]) < 0.0).any():
+        raise SolveError(f"{measured.x} of the run in {folder} does not rise; measure over what does")
+    return line
+
+
+def missed(folder: Path, points: Floats, measured: Measured) -> Floats:
+    """What a run misses of measured points (n, 2): the difference of y at x, or both components to the nearest point.
+
+    Raises SolveError where the run does not go as far as these.
+    """
+    line = run_line(folder, measured)
+    if measured.crack is not None:
+        import shapely  # here: curves need none of it
+
+        path, places = shapely.LineString(line), shapely.points(points)
+        nearest = shapely.line_interpolate_point(path, shapely.line_locate_point(path, places))
+        return np.asarray((shapely.get_coordinates(nearest) - points).ravel())
+    (least, most), (first, last) = ((x.min(), x.max()) for x in (points[:, 0], line[:, 0]))
+    if least < first - NEAR * (most - least) or most > last + NEAR * (most - least):
+        what = f"{measured.x} of the run in {folder} goes from {first:g} to {last:g}"
+        raise SolveError(f"{what}, and was measured from {least:g} to {most:g}; let the run go as far")
+    return np.asarray(np.interp(points[:, 0], *line.T) - points[:, 1])
 
 
 def _measured(path: Path, measured: Measured) -> Floats:

@@ -137,6 +137,15 @@ def test_strength_opens_planes_of_bedding_under_the_tension_across_them(planes: 
     assert verdict.criticality == pytest.approx(ratio.max() / ROCK.tension, rel=1e-4)
 
 
+def test_where_K_is_not_known_the_strength_along_the_planes_decides() -> None:
+    """A start under uniaxial tension opens planes across it at their strength, and at that of the rock along it."""
+    rock = replace(ROCK, cohesion=1e6, toughness=3.0)
+    for planes, strength_there in ((0.0, 0.5), (90.0, 1.0)):
+        bedded = replace(rock, bedding=Bedding(planes, tension=0.5 * ROCK.tension))
+        verdict = by_rays(replace(uniform((0.0, 1.0, 0.0)), K_I=np.nan, K_II=np.nan), bedded)
+        assert verdict.criticality == pytest.approx(1.0 / (strength_there * ROCK.tension), rel=RAYS)
+
+
 @pytest.mark.parametrize("name", CRITERIA)
 def test_bedding_that_makes_no_difference_makes_none(name: str) -> None:
     criterion, rock = CRITERIA[name], replace(ROCK, toughness=3.0)
