@@ -28,7 +28,16 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Strength
-from crackgrow.fracture.sites import LARGEST_KINK
+from crackgrow.fracture.opening import (
+    KINKS,
+    Resisting,
+    hoop_K,
+    hoop_stress_kink,
+    opening,
+    peak_of,
+    peaks_of,
+    share_across,
+)
 from crackgrow.solid.elasticity import principal
 
 if TYPE_CHECKING:  # what reads the criteria alone needs no basis
@@ -40,17 +49,8 @@ AT_STRENGTH = 1e-9
 LEAST_RESISTANCE = 1e-30
 """Pa: a resistance below this, or negative, is used up."""
 
-UNEVEN = 1e-5
-"""rad: samples whose distances differ by more are not evenly spaced."""
-
 LARGEST_RATIO = 1e30
 """Ratio that stands for a resistance that is used up."""
-
-KINKS = np.linspace(-LARGEST_KINK, LARGEST_KINK, 881)
-"""rad: directions in which a tip may go, a quarter of a degree apart."""
-
-Resisting = Literal["tension", "toughness"]
-"""What bedding gives a direction."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -141,7 +141,7 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     if limits.bedding is not None:
         # every axis is among the KINKS, and not at their end
         hoop, _ = _turned(field.direction + KINKS, field.mean)
-        pulled, across = _peak(KINKS, hoop / share_across(limits, _known(loading, limits), field.direction + KINKS))
+        pulled, across = peak_of(KINKS, hoop / share_across(limits, _known(loading, limits), field.direction + KINKS))
         across = _forward(across)
     tension = _tension(pulled, loading, limits)
     planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
@@ -170,8 +170,8 @@ def directional_strength(loadings: Sequence[TipLoading], limits: Strength) -> li
     for some, angles, hoop, shear in _ahead_together([loading.field for loading in loadings]):
         sees[some] = True
         directions = np.array([loadings[number].field.direction for number in some])[:, None] + angles
-        peaks[:2, some] = _peaks(angles, hoop / share_across(limits, _known(loadings[some[0]], limits), directions))
-        peaks[2:, some] = _peaks(angles, _ratio(np.abs(shear), limits.cohesion - tan_phi * hoop))
+        peaks[:2, some] = peaks_of(angles, hoop / share_across(limits, _known(loadings[some[0]], limits), directions))
+        peaks[2:, some] = peaks_of(angles, _ratio(np.abs(shear), limits.cohesion - tan_phi * hoop))
     found = []
     for number, (first, last, own) in enumerate(zip(s1.tolist(), s3.tolist(), peaks.T.tolist(), strict=True)):
         pulled, kink, sliding, shear_kink = own
@@ -208,9 +208,9 @@ def shear_growth(loading: TipLoading, limits: Strength) -> Verdict:
         return Verdict(s1, s3, "shear", 0.0, 0.0)
     angles, shear = field.angles[pressed], np.abs(shear[pressed])
     ratios = _ratio(shear, limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop[pressed])
-    criticality, kink = _peak(angles, ratios)
+    criticality, kink = peak_of(angles, ratios)
     met = ratios >= 1.0
-    return Verdict(s1, s3, "shear", criticality, _peak(angles[met], shear[met])[1] if met.any() else kink)
+    return Verdict(s1, s3, "shear", criticality, peak_of(angles[met], shear[met])[1] if met.any() else kink)
 
 
 def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
@@ -223,7 +223,7 @@ def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
     angles, hoop, shear = _ahead(field)
     if not len(angles):
         return Verdict(s1, s3, "shear", 0.0, 0.0)
-    largest, kink = _peak(angles, np.abs(shear))
+    largest, kink = peak_of(angles, np.abs(shear))
     across = float(np.interp(kink, angles, hoop))
     resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * across
     ratio = float(_ratio(largest, resistance))
@@ -241,32 +241,6 @@ def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
     return Verdict(s1, s3, "tension", float(K / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius))), kink)
 
 
-def opening(K: tuple[float, float], limits: Strength, direction: float) -> tuple[float, float]:
-    """The K_I (Pa sqrt(m)) that is as critical across bedding as K_I, K_II of a tip; the kink (rad) by which it opens.
-
-    There the hoop stress of K_I and K_II is largest; with bedding that stress over the resistance in the `direction`
-    (rad from x) of the tip and beside it.
-    """
-    if limits.bedding is None:
-        kink = hoop_stress_kink(*K)
-        return float(hoop_K(*K, kink)), kink
-    of: Resisting = "tension" if limits.toughness is None else "toughness"
-    return _peak(KINKS, hoop_K(*K, KINKS) / share_across(limits, of, direction + KINKS))
-
-
-def share_across(limits: Strength, of: Resisting, t: Floats | float) -> Floats:
-    """Tensile strength or toughness of cracks in directions t (rad from x), over that across bedding; 1 without any.
-
-    along + (across - along) sin^2 of the angle to it: Buczek, Herakovich 1985 (strength), Saouma, Ayari, Leavell 1987
-    (toughness).
-    """
-    along = None if limits.bedding is None else getattr(limits.bedding, of)
-    if limits.bedding is None or along is None:
-        return np.ones(np.shape(t))
-    share = along / getattr(limits, of)
-    return np.asarray(share + (1.0 - share) * np.sin(t - np.deg2rad(limits.bedding.angle)) ** 2)
-
-
 def _known(loading: TipLoading, limits: Strength) -> Resisting:
     """What lets a site open: the toughness where K is known, else the tensile strength."""
     return "tension" if limits.toughness is None or not np.isfinite(loading.K_eq) else "toughness"
@@ -277,30 +251,6 @@ def _tension(stress: float, loading: TipLoading, limits: Strength) -> float:
     if limits.toughness is None or _known(loading, limits) == "tension":
         return stress / limits.tension
     return opening((loading.K_I, loading.K_II), limits, loading.field.direction)[0] / limits.toughness
-
-
-def hoop_stress_kink(K_I: float, K_II: float) -> float:
-    """Direction (rad) of the largest hoop stress, from the tip's, at most LARGEST_KINK to either side.
-
-    tan(t/2) = (K_I - sqrt(K_I^2 + 8 K_II^2)) / (4 K_II), written so that a small K_II costs no digits.
-    """
-    root = np.hypot(K_I, np.sqrt(8.0) * K_II)
-    if K_I > 0.0:
-        kink = -2.0 * np.arctan(2.0 * K_II / (K_I + root))
-    elif K_II != 0.0:
-        kink = -2.0 * np.sign(K_II) * np.arctan2(root - K_I, 4.0 * abs(K_II))
-    else:
-        kink = 0.0
-    return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
-
-
-def hoop_K(K_I: float, K_II: float, t: Floats | float) -> Floats:
-    """The K_I (Pa sqrt(m)) that alone has, straight ahead, the hoop stress of K_I and K_II at an angle t (rad).
-
-    cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t), Erdogan, Sih 1963.
-    """
-    half = np.cos(0.5 * t)
-    return np.asarray(half * (K_I * half**2 - 1.5 * K_II * np.sin(t)))
 
 
 CRITERIA = {
@@ -367,27 +317,3 @@ def _within(field: TipField, kink: float) -> bool:
 def _forward(angle: float) -> float:
     """The direction of an axis (rad, from the tip's direction) that points ahead: in [-pi/2, pi/2)."""
     return float((angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
-
-
-def _peak(angles: Floats, values: Floats) -> tuple[float, float]:
-    """Largest of values (n,) and its angle, as `_peaks` has them."""
-    (value,), (angle,) = _peaks(angles, values[None])
-    return float(value), float(angle)
-
-
-def _peaks(angles: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """The largest of values (m, n) on n > 0 rays, row by row, and its angle, by a parabola through three samples.
-
-    A value that still rises at the end of the range is no peak, unless there is no other.
-    """
-    rows, last = np.arange(len(values)), len(angles) - 1
-    inner = np.zeros(values.shape, dtype=bool)
-    inner[:, 1:-1] = (values[:, 1:-1] >= values[:, :-2]) & (values[:, 1:-1] >= values[:, 2:])
-    i = np.where(inner.any(axis=1), np.where(inner, values, -np.inf).argmax(axis=1), values.argmax(axis=1))
-    below, above = np.maximum(i - 1, 0), np.minimum(i + 1, last)
-    before, at, after = (values[rows, place] for place in (below, i, above))
-    curvature = before - 2.0 * at + after
-    even = np.abs(angles[above] - 2.0 * angles[i] + angles[below]) <= UNEVEN
-    bends = (i > 0) & (i < last) & even & (curvature < 0.0)
-    shift = np.divide(0.5 * (before - after), curvature, out=np.zeros(len(values)), where=bends)
-    return at - 0.25 * (before - after) * shift, angles[i] + shift * (angles[i] - angles[below])

@@ -17,7 +17,7 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Fatigue, Subcritical
 from crackgrow.fracture.advance import CLEARANCE
-from crackgrow.fracture.criteria import hoop_K
+from crackgrow.fracture.opening import hoop_K
 
 WAITS = CLEARANCE
 """Increments: a tip that has gathered less waits. A path is not known more finely than that."""

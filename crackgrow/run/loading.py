@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import chain, islice
 
 from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import NotSolvedError
@@ -46,8 +46,9 @@ class NextStepSolver:
         elif isinstance(scene.case.loading, CriticalLoad):
             solution = critically_loaded(configuration, origin.guess)
         elif scene.case.growth is not None and scene.case.growth.fatigue is not None:
-            states = list(_through_history(configuration))
-            solution, origin = with_ranges(_solved(iter(states)), states[0][0]), FROM_REST  # steps begin unloaded
+            states = _through_history(configuration)
+            first = next(states)
+            solution, origin = with_ranges(_solved(chain([first], states)), first[0]), FROM_REST  # begun unloaded
         else:
             solution = _solved(_through_history(configuration))
         return replace(solution, origin=origin)

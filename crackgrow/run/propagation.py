@@ -23,8 +23,8 @@ from crackgrow.case.touching import scene_size
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Segment, Start, advanced, started, without_tip
-from crackgrow.fracture.criteria import opening
 from crackgrow.fracture.meeting import Meeting
+from crackgrow.fracture.opening import opening
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import Event, EventKind

@@ -4,7 +4,7 @@ Keys are searched for by Gauss-Newton steps in a trust region within their range
 least_squares), with derivatives by differences of runs. Where residuals are independent and normal with one variance
 s^2, the covariance of the keys is s^2 (J' J)^-1, and the region that holds them all with 95 % is
 
-    (k - k_fit)' C^-1 (k - k_fit) <= p F(p, n - p; 95 %)    of p keys and n measured points (Seber, Wild 1989, 5.10).
+    (k - k_fit)' C^-1 (k - k_fit) <= p F(p, n - p; 95 %)    of p keys and n measured points (Seber, Wild 1989).
 """
 
 from __future__ import annotations

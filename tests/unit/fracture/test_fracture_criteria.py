@@ -12,17 +12,17 @@ from crackgrow.case.model import Bedding, Growth, Strength
 from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of, start_radius
 from crackgrow.fracture.criteria import (
     CRITERIA,
-    LARGEST_KINK,
     Criterion,
     TipLoading,
     Verdict,
     directional_strength,
-    hoop_stress_kink,
     max_hoop_stress,
     shear_growth,
     strength,
     without_K,
 )
+from crackgrow.fracture.opening import hoop_stress_kink
+from crackgrow.fracture.sites import LARGEST_KINK
 from crackgrow.fracture.tip_stress import TipField
 
 N_RAYS = 72
