@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from crackgrow.results.folder import FolderError, RunFolder, open_run
     from crackgrow.run import grow
     from crackgrow.study.compare import compare_paths
+    from crackgrow.study.fit import fit, plan_fit
     from crackgrow.study.sweep import plan_sweep, sweep
     from crackgrow.study.trade import trade
     from crackgrow.study.trade_plan import plan_trade
@@ -40,9 +41,11 @@ __all__ = [
     "__version__",
     "compare_paths",
     "export",
+    "fit",
     "grow",
     "load_case",
     "open_run",
+    "plan_fit",
     "plan_sweep",
     "plan_trade",
     "run_case",
@@ -62,6 +65,7 @@ _HOMES = {
     "results.folder": "FolderError RunFolder open_run",
     "run": "grow",
     "study.compare": "compare_paths",
+    "study.fit": "fit plan_fit",
     "study.sweep": "plan_sweep sweep",
     "study.trade": "trade",
     "study.trade_plan": "plan_trade",

@@ -14,6 +14,12 @@ from crackgrow.case.toughness import BY_K, RAY_CRITERIA
 MOST_PLACES = 20_000
 """Places at which the stress is averaged in every step: each takes some hundred points."""
 
+RATE_LAWS = {
+    "subcritical": "{velocity: v_max, exponent: n} of v = v_max (K/K_c)^n",
+    "fatigue": "{rate: C, at: 1 MPa sqrt(m), exponent: m} of da/dN = C (dK/at)^m",
+}
+"""Laws by which growth takes time, with the constants that they need."""
+
 
 def settle_direction(scene: Scene) -> None:
     """Fill in a direction that is left out: implicit where K_I and K_II decide all, else explicit."""
@@ -60,10 +66,18 @@ def _check_limits(scene: Scene, key: Path, strength: Strength) -> None:
     A toughness in shear stands for a length by the cohesion, and is for criteria that judge shear on rays.
     """
     slope, criterion = float(np.tan(np.deg2rad(strength.friction_angle))), scene.get("growth", "criterion")
-    if strength.tension * slope > strength.cohesion:
-        apex = scene.units.show(strength.cohesion / slope, "stress")
-        message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most that"
-        scene.report.fault((*key, "tension"), message)
+    bedding = strength.bedding
+    for where, tension in ((key, strength.tension), ((*key, "bedding"), bedding.tension if bedding else None)):
+        if tension is not None and tension * slope > strength.cohesion:
+            apex = scene.units.show(strength.cohesion / slope, "stress")
+            message = f"above the apex of the shear strength, cohesion / tan(friction_angle) = {apex}; wanted: at most "
+            scene.report.fault((*where, "tension"), f"{message}that")
+    if bedding is not None and bedding.tension is None and bedding.toughness is None:
+        message = "gives nothing that differs along the planes; give tension, toughness or both"
+        scene.report.fault((*key, "bedding"), message)
+    if bedding is not None and bedding.toughness is not None and strength.toughness is None:
+        message = "is that of cracks along the planes; give strength.toughness, that across them, too"
+        scene.report.fault((*key, "bedding", "toughness"), message)
     if strength.shear_toughness is None:
         return
     message = ""
@@ -122,34 +136,50 @@ def _check_sizes(scene: Scene) -> None:
             scene.report.fault(key, f"{told}: {message}; max_hoop_stress needs none")
 
 
-def check_subcritical(scene: Scene) -> None:
-    """Growth below the toughness has its constants and a toughness, under loads that are given.
+def check_rate_law(scene: Scene) -> None:
+    """Growth at a rate has its constants and a toughness, under loads that are given.
 
     All tips go at once, and none starts.
     """
     law, report = scene.get("growth", "law"), scene.report
-    given = scene.get("growth", "subcritical") is not None
-    if law == "critical" and given:
-        report.fault(("growth", "subcritical"), "is for law: subcritical; leave it out, or give `law: subcritical`")
-    if law != "subcritical":
+    for key, wanted in RATE_LAWS.items():
+        given = scene.get("growth", key) is not None
+        if given and law not in (None, key):
+            report.fault(("growth", key), f"is for law: {key}; leave it out, or give `law: {key}`")
+        if law == key and not given and report.sound("growth", key):
+            report.fault(("growth", key), f"missing: {wanted}, for law: {key}")
+    if law not in RATE_LAWS:
         return
-    if not given and report.sound("growth", "subcritical"):
-        message = "missing: {velocity: v_max, exponent: n} of v = v_max (K/K_c)^n, for law: subcritical"
-        report.fault(("growth", "subcritical"), message)
     advance, at = scene.get("growth", "advance"), scene.get("growth", "initiation", "at")
     if advance not in (None, "all"):
-        message = f"{advance} given; wanted with law: subcritical: all, since every tip has its velocity"
+        message = f"{advance} given; wanted with law: {law}: all, since every tip has its velocity"
         report.fault(("growth", "advance"), message)
     if at not in (None, "tips"):
-        message = f"{at} given; wanted with law: subcritical: tips. Cracks start where the criterion is met, at no time"
+        message = f"{at} given; wanted with law: {law}: tips. Cracks start where the criterion is met, at no time"
         report.fault(("growth", "initiation", "at"), message)
     if scene.get("loading") == "critical":
-        message = "critical holds a tip at K = K_c, where it is unstable; wanted with growth.law: subcritical"
-        report.fault(("loading",), f"{message}: a history of loads, or stages")
+        message = f"critical holds a tip at K = K_c, where it is unstable; wanted with growth.law: {law}"
+        report.fault(("loading",), f"{message}: a history of loads{', or stages' if law == 'subcritical' else ''}")
+    elif law == "fatigue" and report.sound("loading"):
+        _check_cycle(scene)
     without = bodies_with(scene, toughness=False) if report.sound("bodies") else []
     if without:
-        message = f"subcritical needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
+        message = f"{law} needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
         report.fault(("growth", "law"), message)
+
+
+def _check_cycle(scene: Scene) -> None:
+    """A cycle is between two loads, which every step comes to; dK is of the hoop stress, by which its tips grow."""
+    report, criterion = scene.report, scene.get("growth", "criterion")
+    history = scene.get("loading", "history") or [1.0]
+    if scene.get("loading", "stages") is not None or history[0] == history[-1]:
+        message = "wanted with growth.law: fatigue: a history whose first and last load differ, such as [0.1, 1]"
+        report.fault(("loading",), message)
+    if scene.get("growth", "unload_between_steps") is False:
+        report.fault(("growth", "unload_between_steps"), "wanted with law: fatigue: true, since every cycle unloads")
+    if criterion not in (None, *BY_K):
+        message = f"{criterion} given; wanted with law: fatigue: max_hoop_stress, since dK is of the hoop stress"
+        report.fault(("growth", "criterion"), message)
 
 
 def check_initiation(scene: Scene) -> None:

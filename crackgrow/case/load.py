@@ -11,7 +11,7 @@ from crackgrow.case.check_actions import check_agreement, check_foundations, che
 from crackgrow.case.check_cracks import check_cracks
 from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_regions import check_regions, place_points, settle_bodies
-from crackgrow.case.check_strength import check_initiation, check_strength, check_subcritical, settle_direction
+from crackgrow.case.check_strength import check_initiation, check_rate_law, check_strength, settle_direction
 from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
@@ -48,7 +48,7 @@ CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
     check_material,
     check_strength,
     check_initiation,
-    check_subcritical,
+    check_rate_law,
     check_numerics,
     check_cracks,
     check_contacts,

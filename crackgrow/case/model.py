@@ -33,15 +33,25 @@ class Material:
     density: float | None = None  # kg/m^3
 
 
+@dataclass(frozen=True, slots=True)
+class Bedding:
+    """What a crack that runs along planes of bedding or foliation opens at."""
+
+    angle: float  # degrees, of the planes
+    tension: float | None = None  # Pa
+    toughness: float | None = None  # Pa sqrt(m)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Strength:
-    """Tension cut-off and Mohr-Coulomb shear strength."""
+    """Tension cut-off and Mohr-Coulomb shear strength; with bedding, tension and toughness are those across it."""
 
     tension: float  # Pa
     cohesion: float  # Pa
     friction_angle: float  # degrees
     toughness: float | None = None  # Pa sqrt(m)
     shear_toughness: float | None = None  # Pa sqrt(m)
+    bedding: Bedding | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False, kw_only=True)
@@ -335,6 +345,16 @@ class Subcritical:
     threshold: float = 0.0
 
 
+@dataclass(frozen=True, slots=True)
+class Fatigue:
+    """How far tips grow in a cycle: da/dN = rate (dK / at)^m."""
+
+    rate: float  # m
+    at: float  # Pa sqrt(m)
+    exponent: float
+    threshold: float = 0.0  # Pa sqrt(m)
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Growth:
     """How cracks grow."""
@@ -348,8 +368,14 @@ class Growth:
     unload_between_steps: bool = True
     initiation: Initiation = Initiation()
     link_distance: float | None = None  # m
-    law: Literal["critical", "subcritical"] = "critical"
+    law: Literal["critical", "subcritical", "fatigue"] = "critical"
     subcritical: Subcritical | None = None
+    fatigue: Fatigue | None = None
+
+    @property
+    def rate_law(self) -> Subcritical | Fatigue | None:
+        """How fast tips grow; None where growth takes no time."""
+        return self.subcritical or self.fatigue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -528,9 +554,9 @@ class Case:
         return 1 if isinstance(self.loading, StrengthReduction) else self.n_loads - 1
 
     @property
-    def subcritical(self) -> Subcritical | None:
+    def rate_law(self) -> Subcritical | Fatigue | None:
         """How fast tips grow; None where growth takes no time."""
-        return None if self.growth is None else self.growth.subcritical
+        return None if self.growth is None else self.growth.rate_law
 
     @property
     def n_loads(self) -> int:

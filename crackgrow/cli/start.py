@@ -27,6 +27,7 @@ def do_list(folder: Path | None) -> None:
         raise CaseError.at(folder, "is no folder")
     folder = folder or Path("cases")
     lines = [*_listed(folder, "cases", "run"), *_listed(folder / "sweeps", "sweeps", "sweep")]
+    lines += _listed(folder / "fits", "fits", "fit")
     templates = declared()["words"]["templates"]
     lines += ["templates: crackgrow new NAME --template ...", *aligned(templates.items(), 2, "  ")]
     hand_out("\n".join(lines) + "\n")

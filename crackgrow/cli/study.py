@@ -1,4 +1,4 @@
-"""The commands that learn from several runs: `crackgrow compare`, `sweep` and `trade`."""
+"""The commands that learn from several runs: `crackgrow compare`, `sweep`, `fit` and `trade`."""
 
 from __future__ import annotations
 
@@ -60,11 +60,23 @@ def do_sweep(sweep: Path, out: Path | None, listed: bool, again: str, **how: Any
             rows.append(row)
             _show(rows, study)
     except KeyboardInterrupt:
-        return _interrupted(study, again)
+        return _interrupted(study.folder, again)
     n_done, n_before = sum(row.done for row in rows), sum(not row.new for row in rows)
     before = f", {n_before} of them done before" if n_before else ""
     say(f"{counted(n_done, 'run')} done{before}, {len(study.runs) - n_done} not\nresults in {study.folder}")
     return EXIT_DONE if n_done else EXIT_UNSOLVED
+
+
+def do_fit(fit: Path, out: Path | None, again: str, **how: Any) -> int:
+    """`crackgrow fit`: keys of a case by what was measured; `how` as of `sweep`."""
+    plan = crackgrow.plan_fit(fit, out)
+    say(f"{fit.stem}: {', '.join(plan.names)} by {counted(len(plan.points), 'measured point')}")
+    try:
+        found = crackgrow.fit(plan, lambda row: say(str(row)), **how)
+    except KeyboardInterrupt:
+        return _interrupted(plan.folder, again)
+    say(f"{found}\nresults in {plan.folder}")
+    return EXIT_DONE
 
 
 def do_trade(
@@ -100,7 +112,7 @@ def do_trade(
     try:
         found, table = for_each(crackgrow.trade(plan, **how), show)
     except KeyboardInterrupt:
-        return _interrupted(plan.study, again)
+        return _interrupted(plan.study.folder, again)
     if as_json:
         hand_out_json(trade_record(found, table))
     else:
@@ -124,6 +136,6 @@ def _list(study: Study) -> int:
     return EXIT_DONE
 
 
-def _interrupted(study: Study, again: str) -> int:
-    complain(f"crackgrow: interrupted, what has ended is in {study.folder}; go on with: {again}")
+def _interrupted(folder: Path, again: str) -> int:
+    complain(f"crackgrow: interrupted, what has ended is in {folder}; go on with: {again}")
     return EXIT_INTERRUPTED

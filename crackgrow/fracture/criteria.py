@@ -12,6 +12,9 @@ the pressure of a fluid or of confinement in it, and would let mode I grow at se
 stays that of the average: by that of K straight increments turn to and fro beside closed faces, by 35 to 50 degrees in
 compression30. Shear goes by the average, too, since pressure on a plane holds it.
 
+Where the rock has bedding tensile strength and toughness follow the direction of a crack (`share_across`), and it goes
+where the stress over them is largest.
+
 Cracks that have started in shear go on by `shear_growth`, whatever the criterion, as long as that is met.
 """
 
@@ -25,7 +28,16 @@ import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Strength
-from crackgrow.fracture.sites import LARGEST_KINK
+from crackgrow.fracture.opening import (
+    KINKS,
+    Resisting,
+    hoop_K,
+    hoop_stress_kink,
+    opening,
+    peak_of,
+    peaks_of,
+    share_across,
+)
 from crackgrow.solid.elasticity import principal
 
 if TYPE_CHECKING:  # what reads the criteria alone needs no basis
@@ -36,9 +48,6 @@ AT_STRENGTH = 1e-9
 
 LEAST_RESISTANCE = 1e-30
 """Pa: a resistance below this, or negative, is used up."""
-
-UNEVEN = 1e-5
-"""rad: samples whose distances differ by more are not evenly spaced."""
 
 LARGEST_RATIO = 1e30
 """Ratio that stands for a resistance that is used up."""
@@ -77,13 +86,8 @@ class TipLoading:
 
     @property
     def K_eq(self) -> float:
-        """The K_I (Pa sqrt(m)) that alone has the largest hoop stress of K_I and K_II, which is at the kink t.
-
-        K_eq = cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t), Erdogan, Sih 1963.
-        """
-        kink = hoop_stress_kink(self.K_I, self.K_II)
-        half = np.cos(0.5 * kink)
-        return float(half * (self.K_I * half**2 - 1.5 * self.K_II * np.sin(kink)))
+        """The K_I (Pa sqrt(m)) that alone has the largest hoop stress of K_I and K_II, which is at the kink."""
+        return float(hoop_K(self.K_I, self.K_II, hoop_stress_kink(self.K_I, self.K_II)))
 
     @property
     def none(self) -> TipLoading:
@@ -133,8 +137,13 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     centre, radius = 0.5 * (s1 + s3), 0.5 * (s1 - s3)
     shear = float(_ratio(radius, limits.cohesion * np.cos(phi) - centre * np.sin(phi)))
     compression_axis = axis + 0.5 * np.pi - field.direction
-    tension = _tension(s1, loading, limits)
-    across = _forward(compression_axis)  # perpendicular to sigma_1
+    pulled, across = s1, _forward(compression_axis)  # perpendicular to sigma_1
+    if limits.bedding is not None:
+        # every axis is among the KINKS, and not at their end
+        hoop, _ = _turned(field.direction + KINKS, field.mean)
+        pulled, across = peak_of(KINKS, hoop / share_across(limits, _known(loading, limits), field.direction + KINKS))
+        across = _forward(across)
+    tension = _tension(pulled, loading, limits)
     planes = [_forward(compression_axis + sense * (0.25 * np.pi - 0.5 * phi)) for sense in (-1.0, 1.0)]
     planes = [plane for plane in planes if _within(field, plane)]
     tension, shear = tension * _within(field, across), shear * bool(planes)
@@ -160,8 +169,9 @@ def directional_strength(loadings: Sequence[TipLoading], limits: Strength) -> li
     tan_phi = np.tan(np.deg2rad(limits.friction_angle))
     for some, angles, hoop, shear in _ahead_together([loading.field for loading in loadings]):
         sees[some] = True
-        peaks[:2, some] = _peaks(angles, hoop)
-        peaks[2:, some] = _peaks(angles, _ratio(np.abs(shear), limits.cohesion - tan_phi * hoop))
+        directions = np.array([loadings[number].field.direction for number in some])[:, None] + angles
+        peaks[:2, some] = peaks_of(angles, hoop / share_across(limits, _known(loadings[some[0]], limits), directions))
+        peaks[2:, some] = peaks_of(angles, _ratio(np.abs(shear), limits.cohesion - tan_phi * hoop))
     found = []
     for number, (first, last, own) in enumerate(zip(s1.tolist(), s3.tolist(), peaks.T.tolist(), strict=True)):
         pulled, kink, sliding, shear_kink = own
@@ -198,9 +208,9 @@ def shear_growth(loading: TipLoading, limits: Strength) -> Verdict:
         return Verdict(s1, s3, "shear", 0.0, 0.0)
     angles, shear = field.angles[pressed], np.abs(shear[pressed])
     ratios = _ratio(shear, limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * hoop[pressed])
-    criticality, kink = _peak(angles, ratios)
+    criticality, kink = peak_of(angles, ratios)
     met = ratios >= 1.0
-    return Verdict(s1, s3, "shear", criticality, _peak(angles[met], shear[met])[1] if met.any() else kink)
+    return Verdict(s1, s3, "shear", criticality, peak_of(angles[met], shear[met])[1] if met.any() else kink)
 
 
 def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
@@ -213,11 +223,12 @@ def _at_shear_toughness(field: TipField, limits: Strength) -> Verdict:
     angles, hoop, shear = _ahead(field)
     if not len(angles):
         return Verdict(s1, s3, "shear", 0.0, 0.0)
-    largest, kink = _peak(angles, np.abs(shear))
+    largest, kink = peak_of(angles, np.abs(shear))
     across = float(np.interp(kink, angles, hoop))
     resistance = limits.cohesion - np.tan(np.deg2rad(limits.friction_angle)) * across
     ratio = float(_ratio(largest, resistance))
-    return Verdict(s1, s3, "shear", ratio if across < limits.tension else 0.0, kink, ratio)
+    tension = limits.tension * float(share_across(limits, "tension", field.direction + kink))
+    return Verdict(s1, s3, "shear", ratio if across < tension else 0.0, kink, ratio)
 
 
 def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
@@ -226,30 +237,20 @@ def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
     A tip under compression alone does not grow.
     """
     s1, s3, _ = (float(v[0]) for v in principal(loading.field.mean[None]))
-    criticality = loading.K_eq / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius))
-    return Verdict(s1, s3, "tension", float(criticality), hoop_stress_kink(loading.K_I, loading.K_II))
+    K, kink = opening((loading.K_I, loading.K_II), limits, loading.field.direction)
+    return Verdict(s1, s3, "tension", float(K / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius))), kink)
+
+
+def _known(loading: TipLoading, limits: Strength) -> Resisting:
+    """What lets a site open: the toughness where K is known, else the tensile strength."""
+    return "tension" if limits.toughness is None or not np.isfinite(loading.K_eq) else "toughness"
 
 
 def _tension(stress: float, loading: TipLoading, limits: Strength) -> float:
-    """Tension over strength: K_eq over the toughness where both are known, else a stress (Pa) over T0."""
-    if limits.toughness is None or not np.isfinite(loading.K_eq):
+    """Tension over strength: K over the toughness where both are known, else a stress (Pa) over T0; across bedding."""
+    if limits.toughness is None or _known(loading, limits) == "tension":
         return stress / limits.tension
-    return loading.K_eq / limits.toughness
-
-
-def hoop_stress_kink(K_I: float, K_II: float) -> float:
-    """Direction (rad) of the largest hoop stress, from the tip's, at most LARGEST_KINK to either side.
-
-    tan(t/2) = (K_I - sqrt(K_I^2 + 8 K_II^2)) / (4 K_II), written so that a small K_II costs no digits.
-    """
-    root = np.hypot(K_I, np.sqrt(8.0) * K_II)
-    if K_I > 0.0:
-        kink = -2.0 * np.arctan(2.0 * K_II / (K_I + root))
-    elif K_II != 0.0:
-        kink = -2.0 * np.sign(K_II) * np.arctan2(root - K_I, 4.0 * abs(K_II))
-    else:
-        kink = 0.0
-    return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
+    return opening((loading.K_I, loading.K_II), limits, loading.field.direction)[0] / limits.toughness
 
 
 CRITERIA = {
@@ -316,27 +317,3 @@ def _within(field: TipField, kink: float) -> bool:
 def _forward(angle: float) -> float:
     """The direction of an axis (rad, from the tip's direction) that points ahead: in [-pi/2, pi/2)."""
     return float((angle + 0.5 * np.pi) % np.pi - 0.5 * np.pi)
-
-
-def _peak(angles: Floats, values: Floats) -> tuple[float, float]:
-    """Largest of values (n,) and its angle, as `_peaks` has them."""
-    (value,), (angle,) = _peaks(angles, values[None])
-    return float(value), float(angle)
-
-
-def _peaks(angles: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """The largest of values (m, n) on n > 0 rays, row by row, and its angle, by a parabola through three samples.
-
-    A value that still rises at the end of the range is no peak, unless there is no other.
-    """
-    rows, last = np.arange(len(values)), len(angles) - 1
-    inner = np.zeros(values.shape, dtype=bool)
-    inner[:, 1:-1] = (values[:, 1:-1] >= values[:, :-2]) & (values[:, 1:-1] >= values[:, 2:])
-    i = np.where(inner.any(axis=1), np.where(inner, values, -np.inf).argmax(axis=1), values.argmax(axis=1))
-    below, above = np.maximum(i - 1, 0), np.minimum(i + 1, last)
-    before, at, after = (values[rows, place] for place in (below, i, above))
-    curvature = before - 2.0 * at + after
-    even = np.abs(angles[above] - 2.0 * angles[i] + angles[below]) <= UNEVEN
-    bends = (i > 0) & (i < last) & even & (curvature < 0.0)
-    shift = np.divide(0.5 * (before - after), curvature, out=np.zeros(len(values)), where=bends)
-    return at - 0.25 * (before - after) * shift, angles[i] + shift * (angles[i] - angles[below])

@@ -1,7 +1,9 @@
-"""Subcritical growth: how fast tips advance below the toughness, and how far they come in a step.
+"""Growth at a rate, below the toughness: how fast tips advance, and how far they come in a step.
 
 v = v_max (K / K_c)^n (Charles 1958). K / K_c is the criticality of the tip, by the criterion of the case. From K_c on
-the tip is unstable and outruns the law, which has no more than v_max to say of it.
+the tip is unstable and outruns the law, which has no more than v_max to say of it. In fatigue cycles take the place of
+seconds: da/dN = C dK^m (Paris, Erdogan 1963), where dK is the range of the K that opens a tip along its kink. Where
+that is negative faces are closed, and it counts as zero (ASTM E647).
 
 In a step every tip comes as far as its velocity at the beginning takes it, until the first one has come to the largest
 length. A tip that comes only a small part of that waits where it is, and keeps what it has gathered. What that was off
@@ -13,21 +15,34 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Subcritical
+from crackgrow.case.model import Fatigue, Subcritical
 from crackgrow.fracture.advance import CLEARANCE
+from crackgrow.fracture.opening import hoop_K
 
 WAITS = CLEARANCE
 """Increments: a tip that has gathered less waits. A path is not known more finely than that."""
 
 SLOWEST = 1e-60
-"""m/s: what is slower stands still."""
+"""m/s, or m: what is slower stands still."""
 
 
-def velocities(criticality: Floats, law: Subcritical) -> Floats:
-    """Velocity (n,) m/s of tips; zero up to the threshold, v_max from a criticality of 1 on."""
-    share = np.clip(criticality, 0.0, 1.0)
-    found = law.velocity * share**law.exponent
-    return np.where((share > law.threshold) & (found > SLOWEST), found, 0.0)
+def velocities(driving: Floats, law: Subcritical | Fatigue) -> Floats:
+    """Velocity (n,) m/s of tips by their criticality, or growth in a cycle (n,) m by their range of K (Pa sqrt(m)).
+
+    It is zero up to the threshold, and v_max from a criticality of 1 on.
+    """
+    driving = np.maximum(driving, 0.0)
+    if isinstance(law, Fatigue):
+        found = law.rate * (driving / law.at) ** law.exponent
+    else:
+        found = law.velocity * np.minimum(driving, 1.0) ** law.exponent
+    return np.where((driving > law.threshold) & (found > SLOWEST), found, 0.0)
+
+
+def range_of_K(first: tuple[float, float], last: tuple[float, float], kink: float) -> float:
+    """Range dK (Pa sqrt(m)) of the K that opens a tip along a kink (rad), between (K_I, K_II) at two loads."""
+    opens = [max(float(hoop_K(*K, kink)), 0.0) for K in (first, last)]
+    return abs(opens[1] - opens[0])
 
 
 def lengths(velocity: Floats, gathered: Floats, increment: float) -> tuple[Floats, Floats, int | None]:

@@ -108,6 +108,11 @@ def _body_line(body: model.Body, scale: float, show: Shown) -> str:
         f"tension {stress_text(body.strength.tension)}, cohesion {stress_text(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"
     )  # fmt: skip
+    if body.strength is not None and body.strength.bedding is not None:
+        bedding = body.strength.bedding
+        strength += f"; along bedding at {bedding.angle:g} deg"
+        strength += f" tension {stress_text(bedding.tension)}" if bedding.tension else ""
+        strength += f" toughness {1e-6 * bedding.toughness:g} MPa sqrt(m)" if bedding.toughness else ""
     return f"body {body.name}: {', '.join(words)}; {strength}"
 
 
@@ -212,9 +217,11 @@ def _growth(case: Case, show: Shown) -> Iterator[str]:
         yield f"none, {growth.criterion} is judged"
         yield from _radii(case, growth, show)
         return
-    law, at = growth.subcritical, growth.initiation.at
+    law, at = growth.rate_law, growth.initiation.at
     yield f"{counted(growth.steps, 'step')} of {show(growth.increment)}" + (" at most" if law else "")
-    if law is not None:
+    if isinstance(law, model.Fatigue):
+        yield f"da/dN = {law.rate:g} m (dK/{1e-6 * law.at:g} MPa sqrt(m))^{law.exponent:g}"
+    elif law is not None:
         yield f"v = {law.velocity:g} m/s (K/K_c)^{law.exponent:g}"
     yield growth.criterion + ("" if growth.direction == "explicit" else f" ({growth.direction} direction)")
     yield growth.advance.replace("_", " ")

@@ -106,6 +106,8 @@ def told_line(result: StepResult, case: Case, K_scale: float = 0.0, *, logged: b
     if math.isfinite(result.time):  # growth takes time
         size, unit = unit_of([result.time or 1.0], TIMES)
         words.append(f"at {result.time / size:.4g} {_ascii(unit)}")
+    if math.isfinite(result.cycles):
+        words.append(f"after {result.cycles:.6g} cycles")
     if logged:
         words += [f"{result.n_dofs} dofs", counted(result.contact_iterations, "contact iteration")]
         words.append(f"{sum(result.seconds.values()):.2f} s")

@@ -87,6 +87,7 @@ class Tally:
     norm_error: float = math.nan  # percent, of the first step
     estimates: dict[str, float] = field(default_factory=lambda: dict.fromkeys(ESTIMATES, math.nan))  # the worst
     time: float = math.nan  # s, of the last step
+    cycles: float = math.nan  # the same
     peak: float = math.nan  # the largest load factor
     peak_step: int = 0
     frames: list[int] = field(default_factory=list)  # steps that have one
@@ -107,7 +108,7 @@ class Tally:
             self.norm_error = float(result.norm_error)
         for name, estimate in ESTIMATES.items():
             self.estimates[name] = max((self.estimates[name], float(estimate(result))), key=_known)
-        self.time = float(result.time)
+        self.time, self.cycles = float(result.time), float(result.cycles)
         if not result.load_factor <= self.peak:
             self.peak, self.peak_step = float(result.load_factor), step
         for phase, seconds in result.seconds.items():
@@ -169,7 +170,7 @@ def summarize(
         "peak_memory_mb": round(memory, 1),
         "resumed_with_steps": list(tally.resumed),
         **({"safety": safety} if safety else {}),
-        **({} if math.isnan(tally.time) else {"time": or_null(tally.time)}),
+        **{name: own for name, own in (("time", tally.time), ("cycles", tally.cycles)) if not math.isnan(own)},
         "worst_checks": {
             check: {"value": or_null(value), "step": step} for check, (value, step) in tally.worst.items()
         },

@@ -38,7 +38,7 @@ class RunState:
     factorizations: int = 1  # of the step, rejected directions of growth included
     notes: tuple[str, ...] = ()  # on how its solution was found
     errors: Errors | None = None  # with the grading of the cells that it was solved on
-    time: float = 0.0  # s, at which the cracks have come here, where growth takes time
+    time: float = 0.0  # s, at which the cracks have come here, where growth takes time; in fatigue cycles
 
     @property
     def paths(self) -> tuple[CrackPath, ...]:

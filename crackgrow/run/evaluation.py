@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -21,6 +22,7 @@ from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdi
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
+from crackgrow.fracture.subcritical import range_of_K
 from crackgrow.fracture.tip_stress import TipField, fields_of
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
@@ -36,6 +38,7 @@ class TipState:
     K_faces: tuple[float, float]  # Pa sqrt(m): K_I and K_II from the displacement of the faces, as a check
     loading: TipLoading | None  # None without growth
     verdict: Verdict | None
+    K_range: float = math.nan  # Pa sqrt(m), between the first and the last load; nan without cycles
 
     @property
     def K(self) -> tuple[float, float]:
@@ -132,6 +135,16 @@ def evaluated(state: LoadState) -> StepSolution:
     return StepSolution(state, tips, starts, seconds)
 
 
+def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
+    """The solution whose tips know the range of K since the first load of a cycle."""
+    ranges = [
+        math.nan if now.verdict is None else range_of_K(was.K, now.K, now.verdict.kink)
+        for was, now in zip(_intensities(first), solution.tips, strict=True)
+    ]
+    tips = (replace(tip, K_range=its) for tip, its in zip(solution.tips, ranges, strict=True))
+    return replace(solution, tips=tuple(tips))
+
+
 def _stress_fields(state: LoadState) -> dict[int, TipField]:
     """The stress round every site at which something can grow, by its number."""
     if state.scene.case.growth is None:
@@ -148,21 +161,25 @@ def _start_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[Sta
     return tuple(map(StartState, sites[n_tips:], loadings, verdicts(scene, sites[n_tips:], loadings)))
 
 
-def _tip_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[TipState, ...]:
-    """Fracture quantities of all tips, with the stress `fields` round them."""
-    configuration, scene, cover = state.configuration, state.scene, state.cover
-    materials, u = state.materials, state.outcome.u
+def _intensities(state: LoadState) -> list[TipState]:
+    """K of all tips."""
+    scene, cover, materials, u = state.scene, state.cover, state.materials, state.outcome.u
     tips = range(len(cover.tips))
     bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
     K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
     tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
     forces = [scene.body_force(body, state.factor) for body in bodies]
-    intensities = configuration.integrals.intensities(materials, u, tips, tractions, forces)
-    found = [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
-    strong = [tip for tip in tips if tip in fields]
-    radii = [averaging_radius(*scene.growing_in(bodies[tip])) for tip in strong]
+    intensities = state.configuration.integrals.intensities(materials, u, tips, tractions, forces)
+    return [TipState(K, K_of_faces, None, None) for K, K_of_faces in zip(intensities, K_faces, strict=True)]
+
+
+def _tip_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[TipState, ...]:
+    """Fracture quantities of all tips, with the stress `fields` round them."""
+    scene, sites, found = state.scene, state.configuration.sites, _intensities(state)
+    strong = [tip for tip in range(len(found)) if tip in fields]
+    radii = [averaging_radius(*scene.growing_in(sites[tip].body)) for tip in strong]
     loadings = [TipLoading(fields[tip], *found[tip].K, radius) for tip, radius in zip(strong, radii, strict=True)]
-    said = verdicts(scene, [configuration.sites[tip] for tip in strong], loadings)
+    said = verdicts(scene, [sites[tip] for tip in strong], loadings)
     for tip, loading, verdict in zip(strong, loadings, said, strict=True):
         found[tip] = replace(found[tip], loading=loading, verdict=verdict)
     return tuple(found)

@@ -9,7 +9,7 @@ import numpy as np
 
 from crackgrow.accuracy.companion import End
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.model import Growth
+from crackgrow.case.model import Fatigue, Growth
 from crackgrow.errors import FreePieceError, GeometryError, SolveError
 from crackgrow.fracture.advance import STARTS, GrowingCrack, advancing_sites, largest_first
 from crackgrow.fracture.subcritical import WAITS, lengths, mean_velocity, velocities
@@ -24,13 +24,13 @@ COARSE = 3.0
 
 COARSE_TIME = (
     f"the velocity of the fastest tip changes by more than a factor of {COARSE:g} along an increment, so that the time "
-    "of the step is off by several percent; give a shorter growth.increment"
+    "of the step, or its cycles, are off by several percent; give a shorter growth.increment"
 )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Advances:
-    """The sites that advance after a solve, with lengths and velocities where growth takes time."""
+    """The sites that advance after a solve, with lengths and velocities where growth takes time, or cycles for it."""
 
     cracks: tuple[GrowingCrack, ...]  # as they are, with what tips that wait have gathered
     sites: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # by number, that of a new crack last
@@ -46,8 +46,8 @@ def chosen_advances(growth: Growth, solution: StepSolution, cracks: tuple[Growin
     """
     sites, criticality, n_tips = solution.configuration.sites, site_criticality(solution), len(solution.tips)
     places = np.array([site.point for site in sites]).reshape(-1, 2)
-    if growth.subcritical is not None:
-        return _in_time(growth, solution, cracks, places, velocities(criticality[:n_tips], growth.subcritical))
+    if growth.rate_law is not None:
+        return _in_time(growth, solution, cracks, places, velocities(_driving(solution), growth.rate_law))
     n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
     n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
     chosen = advancing_sites(criticality, n_advances, places, growth.advance)
@@ -64,6 +64,15 @@ def site_criticality(solution: StepSolution) -> Floats:
         for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
     ]
     return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
+
+
+def _driving(solution: StepSolution) -> Floats:
+    """What the rate of growth of each tip (n,) follows: criticality, or the range of K (Pa sqrt(m)) in fatigue."""
+    criticality = site_criticality(solution)[: len(solution.tips)]
+    growth = solution.scene.case.growth
+    if growth is None or growth.fatigue is None:
+        return criticality
+    return np.where(np.isfinite(criticality), [tip.K_range for tip in solution.tips], -np.inf)
 
 
 def _in_time(
@@ -102,9 +111,9 @@ def time_of(
     known.
     """
     growth = solution.scene.case.growth
-    if growth is None or growth.subcritical is None or not left.lengths:
+    if growth is None or growth.rate_law is None or not left.lengths:
         return 0.0, cracks, ()
-    velocity = velocities(site_criticality(solution), growth.subcritical).tolist()
+    velocity = velocities(_driving(solution), growth.rate_law).tolist()
     now = dict(zip(solution.cover.tip_ends, velocity, strict=True))
     means = {end: mean_velocity(before, now.get(end) or before) for end, before in left.velocity.items()}
     time = max((_time_to_meeting(left, end, solution) for end in left.lengths if end not in now), default=0.0)
@@ -130,7 +139,7 @@ def _time_to_meeting(left: Advances, end: End, solution: StepSolution) -> float:
 
 def ended(state: RunState, solution: StepSolution, growth: Growth) -> RunEnd:
     """Why a run ends after its last step, or after one from which nothing grows."""
-    largest, law = site_criticality(solution).max(initial=-np.inf), growth.subcritical
+    largest, law = site_criticality(solution).max(initial=-np.inf), growth.rate_law
     step, is_last, grows = f"step {state.step}", state.step == growth.steps, largest > -np.inf
     near = f"; the most critical is at {largest:.3g} of "
     at_load = f"{near}the strength at load factor {solution.state.factor:.4g}" if grows else ""
@@ -142,6 +151,9 @@ def ended(state: RunState, solution: StepSolution, growth: Growth) -> RunEnd:
         return RunEnd("arrested", f"{step}: {NEVER_CRITICAL}", state.paths)
     if grows and law is not None:
         most = f"{near}its toughness, the threshold is {law.threshold:g}"
+        if isinstance(law, Fatigue):
+            most = f"; the largest range of K is {_driving(solution).max():.4g} Pa sqrt(m), the threshold is "
+            most += f"{law.threshold:.4g}"
         return RunEnd("arrested", f"{step}: no tip has a velocity{most}", state.paths)
     if grows:
         where = step if state.step else "nothing grew"

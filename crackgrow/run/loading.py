@@ -6,14 +6,14 @@ import math
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import islice
+from itertools import chain, islice
 
 from crackgrow.case.model import CriticalLoad, LoadHistory, Stages
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
-from crackgrow.run.evaluation import StepSolution, evaluated
+from crackgrow.run.evaluation import StepSolution, evaluated, with_ranges
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, from_state, held_loads, increment, mapped
 from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
@@ -45,6 +45,10 @@ class NextStepSolver:
             solution = _solved(iter([(state, origin)]))
         elif isinstance(scene.case.loading, CriticalLoad):
             solution = critically_loaded(configuration, origin.guess)
+        elif scene.case.growth is not None and scene.case.growth.fatigue is not None:
+            states = _through_history(configuration)
+            first = next(states)
+            solution, origin = with_ranges(_solved(chain([first], states)), first[0]), FROM_REST  # begun unloaded
         else:
             solution = _solved(_through_history(configuration))
         return replace(solution, origin=origin)

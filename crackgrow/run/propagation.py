@@ -23,8 +23,8 @@ from crackgrow.case.touching import scene_size
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Segment, Start, advanced, started, without_tip
-from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.meeting import Meeting
+from crackgrow.fracture.opening import opening
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import Event, EventKind
@@ -216,15 +216,19 @@ def _without_shear(
 
 
 def _shear(advance: AfterAdvance, solution: StepSolution, turns: Mapping[End, bool]) -> tuple[Floats, Floats]:
-    """K_II / K (n,) at the new tips, zero where one keeps its direction or has met something; what counts as zero."""
+    """K_II / K (n,) at the new tips, zero where one keeps its direction or has met something; what counts as zero.
+
+    With bedding it is what turns them as much.
+    """
     shear, nothing = np.zeros(len(turns)), np.full(len(turns), SMALL_SHEAR)
     for number, (end, turning) in enumerate(turns.items()):
         if not turning or not advance.cracks[end[0]].can_grow(end[1]):
             continue
-        tip = solution.tips[solution.cover.tip_ends.index(end)]
-        if size := float(np.hypot(*tip.K)):  # else nothing turns it
+        site = solution.cover.tip_ends.index(end)
+        tip, (_, strength) = solution.tips[site], solution.scene.growing_in(solution.configuration.sites[site].body)
+        if (size := float(np.hypot(*tip.K))) and tip.loading is not None:  # else nothing turns it
             # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
-            shear[number] = -0.5 * hoop_stress_kink(*tip.K)
+            shear[number] = -0.5 * opening(tip.K, strength, tip.loading.field.direction)[1]
             nothing[number] = np.clip(np.nan_to_num(tip.intensity.K_II_spread) / size, SMALL_SHEAR, WORST_ERROR)
     return shear, nothing
 

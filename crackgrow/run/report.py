@@ -12,7 +12,7 @@ import numpy as np
 
 from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors
 from crackgrow.accuracy.energy_norm import ErrorEstimate, error_estimate
-from crackgrow.case.model import CriticalLoad
+from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.fracture.advance import STARTS, advancing_sites
@@ -80,7 +80,8 @@ def step_result(state: RunState, solution: StepSolution, chosen: Container[int],
         crack_length=sum(float(arc_lengths(path.points)[-1]) for path in paths),
         step_warnings=step_warnings(solution, faces, missed, state.step),
         norm_error=estimate().relative if state.step == 0 else math.nan,
-        time=math.nan if scene.case.subcritical is None else state.time,
+        time=math.nan if not isinstance(scene.case.rate_law, Subcritical) else state.time,
+        cycles=math.nan if not isinstance(scene.case.rate_law, Fatigue) else state.time,
         goal_error=percent.get(scene.case.numerics.goal, math.nan),  # those of K are of tips
         slip_error=percent.get("slip", math.nan),
         reaction_error=percent.get("reaction", math.nan),
@@ -143,10 +144,12 @@ def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float)
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still: set[str]) -> TipResult:
-    cover, state, law = solution.cover, solution.tips[tip], solution.scene.case.subcritical
+    cover, state, law = solution.cover, solution.tips[tip], solution.scene.case.rate_law
     index, at_end = cover.tip_ends[tip]
     K, verdict, crack, nan = state.intensity, state.verdict, str(cover.cracks[index].name), math.nan
-    speed = nan if law is None or verdict is None else float(velocities(np.array([verdict.criticality]), law)[0])
+    in_cycles, speed = isinstance(law, Fatigue), nan
+    if law is not None and verdict is not None:
+        speed = float(velocities(np.array([state.K_range if in_cycles else verdict.criticality]), law)[0])
     return TipResult(
         crack=crack,
         tip=end_word(at_end),
@@ -169,12 +172,14 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still
         K_II_spread=K.K_II_spread,
         cell_size=cover.tips[tip].size * cover.lattice.spacing,
         kink_error_deg=float(np.rad2deg(min(BOUND * errors.kinks[tip], np.pi))),
-        velocity=speed,
+        velocity=nan if in_cycles else speed,
         K_error_expected=errors.K[tip] / EXPECTED,
         sticks=crack in still,
         K_growth=nan if crack in still else state.K_growth,
         T=K.T,
         T_error=BOUND * errors.T[tip],
+        K_range=state.K_range,
+        growth_per_cycle=speed if in_cycles else nan,
     )
 
 

@@ -72,6 +72,8 @@ class TipResult:
     K_growth: float = float("nan")  # Pa sqrt(m), at which the tip grows: K_eq in tension, |K_II| in shear; nan: unknown
     T: float = float("nan")  # Pa: stress along the crack at the tip, without what is singular
     T_error: float = float("nan")  # Pa, bound of what T is off by; nan where it was not measured
+    K_range: float = float("nan")  # Pa sqrt(m), along the kink, between the loads of a cycle; nan without cycles
+    growth_per_cycle: float = float("nan")  # m, by the law of fatigue
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -261,6 +263,7 @@ class StepResult:
     slip_error: float = float("nan")  # percent of the largest, bound of what the jumps of faces are off by
     reaction_error: float = float("nan")  # the same of reactions
     time: float = float("nan")  # s, at which the cracks have come here; nan where growth takes no time
+    cycles: float = float("nan")  # after which they have come here in fatigue
     start: StartResult | None = None  # where cracks may start elsewhere than at tips
     checkpoint: Checkpoint | None = None  # from which this step and those behind it can be made again
 

@@ -205,11 +205,11 @@ def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:
 
 
 def _unstable(solution: StepSolution) -> Iterator[StepWarning]:
-    """A load that is far beyond the critical one, or at all where a law of growth in time has no more than v_max."""
+    """A load that is far beyond the critical one, or at all where growth has a rate, which tips outrun then."""
     case, cover = solution.scene.case, solution.cover
     if case.growth is None or case.growth.steps == 0 or isinstance(case.loading, CriticalLoad):
         return
-    cause = WarningCause.UNSTABLE if case.subcritical else WarningCause.OVERLOAD
+    cause = WarningCause.UNSTABLE if case.rate_law else WarningCause.OVERLOAD
     criticality = site_criticality(solution)
     if criticality.max(initial=0.0) < cause.limit:
         return

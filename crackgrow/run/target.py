@@ -16,7 +16,6 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.tips import Tip
 from crackgrow.errors import GeometryError, SolveError
-from crackgrow.fracture.criteria import hoop_stress_kink
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.configuration import Configuration
@@ -24,7 +23,6 @@ from crackgrow.run.evaluation import StepSolution, TipState
 from crackgrow.run.increments import LoadState
 from crackgrow.run.layout import cells_of
 from crackgrow.run.loading import HistorySolver, NextStepSolver
-from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import mean_stress, reactions
 
 MOST_ROUNDS = 5
@@ -152,7 +150,7 @@ def quantities(solution: StepSolution, own_factor: float) -> Quantities:
         T=np.array([known.T for known in intensities]),
         T_spread=np.array([known.T_spread for known in intensities]),
         unresolved=np.array([_unresolved(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
-        kinks=np.array([_direction(state.scene, tip) for tip in tips]),
+        kinks=np.array([math.nan if tip.verdict is None else tip.verdict.kink for tip in tips]),
         load_factor=own_factor,
         jumps=_jumps(state),
         forces=forces,
@@ -175,15 +173,6 @@ def _sticks(state: LoadState, crack: int) -> bool:
     mine, outcome = state.configuration.faces.surface == crack, state.outcome
     moved = (outcome.points.state[mine] != STICK) | (outcome.memory.slip[mine] != 0.0)
     return bool(mine.any()) and not moved.any() and not state.scene.laws[crack].elastic
-
-
-def _direction(scene: Scene, tip: TipState) -> float:
-    """The direction of growth (rad), by K alone where the last increment was turned until no shear was left."""
-    growth = scene.case.growth
-    if tip.verdict is None or growth is None:
-        return math.nan
-    implicit = growth.direction == "implicit" and tip.verdict.mode == "tension"
-    return hoop_stress_kink(*tip.K) if implicit else tip.verdict.kink
 
 
 def _spread(state: LoadState, tip: Tip, known: StressIntensity) -> float:

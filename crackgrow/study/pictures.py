@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
+from crackgrow.arrays import Floats
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
 from crackgrow.results.places import length_unit
@@ -21,6 +22,7 @@ from crackgrow.study.findings import Findings
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.plan import Run
 from crackgrow.study.runs import Table, Values
+from crackgrow.study.sweep_file import Measured
 
 CHOSEN: Final = ("K_I_first", "K_II_first", "x", "y")  # of the last tip, where nobody says what to draw
 PANEL: Final = (3.6, 3.0)  # inches
@@ -189,6 +191,21 @@ def _costs(axes: Axes, found: Findings, points: list[tuple[str, float, float]], 
     axes.margins(*ROOM)
     axes.tick_params(labelsize=SMALL, which="both")
     axes.grid(color="0.9", which="both")
+
+
+@own_style()
+def draw_fit(path: Path, points: Floats, lines: Mapping[str, Floats], measured: Measured) -> None:
+    """Draw measured points (n, 2), and the curves or paths (m, 2) of some runs by name. Raises OutputError."""
+    figure, (axes, *_) = _panels(1, (6.0, 4.5))
+    for (name, line), style in zip(lines.items(), ("--", "-")[-len(lines) :], strict=True):
+        axes.plot(*line.T, style, color=OTHER if style == "-" else "0.6", label=name, linewidth=1.0)
+    axes.plot(*points.T, "o", color=OWN, markersize=3, label="measured")
+    axes.set_xlabel(measured.x or "x, m")
+    axes.set_ylabel(measured.y or "y, m")
+    if measured.crack is not None:
+        axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(fontsize=SMALL)
+    write_atomically(path, lambda file: figure.savefig(file, dpi=DPI))
 
 
 def _number(row: Values, name: str) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Generator, Iterable
+from collections.abc import Generator, Iterable, Mapping
 from concurrent.futures import CancelledError, Future, as_completed
 from dataclasses import dataclass
 from pathlib import Path
@@ -153,15 +153,20 @@ class Table:
         return {"run": run.number, "folder": run.folder.name, **given, **found}
 
 
-def run_study(study: Study, workers: Workers, resume: bool) -> Generator[Row, None, Table]:
+def run_study(
+    study: Study, workers: Workers, resume: bool, known: Mapping[int, Values] | None = None
+) -> Generator[Row, None, Table]:
     """Run what is planned, yield the row of each run as it ends, and return the table; the folder is to be locked.
 
     resume: leave runs alone that are done, and go on with those that were broken off
+    known: what has become of runs before, which are left alone
 
     Raises ClusterError and OutputError; what has ended is in the table then. A run that fails is a row like any other.
     """
-    table, settled, missing = Table(study, {}), [], []
+    table, settled, missing = Table(study, dict(known or {})), [], []
     for run in study.runs:
+        if run.number in table.found:
+            continue
         found = found_in(run) if resume else {}
         if run.case is None:
             settled.append(table.ended(run, {"status": REFUSED, "reason": run.refusal}))

@@ -17,6 +17,7 @@ from crackgrow.case.units import Units
 from crackgrow.study.values import KeyedValues, Listed, ParameterValues, Range, ValueText
 
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
+MOST_KEYS: Final = 3  # of one fit: more are seldom told apart by a curve
 
 FORMAT: Final = format_of(
     Path(__file__).with_name("sweep.yaml").read_text(encoding="utf-8"),
@@ -57,19 +58,75 @@ class SweepFile:
         return (*kept, *(f"{key}={text}" for key, text in self.settings.items()))
 
 
+@dataclass(frozen=True, slots=True)
+class Measured:
+    """What was measured: a curve y(x), or the path of a crack."""
+
+    file: str  # relative to the fit file
+    x: str | None = None
+    y: str | None = None
+    crack: str | None = None
+    columns: tuple[str, str] | None = None  # of the file
+
+
+@dataclass(frozen=True, slots=True)
+class FitFile:
+    """A fit file that has no faults of its own."""
+
+    path: Path
+    base: Path
+    parameters: AnyMapping[str, Range]
+    settings: AnyMapping[str, str]
+    measured: Measured
+
+    @property
+    def base_folder(self) -> Path:
+        """The folder that names of files are relative to."""
+        return self.path.parent
+
+
 def read_sweep_file(path: Path) -> SweepFile:
     """The sweep of a YAML file; raises CaseError with all its faults."""
+    values, base, report = _read(path, "SweepFile", "sweep", "cases/sweeps/angle_friction.yaml")
+    if report.sound("parameters") and report.sound("design"):
+        _check_design(values, report)
+    if report.faults:
+        raise report.error()
+    return FORMAT.made(SweepFile, values, path=path, base=base, places=report.places)
+
+
+def read_fit_file(path: Path) -> FitFile:
+    """The fit of a YAML file; raises CaseError with all its faults."""
+    values, base, report = _read(path, "FitFile", "fit", "cases/fits/rough_joint.yaml")
+    for key, given in values["parameters"].items() if report.sound("parameters") else ():
+        if not isinstance(given, Range) or given.n is not None:
+            report.fault(("parameters", key), "wanted: a range {from, to} to search in, without n")
+    if report.sound("parameters") and len(values["parameters"]) > MOST_KEYS:
+        report.fault(("parameters",), f"{len(values['parameters'])} keys given; wanted: at most {MOST_KEYS}")
+    if report.sound("measured"):
+        measured = values["measured"]
+        if ("x" in measured, "y" in measured, "crack" in measured) not in ((True, True, False), (False, False, True)):
+            report.fault(("measured",), "wanted: x and y, of a curve, or crack, of a path")
+        elif not (path.parent / measured["file"]).is_file():
+            report.fault(("measured", "file"), f"there is no file {path.parent / measured['file']}")
+    if report.faults:
+        raise report.error()
+    return FORMAT.made(FitFile, values, path=path, base=base)
+
+
+def _read(path: Path, part: str, command: str, example: str) -> tuple[Any, Path, Report]:
+    """The values of a file of a study, its base, and the report of its faults; raises CaseError with no mapping."""
     report = Report(str(path))
     root = read_file(path, report)
     if not isinstance(root, Table):
         if root is not None and not report.faults:
-            report.fault((), "the file holds no mapping; a sweep is written as key: value", root.place)
+            report.fault((), f"the file holds no mapping; a {command} is written as key: value", root.place)
         raise report.error()
     if "bodies" in root.entries and "parameters" not in root.entries:
-        sweep = f"a sweep has `base: {path.name}` and `parameters`, such as cases/sweeps/angle_friction.yaml"
-        report.fault((), f"this is a case, not a sweep file: `crackgrow run {path}` runs it; {sweep}", root.place)
+        study = f"a {command} has `base: {path.name}` and `parameters`, such as {example}"
+        report.fault((), f"this is a case, not a {command} file: `crackgrow run {path}` runs it; {study}", root.place)
         raise report.error()
-    values: Any = FORMAT.part("SweepFile").read(root, (), Context(report, Units(), path.parent))
+    values: Any = FORMAT.part(part).read(root, (), Context(report, Units(), path.parent))
     base = path.parent / values["base"] if report.sound("base") else path
     if report.sound("base") and not base.is_file():
         names = sorted(file.name for file in base.parent.glob("*.yaml"))
@@ -78,11 +135,7 @@ def read_sweep_file(path: Path) -> SweepFile:
         for key in values["parameters"]:
             if key in values["set"]:
                 report.fault(("set", key), "is a parameter too; give it in one place", report.places["set", key])
-    if report.sound("parameters") and report.sound("design"):
-        _check_design(values, report)
-    if report.faults:
-        raise report.error()
-    return FORMAT.made(SweepFile, values, path=path, base=base, places=report.places)
+    return values, base, report
 
 
 def _check_design(values: Any, report: Report) -> None:

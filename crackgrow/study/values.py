@@ -49,9 +49,12 @@ class Range:
 
     def at(self, parts: NDArray[np.float64]) -> tuple[str, ...]:
         """The values at parts of the range: low at 0, high at 1."""
+        return tuple(f"{value:.{DIGITS}g} {self.unit}".strip() for value in self.numbers(parts).tolist())
+
+    def numbers(self, parts: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The same as numbers."""
         ratio = self.high / self.low if self.log else 1.0
-        values = self.low * ratio**parts if self.log else self.low + (self.high - self.low) * parts
-        return tuple(f"{value:.{DIGITS}g} {self.unit}".strip() for value in values.tolist())
+        return np.asarray(self.low * ratio**parts if self.log else self.low + (self.high - self.low) * parts)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Stages
+from crackgrow.case.model import Fatigue, Stages
 from crackgrow.results.folder import HISTORY, RunFolder
 from crackgrow.results.tables import COMPONENTS
 from crackgrow.results.units import ENERGIES, FORCES, INTENSITIES, LENGTHS, STRESSES, TIMES, Unit, rounded_all, unit_of
@@ -53,9 +53,10 @@ def charts(run: RunFolder) -> list[Chart]:
     found += [_chart(DISPLACEMENT.capitalize(), DISPLACEMENT, way, LENGTHS, steps)]
     energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
     found.append(_chart("Energies", "energy per thickness", energies, ENERGIES, steps))
-    if run.case.growth is not None and run.case.growth.subcritical is not None:
-        time = ("time", table.numbers("time"), TIMES)
-        found.append(_chart("Growth in time", "crack length", length, LENGTHS, steps, over=time))
+    if run.case.rate_law is not None:
+        cycles = isinstance(run.case.rate_law, Fatigue)
+        clock = ("cycles", table.numbers("cycles"), NO_UNIT) if cycles else ("time", table.numbers("time"), TIMES)
+        found.append(_chart(f"Growth in {clock[0]}", "crack length", length, LENGTHS, steps, over=clock))
     return found
 
 

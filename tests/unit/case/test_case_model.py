@@ -128,11 +128,22 @@ SLOW = [
     " subcritical: {velocity: 1 mm/day, exponent: 20, threshold: 0.2}}",
     "bodies.rock.strength={tension: 0.5, cohesion: 10, friction_angle: 40, toughness: 0.04 MPa sqrt(m)}",
 ]
+FATIGUE = [
+    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress, law: fatigue,"
+    " fatigue: {rate: 1e-9 mm, at: 1 MPa sqrt(m), exponent: 3.5, threshold: 0.1 MPa sqrt(m)}}",
+    SLOW[1],
+    "loading={history: [0.1, 1]}",
+]
+BEDDED = [
+    "bodies.rock.strength={tension: 0.5, cohesion: 10, friction_angle: 40, toughness: 0.04 MPa sqrt(m),"
+    " bedding: {angle: 30, toughness: 0.02 MPa sqrt(m)}}",
+    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress}",
+]
 FOLLOWED = ["loading={history: [0.5, 0.5, 1e-1], follow: 8}"]
 CRITICAL = ["loading=critical", "growth.steps=0"]
 
 
-@pytest.mark.parametrize("overrides", [[], AWKWARD, STARTING, SLOW, FOLLOWED, CRITICAL])
+@pytest.mark.parametrize("overrides", [[], AWKWARD, STARTING, SLOW, FATIGUE, BEDDED, FOLLOWED, CRITICAL])
 def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Path):
     case = compression(*overrides)
     again = reread(case, tmp_path)

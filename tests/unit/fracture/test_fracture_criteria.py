@@ -8,21 +8,21 @@ from dataclasses import astuple, replace
 import numpy as np
 import pytest
 
-from crackgrow.case.model import Strength
+from crackgrow.case.model import Bedding, Strength
 from crackgrow.case.toughness import MODE_I, radius_of, shear_radius_of
 from crackgrow.fracture.criteria import (
     CRITERIA,
-    LARGEST_KINK,
     Criterion,
     TipLoading,
     Verdict,
     directional_strength,
-    hoop_stress_kink,
     max_hoop_stress,
     shear_growth,
     strength,
     without_K,
 )
+from crackgrow.fracture.opening import hoop_stress_kink
+from crackgrow.fracture.sites import LARGEST_KINK
 from crackgrow.fracture.tip_stress import TipField
 
 N_RAYS = 72
@@ -90,6 +90,71 @@ def by_rays(site: TipLoading, limits: Strength) -> Verdict:
     """What `directional_strength` says of a single site."""
     (verdict,) = directional_strength([site], limits)
     return verdict
+
+
+def in_bedding(limits: Strength, angle: float, along: float) -> Strength:
+    """Rock that opens along planes at an angle (degrees) at a part of what it needs across them."""
+    toughness = None if limits.toughness is None else along * limits.toughness
+    return replace(limits, bedding=Bedding(angle, tension=along * limits.tension, toughness=toughness))
+
+
+def largest_in_bedding(K_I: float, K_II: float, planes: float, along: float) -> tuple[float, float]:
+    """As `largest_hoop` over what bedding at an angle (rad, from the tip) leaves of the resistance."""
+    t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 200_001)
+    hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
+    ratio = hoop / (along * np.cos(t - planes) ** 2 + np.sin(t - planes) ** 2)
+    return float(t[np.argmax(ratio)]), float(ratio.max())
+
+
+@pytest.mark.parametrize("direction", np.deg2rad([0.0, 130.0]))
+@pytest.mark.parametrize("planes", [-70.0, -20.0, 0.0, 45.0, 85.0])
+@pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (1.0, 0.5), (0.6, -1.0)])
+@pytest.mark.parametrize("toughness", [None, 3.0])
+def test_a_crack_turns_to_where_the_stress_over_its_resistance_is_largest(
+    K_I: float, K_II: float, planes: float, direction: float, toughness: float | None
+) -> None:
+    """By K, and by rays, within half a degree of the largest value on the exact field."""
+    rock = in_bedding(replace(ROCK, cohesion=1e6, toughness=toughness), np.rad2deg(direction) + planes, 0.4)
+    kink, K = largest_in_bedding(K_I, K_II, np.deg2rad(planes), 0.4)
+    site = near_field(K_I, K_II, direction=direction)
+    by_K, by_hoop = max_hoop_stress(site, rock), by_rays(site, rock)
+    assert by_K.kink == pytest.approx(kink, abs=np.deg2rad(0.05))
+    assert by_hoop.kink == pytest.approx(kink, abs=np.deg2rad(DIRECTION))
+    assert by_K.criticality == pytest.approx(K / (ROCK.tension * ROOT), rel=1e-4)
+    if toughness is not None:  # else a stress over rays
+        assert by_hoop.criticality == pytest.approx(K / toughness, rel=1e-4)
+    else:
+        assert by_hoop.criticality == pytest.approx(2.0 * K / (ROCK.tension * ROOT), rel=5e-3)
+
+
+@pytest.mark.parametrize("planes", [-60.0, 10.0, 45.0])
+def test_strength_opens_planes_of_bedding_under_the_tension_across_them(planes: float) -> None:
+    """Uniaxial tension s at right angles to 0: s cos^2 a / (1 + (along - 1) cos^2 (a - b)) on an axis a is largest."""
+    rock, a = in_bedding(ROCK, planes, 0.3), np.linspace(-0.5, 0.5, 200_001) * np.pi
+    ratio = np.cos(a) ** 2 / (1.0 - 0.7 * np.cos(a - np.deg2rad(planes)) ** 2)
+    verdict = strength(uniform((0.0, 1.0, 0.0)), rock)
+    assert np.rad2deg(axis_apart(verdict.kink, a[np.argmax(ratio)])) < 0.05
+    assert verdict.criticality == pytest.approx(ratio.max() / ROCK.tension, rel=1e-4)
+
+
+def test_where_K_is_not_known_the_strength_along_the_planes_decides() -> None:
+    """A start under uniaxial tension opens planes across it at their strength, and at that of the rock along it."""
+    rock = replace(ROCK, cohesion=1e6, toughness=3.0)
+    for planes, strength_there in ((0.0, 0.5), (90.0, 1.0)):
+        bedded = replace(rock, bedding=Bedding(planes, tension=0.5 * ROCK.tension))
+        verdict = by_rays(replace(uniform((0.0, 1.0, 0.0)), K_I=np.nan, K_II=np.nan), bedded)
+        assert verdict.criticality == pytest.approx(1.0 / (strength_there * ROCK.tension), rel=RAYS)
+
+
+@pytest.mark.parametrize("name", CRITERIA)
+def test_bedding_that_makes_no_difference_makes_none(name: str) -> None:
+    criterion, rock = CRITERIA[name], replace(ROCK, toughness=3.0)
+    sites = [near_field(1.0, 0.3), near_field(0.4, -0.8, direction=2.0)]
+    for found, known in zip(
+        criterion.at_tips(sites, in_bedding(rock, 30.0, 1.0)), criterion.at_tips(sites, rock), strict=True
+    ):
+        assert found.kink == pytest.approx(known.kink, abs=1e-4)
+        assert found.criticality == pytest.approx(known.criticality, rel=1e-6)
 
 
 AXES = np.deg2rad([-80.0, -33.0, 4.0, 41.0, 77.0])

@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from crackgrow.case.model import Subcritical
-from crackgrow.fracture.subcritical import WAITS, lengths, mean_velocity, velocities
+from crackgrow.case.model import Fatigue, Subcritical
+from crackgrow.fracture.subcritical import WAITS, lengths, mean_velocity, range_of_K, velocities
 
 
 def test_velocity_is_the_power_of_the_criticality_between_threshold_and_toughness() -> None:
@@ -18,6 +18,21 @@ def test_velocity_is_the_power_of_the_criticality_between_threshold_and_toughnes
     np.testing.assert_allclose(found, [0, 0, 0, 0, 0, 0.01 / 8, 0.01, 0.01, 0.01])
     np.testing.assert_array_equal(velocities(np.array([0.0, 1e-3, 1.0]), Subcritical(2.0, 0.0, 0.0)), [0, 2, 2])
     assert velocities(np.array([1e-3]), Subcritical(1.0, 200.0, 0.0)) == 0.0
+
+
+def test_growth_in_a_cycle_is_the_power_of_the_range_above_its_threshold() -> None:
+    law = Fatigue(rate=1e-9, at=1e6, exponent=2.0, threshold=0.5e6)
+    found = velocities(np.array([-np.inf, np.nan, 0.5e6, 1e6, 3e6]), law)
+    np.testing.assert_allclose(found, [0, 0, 0, 1e-9, 9e-9])
+
+
+def test_the_range_of_K_is_along_the_kink_and_of_open_cracks() -> None:
+    """Shear to and fro has no more range than in one sense: a ray that one sense opens is closed by the other."""
+    kink = -np.arccos(1.0 / 3.0)  # of the largest hoop stress in mode II, 2/sqrt(3) K_II
+    assert range_of_K((0.0, 0.0), (0.0, 1.0), kink) == pytest.approx(2.0 / np.sqrt(3.0))
+    assert range_of_K((0.0, -1.0), (0.0, 1.0), kink) == pytest.approx(2.0 / np.sqrt(3.0))
+    assert range_of_K((-3.0, 0.0), (2.0, 0.0), 0.0) == 2.0
+    assert range_of_K((2.0, 0.0), (1.0, 0.0), 0.0) == 1.0
 
 
 def test_tips_advance_in_proportion_to_their_velocities() -> None:

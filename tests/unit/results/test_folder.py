@@ -47,7 +47,7 @@ def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[cr
         assert bool(found) == (known.name not in curves), known.name
         written -= found
     assert written == set()
-    of_some_runs = {"safety", "time"}  # of reduced strength, of subcritical growth
+    of_some_runs = {"safety", "time", "cycles"}  # of reduced strength, of growth at a rate
     assert tuple(both[1].summary) == tuple(key for key in FILES["summary.json"].header if key not in of_some_runs)
     for name, file in (
         ("frames/step_0000.vtu", "frames/step_NNNN.vtu"),

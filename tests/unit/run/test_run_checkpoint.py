@@ -18,7 +18,7 @@ from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
 from crackgrow.run.result import Checkpoint
 from tests.scenes import shipped_case, specimen
-from tests.slow_cracks import SHORTER, slow_cracks
+from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
@@ -59,6 +59,7 @@ SCENES = {
     "all tips, meeting": ("two_flaws", "growth.steps=11"),  # an inner wing meets the other flaw in the tenth
     "cyclic friction": ("cyclic_friction", "numerics.spacing=10", "loading.history=[0.4, 1, 0.7, -0.3, -1, -0.8, 0.6]"),
     "subcritical, a tip that waits": ("slow_cracks", SHORTER),
+    "cycles": ("slow_cracks", SHORTER, *CYCLES),
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", "loading.history=[0.3, 1.0, 0.1, 0.5]"),
     "stages": ("tunnel_excavated", "numerics.spacing=1.5", "output.points={}"),
     "interface": ("interface_friction04", "numerics.spacing=0.2", "loading.history=[0.3, 1.0, 0.1, 0.5]"),

@@ -10,7 +10,7 @@ import pytest
 from crackgrow.fracture.subcritical import WAITS, mean_velocity
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import WarningCause
-from tests.slow_cracks import SHORTER, slow_cracks
+from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
 INCREMENT, V_MAX, N = 1e-3, 0.01, 10  # m, m/s, -
@@ -57,6 +57,30 @@ def test_a_tip_beyond_its_toughness_is_told_and_has_no_more_than_the_largest_vel
     assert results[1].time == pytest.approx(INCREMENT / V_MAX)
     (told,) = [warning.words for warning in results[0].step_warnings if warning.cause == WarningCause.UNSTABLE]
     assert told.startswith(f"the end of crack 'notch' is at {results[0].tips[0].criticality:.3g} of its toughness")
+
+
+@pytest.mark.parametrize(("first", "share"), [(-0.5, 1.0), (0.0, 1.0), (0.5, 0.5), (2.0, 1.0)])
+def test_a_cycle_counts_between_its_first_and_its_last_load_as_far_as_they_open_the_crack(
+    first: float, share: float
+) -> None:
+    """What comes between, and pressure on closed faces, is nothing to it: K_range is a share of K, here in mode I."""
+    settings = (f"loading={{history: [{first}, 0.25, 1]}}", "growth.steps=1")
+    (before, after), _ = whole_run(slow_cracks(*CYCLES, *settings))
+    tip = before.tips[0]
+    assert tip.K_range == pytest.approx(share * np.hypot(tip.K_I, tip.K_II), rel=1e-3)
+    assert tip.growth_per_cycle == pytest.approx(1e-9 * (1e-6 * tip.K_range) ** 3, rel=1e-12)
+    mean = mean_velocity(tip.growth_per_cycle, after.tips[0].growth_per_cycle)
+    assert after.cycles == pytest.approx(INCREMENT / mean, rel=1e-9)
+    assert np.isnan([after.time, tip.velocity]).all()
+
+
+def test_below_the_threshold_of_its_range_a_crack_stands_still() -> None:
+    least = {share: f"growth.fatigue.threshold={share * 0.1875} MPa sqrt(m)" for share in (0.9, 1.1)}
+    runs = {share: whole_run(slow_cracks(*CYCLES, setting, "growth.steps=1")) for share, setting in least.items()}
+    assert [len(results) for results, _ in runs.values()] == [2, 1]
+    (only,), end = runs[1.1]
+    assert (only.cycles, only.tips[0].growth_per_cycle, end.status) == (0.0, 0.0, "arrested")
+    assert f"the largest range of K is {only.tips[0].K_range:.4g} Pa sqrt(m), the threshold is" in end.reason
 
 
 WALL = "{path: {points: [[-6.5, -6], [-6.5, 6]]}, tips: none, contact: none}"

@@ -4,18 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from functools import cache, partial
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import shapely
 from scipy.integrate import quad
+from scipy.optimize import brentq
 
 from crackgrow import grow, load_case
+from crackgrow.case.toughness import radius_of
+from crackgrow.fracture.subcritical import mean_velocity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.result import StepResult
 from tests.scenes import MPA, plate, winged
 from tests.verification.row import Row
 from tests.verification.rows import limits
+from tests.verification.slit_body import plate as series
 from tests.verification.solutions import CASES, QUIET, Floats, case_of, table
 
 
@@ -280,6 +285,66 @@ def _others() -> Iterator[Row]:
     yield Row("ten cracks, the first", "distance of a path [m]", first_of_ten, 0.0, others, 3.2e-3)
 
 
+# Directions of growth in rock with bedding. Its elasticity is isotropic, and K what it is without bedding.
+
+ALONG = 0.4  # of the toughness across the planes
+
+
+def kink_in_bedding(criterion: str, angle: float, planes: float) -> float:
+    """Kink (degrees) of a crack of 40 mm in a pulled plate 20 times as wide; angles are from x, across the pull."""
+    bedding = {"angle": planes, "toughness": f"{ALONG} MPa sqrt(m)"}
+    strength = {**limits.ROCK, "tension": 50, "cohesion": 1000, "friction_angle": 30, "bedding": bedding}
+    cells, pull = {"spacing": "auto", "accuracy": "draft"}, [{"far_field": [0, 1, 0]}]
+    (step,) = grow(limits.plate(800, limits.flaw(20, angle), pull, cells, strength, criterion))
+    tip = step.tips[1]
+    assert abs(tip.criticality - 1.0) < 1e-6
+    return tip.kink_deg
+
+
+def largest_over_toughness(criterion: str, angle: float, planes: float) -> float:
+    """The kink (degrees) at which the hoop stress of the exact K is largest over the toughness of a direction.
+
+    `directional_strength` sees its average over R, 2 / sqrt(2 pi R) times that of K, and T, which is not singular.
+    """
+    exact, t = series(HALF, angle, WIDTH, WIDTH, 1.0), np.linspace(-110.0, 110.0, 220_001)
+    half, away = np.deg2rad(0.5 * t), np.deg2rad(angle + t - planes)
+    hoop = np.cos(half) * (exact.K_I * np.cos(half) ** 2 - 1.5 * exact.K_II * np.sin(2.0 * half))
+    if criterion == "directional_strength":
+        hoop = 2.0 / np.sqrt(2.0 * np.pi * radius_of(criterion, 50.0, 1.0)) * hoop + exact.T * np.sin(2.0 * half) ** 2
+    return float(t[np.argmax(hoop / (ALONG + (1.0 - ALONG) * np.sin(away) ** 2))])
+
+
+def steady(planes: float) -> float:
+    """The angle (degrees) of a crack in a wide plate that goes straight on.
+
+    There 3/2 K_II / K_I, that is 3/2 tan(angle), is the derivative of ln(toughness), backwards.
+    """
+
+    def turns(angle: float) -> float:
+        away = angle - np.deg2rad(planes)
+        toughness = ALONG + (1.0 - ALONG) * np.sin(away) ** 2
+        return float(1.5 * np.tan(angle) + (1.0 - ALONG) * np.sin(2.0 * away) / toughness)
+
+    return float(np.rad2deg(brentq(turns, 0.0, np.deg2rad(planes))))
+
+
+def _bedding() -> Iterator[Row]:
+    for criterion, tolerance in (("max_hoop_stress", 0.1), ("directional_strength", 0.5)):
+        for angle, planes in ((0, 45), (30, -20), (30, 60), (60, 20)):
+            name, value = (
+                f"{criterion}, {angle} and {planes} degrees",
+                partial(kink_in_bedding, criterion, angle, planes),
+            )
+            exact = largest_over_toughness(criterion, angle, planes)
+            yield Row(name, "kink in bedding [degrees]", value, exact, "slit_body.py", tolerance, "absolute")
+    for planes in (30, 60):
+        name, value = (
+            f"bedding at {planes} degrees",
+            partial(kink_in_bedding, "max_hoop_stress", steady(planes), planes),
+        )
+        yield Row(name, "kink of a steady crack [degrees]", value, 0.0, "closed form", 0.5)
+
+
 # Time of subcritical growth of a crack in tension in a wide plate: the integral of da / (v_max (K / K_c)^n), with
 # K = c s sqrt(pi a) / sqrt(cos(pi a / W)) (Feddersen), where c = 1 but for the error of the first K.
 
@@ -290,10 +355,14 @@ SLOW = {"direction": "explicit", "law": "subcritical"}
 def slow(exponent: int, increment: float) -> list[StepResult]:
     """The steps of a crack that grows slowly to twice its length in increments (mm)."""
     law = {**SLOW, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}, "increment": increment}
+    return to_twice_its_length({**law, "steps": round(20 / increment)}, [1])
+
+
+def to_twice_its_length(law: dict[str, Any], history: list[float]) -> list[StepResult]:
+    """The steps of a central crack that grows by a law of rate under loads."""
     cracks = {"flaw": {"path": {"center": [0, 0], "length": 40, "angle": 0}, "contact": "none"}}
     loads, numerics = [{"far_field": [0, PULL, 0]}], {"spacing": 20, "refine": {"tips": 3}}
-    steps = round(20 / increment)
-    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": [1]}, steps=steps, **law)))
+    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": history}, **law)))
 
 
 @cache
@@ -317,12 +386,48 @@ def fall_of_time_error(exponent: int) -> float:
     return abs(error[0] - error[1]) / abs(error[1] - error[2])
 
 
+PARIS, LEAST_LOAD = {"rate": "1e-6 mm", "at": "1 MPa sqrt(m)", "exponent": 3}, 0.2  # of the largest load
+
+
+@cache
+def cycles_over_exact(increment: float, in_increments: bool) -> float:
+    """Cycles of a central crack to twice its length over those by Paris' law with the exact K, minus 1.
+
+    That is the integral over the length, or its sum over increments (mm) along which ln(da/dN) is linear.
+    """
+    n = round(20 / increment)
+    law = {"direction": "explicit", "law": "fatigue", "fatigue": PARIS, "steps": n, "increment": increment}
+    steps = to_twice_its_length(law, [LEAST_LOAD, 1])
+
+    def rate(a: float) -> float:
+        return 1e-9 * ((1.0 - LEAST_LOAD) * series(a, 0.0, WIDTH, WIDTH, PULL).K_I) ** 3
+
+    half = np.array([0.5 * step.crack_length for step in steps])
+    if in_increments:
+        mean = [mean_velocity(rate(before), rate(after)) for before, after in pairwise(half.tolist())]
+        return float(steps[-1].cycles / (np.diff(half) / mean).sum() - 1.0)
+    exact, _ = quad(lambda a: 1.0 / rate(a), half[0], half[-1], epsrel=1e-6)
+    return float(steps[-1].cycles / exact - 1.0)
+
+
+def fall_of_cycles() -> float:
+    """How much less the cycles change from the middle increment to the short one than from the long one to it."""
+    error = [cycles_over_exact(increment, False) for increment in (10.0, 5.0, 2.5)]
+    return abs(error[0] - error[1]) / abs(error[1] - error[2])
+
+
 def _times() -> Iterator[Row]:
     for exponent in (2, 10):
         name, value = f"exponent {exponent}", partial(error_of_time, exponent, 2.5)
         yield Row(name, "time of growth", value, 0.0, "Feddersen", 0.01)
         value = partial(fall_of_time_error, exponent)
         yield Row(name, "fall of the error of time", value, 3.0, "order of two", 0.0, "at least")
+    for increment in (10, 5, 2.5):
+        name, value = f"increments of {increment} mm", partial(cycles_over_exact, increment, True)
+        yield Row(name, "cycles of growth, in increments", value, 0.0, "slit_body.py, Paris", 0.001)
+    value = partial(cycles_over_exact, 2.5, False)
+    yield Row("increments of 2.5 mm", "cycles of growth", value, 0.0, "slit_body.py, Paris", 0.005)
+    yield Row("Paris", "fall of the error of cycles", fall_of_cycles, 3.0, "order of two", 0.0, "at least")
 
 
-ROWS = [*_wings(), *_others(), *_times()]
+ROWS = [*_wings(), *_others(), *_bedding(), *_times()]

@@ -1,0 +1,144 @@
+"""Fits: what least squares find and say of their certainty, what runs miss of a measurement, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from crackgrow import cli, open_run
+from crackgrow.errors import CaseError, SolveError
+from crackgrow.study.fit import FitPlan, _fit_of, least_squares_of, missed, plan_fit
+from crackgrow.study.path_files import read_paths
+from crackgrow.study.sweep_file import FitFile, Measured
+from crackgrow.study.values import Range
+from tests.report_runs import make_run
+
+CASES = Path(__file__).parents[3] / "cases"
+JOINT, FLAW = CASES / "fits" / "rough_joint_measured.csv", CASES / "compression30.yaml"
+FRICTION, DECAY = "supports.0.contact.friction", "supports.0.contact.decay_length"
+LENGTHS = ("crack_length", "load_factor")
+
+
+def plan_of(points: np.ndarray, **ranges: Range) -> FitPlan:
+    file = FitFile(Path("fit.yaml"), Path("case.yaml"), ranges, {}, Measured("measured.csv", "x", "y"))
+    return FitPlan(file, "", Path("out"), tuple(ranges), points)
+
+
+def test_a_straight_line_is_that_of_linear_regression_with_its_intervals() -> None:
+    """Of y = a + b x with s^2 = SSR/(n - 2): var(b) = s^2 / sum (x - mean)^2, and the covariance of numpy's polyfit."""
+    rng, x = np.random.default_rng(1), np.linspace(0.0, 2.0, 12)
+    y = 1.0 + 3.0 * x + rng.normal(0.0, 0.2, 12)
+    a, b = Range(-5.0, 5.0, "", None, log=False), Range(0.5, 20.0, "", None, log=True)
+    plan = plan_of(np.stack([x, y], axis=1), a=a, b=b)
+
+    def residuals(places: np.ndarray) -> list[np.ndarray]:
+        return [(-5.0 + 10.0 * a) + 0.5 * 40.0**b * x - y for a, b in places]
+
+    place, _, _ = least_squares_of(residuals, 2)
+    best, cov = np.polyfit(x, y, 1, cov=True)
+    found = np.array([-5.0 + 10.0 * place[0], 0.5 * 40.0 ** place[1]])
+    np.testing.assert_allclose(found, best[::-1], rtol=1e-3)
+    exact = np.stack([np.full(12, 10.0), found[1] * np.log(40.0) * x], axis=1)  # of places in the unit square
+    told = _fit_of(plan, place, np.polyval(best, x) - y, exact, 7)
+    np.testing.assert_allclose(told.covariance, cov[::-1, ::-1], rtol=5e-3)
+    np.testing.assert_allclose(told.half_widths, 2.2281 * np.sqrt(np.diag(cov))[::-1], rtol=5e-3)  # Student, 10 degrees
+    assert told.region == pytest.approx(2.0 * 4.1028, rel=1e-4)  # F(2, 10)
+    assert (told.n_runs, told.at_end) == (7, ())
+
+
+def test_keys_that_a_curve_does_not_tell_apart_are_told_and_so_is_the_end_of_a_range() -> None:
+    one = Range(0.0, 1.0, "mm", None, log=False)
+    plan = plan_of(np.zeros((9, 2)), a=one, b=one)
+    with pytest.raises(SolveError, match="does not tell the keys apart a, b"):
+        _fit_of(plan, np.full(2, 0.5), np.ones(9), np.ones((9, 2)), 1)
+    alone = replace(plan, file=replace(plan.file, parameters={"a": one}))
+    with pytest.raises(SolveError, match="does not depend on the key a"):
+        _fit_of(alone, np.full(1, 0.5), np.ones(9), np.zeros((9, 1)), 1)
+    words = str(_fit_of(alone, np.zeros(1), np.ones(9), np.ones((9, 1)), 1))
+    assert words.startswith("a = 0 +- 0.82 mm (95 %)\na is at an end of its range")  # t(8) sqrt(9/8) / 3
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return make_run(tmp_path_factory.mktemp("fit") / "run")
+
+
+def test_what_a_run_misses_of_a_curve_is_the_difference_between_its_rows(run: Path) -> None:
+    x, y = (open_run(run).steps[name].to_numpy() for name in LENGTHS)
+    middle = 0.5 * (x[1:] + x[:-1])
+    points = np.stack([middle, 0.5 * (y[1:] + y[:-1]) + 0.1], axis=1)
+    np.testing.assert_allclose(missed(run, points, Measured("a.csv", *LENGTHS)), -0.1, rtol=1e-9)
+    with pytest.raises(SolveError, match=r"crack_length of the run in .* let the run go as far"):
+        missed(run, points + np.array([1.0, 0.0]), Measured("a.csv", *LENGTHS))
+
+
+def test_what_a_run_misses_of_a_path_is_the_way_to_its_nearest_point(run: Path) -> None:
+    points = read_paths(run).cracks["flaw"].points
+    along = (points[1] - points[0]) / np.hypot(*(points[1] - points[0]))
+    across = np.array([-along[1], along[0]])
+    beside = 0.5 * (points[1] + points[0]) + 1e-5 * across
+    found = missed(run, beside[None], Measured("a.csv", crack="flaw"))
+    np.testing.assert_allclose(found, -1e-5 * across, atol=1e-12)
+
+
+@pytest.mark.parametrize(("change", "words"), [
+    ({"parameters": "{a: [1, 2]}"}, "parameters.a: wanted: a range {from, to} to search in"),
+    ({"parameters": "{a: {from: 1, to: 2, n: 3}}"}, "without n"),
+    ({"parameters": "{" + ", ".join(f"{key}: {{from: 1, to: 2}}" for key in "abcd") + "}"}, "at most 3"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor}}"}, "measured: wanted: x and y, of a curve, or crack"),
+    ({"measured": f"{{file: {JOINT}, x: a, y: b, crack: c}}"}, "measured: wanted: x and y, of a curve, or crack"),
+    ({"measured": "{file: none.csv, crack: flaw}"}, "measured.file: there is no file"),
+    ({"design": "grid"}, "design: unknown key"),
+])  # fmt: skip
+def test_a_fit_file_that_is_wrong_is_refused(change: dict[str, Any], words: str, tmp_path: Path) -> None:
+    told = {"base": CASES / "rough_joint_sheared.yaml", "parameters": f"{{{FRICTION}: {{from: 0.6, to: 1.2}}}}",
+            "measured": f"{{file: {JOINT}, x: load_factor, y: supports.1.force_x}}"} | change  # fmt: skip
+    file = tmp_path / "fit.yaml"
+    file.write_text("".join(f"{key}: {value}\n" for key, value in told.items()))
+    with pytest.raises(CaseError) as caught:
+        plan_fit(file)
+    assert words in "; ".join(map(str, caught.value.faults))
+
+
+@pytest.mark.physics
+def test_the_friction_of_a_joint_is_recovered_within_its_noise(tmp_path: Path) -> None:
+    """The shear force is that of the closed form with 0.8, and noise; resumed, no run is made again."""
+    file = tmp_path / "fit.yaml"
+    file.write_text(
+        f"base: {CASES / 'rough_joint_sheared.yaml'}\nset: {{loading.history: [1]}}\n"
+        f"parameters: {{{FRICTION}: {{from: 0.6, to: 1.2}}}}\n"
+        f"measured: {{file: {JOINT}, x: load_factor, y: supports.1.force_x, columns: [load_factor, shear_N]}}\n"
+    )
+    assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
+    found = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert abs(found["values"][0] - 0.8) < found["half_widths"][0] < 0.01
+    assert found["rms"] == pytest.approx(4000.0, rel=0.3)  # N/m, the noise
+    made = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").glob("*/summary.json")}
+    assert len(made) == found["n_runs"]
+    assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--resume"]) == 0
+    assert json.loads((tmp_path / "out" / "fit.json").read_text()) == found
+    assert made == {path: path.stat().st_mtime_ns for path in (tmp_path / "out").glob("*/summary.json")}
+
+
+@pytest.mark.physics
+def test_the_angle_of_a_flaw_is_recovered_from_its_path(tmp_path: Path) -> None:
+    """Within its noise, of a path that the same case has drawn at 33 degrees."""
+    coarse = ["numerics.spacing=4", "growth.steps=1"]
+    points = read_paths(make_run(tmp_path / "run", [*coarse, "cracks.flaw.path.angle=33"])).cracks["flaw"].points
+    places = np.concatenate([points[:-1] + s * np.diff(points, axis=0) for s in (0.1, 0.4, 0.7)])
+    places += np.random.default_rng(2).normal(0.0, 2e-5, places.shape)
+    rows = "".join(f"{x!r},{y!r}\n" for x, y in places[np.argsort(places[:, 0])].tolist())
+    (tmp_path / "path.csv").write_text(f"x,y\n{rows}")
+    file = tmp_path / "fit.yaml"
+    file.write_text(
+        f"base: {FLAW}\nset: {{numerics.spacing: 4, growth.steps: 1}}\n"
+        "parameters: {cracks.flaw.path.angle: {from: 20, to: 40}}\nmeasured: {file: path.csv, crack: flaw}\n"
+    )
+    assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
+    found = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert abs(found["values"][0] - 33.0) < found["half_widths"][0] < 1.0
