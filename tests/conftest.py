@@ -102,7 +102,7 @@ class Sample:
         return shapely.Polygon(self.lattice.to_lattice(self.body.outline))
 
     def stiffness(self, quadrature: int = 3) -> NDArray[np.float64]:
-        return stiffness(self.cover, [self.material], quadrature).matrix.tocsc()
+        return stiffness(self.cover, [self.material], quadrature).tocsc()
 
     def system(self, supports: Sequence[Support], quadrature: int = 3) -> tuple[ConstrainedSystem, Floats]:
         held = constraints(self.cover, tuple(supports))

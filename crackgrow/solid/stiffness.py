@@ -9,52 +9,46 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from crackgrow.approximation.basis import arrays_of, functions_at, gathered
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
 from crackgrow.linear import SymmetricMatrix
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
-from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.unchanged import Keys, element_keys, elements_of, reuse_unchanged
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stiffness:
-    """A stiffness matrix, and what tells which of its entries the next configuration has in common with it."""
-
-    matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
-    on: Ragged  # elements -> functions
-    keys: Keys  # (elements, 2) hashes of all that each element is integrated from
-    n_integrated: int  # elements
-
-
-def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int, before: Stiffness | None = None) -> Stiffness:
-    """The stiffness of bodies of these `materials`, with `n` Gauss points per direction.
-
-    What has not changed since the one `before` is taken over; the result is the same without it.
-    """
+def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> SymmetricMatrix:
+    """The stiffness (n_dofs, n_dofs) Pa, per metre of thickness, with `n` Gauss points per direction."""
     spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
     inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
-    arrays, moduli = arrays_of(cover), np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
+    moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
-    of = elements_of(on.start, on.values, cover.n_functions)
-    start, column = _pattern(on.start, on.values, *of)
-    block, changed = np.zeros((len(column), 2, 2)), np.ones(cover.n_functions, dtype=bool)
-    keys = element_keys(arrays, within, around, np.column_stack([moduli, np.full(len(moduli), spacing)]))
-    if before is not None:
-        changed = reuse_unchanged(((on.start, on.values), of, keys, start, column, block), before)
-    lower = (start, column, block)
-    n_integrated = _integrate(arrays, (on.start, on.values), within, around, moduli, 1.0 / spacing, changed, *lower)
-    return Stiffness(SymmetricMatrix(*lower), on, keys, n_integrated)
+    start, column = _pattern(on.start, on.values, *_elements_of(on.start, on.values, cover.n_functions))
+    block = np.zeros((len(column), 2, 2))
+    _integrate(arrays_of(cover), (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
+    return SymmetricMatrix(start, column, block)
+
+
+@kernel
+def _elements_of(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
+    """The elements of n functions, ascending: starts (n + 1,) and elements, from the functions of elements."""
+    of = np.zeros(n + 1, np.int64)
+    for i in function:
+        of[i + 1] += 1
+    of = np.cumsum(of)
+    element, free = np.empty(len(function), np.int64), of[:-1].copy()
+    for e in range(len(at) - 1):
+        for p in range(at[e], at[e + 1]):
+            element[free[function[p]]] = e
+            free[function[p]] += 1
+    return of, element
 
 
 @kernel
@@ -92,35 +86,25 @@ def _integrate(
     rim: tuple[Ints, Floats, Floats],
     moduli: Floats,
     scale: float,
-    changed: Bools,
-    start: Ints,
-    column: Ints,
-    block: Floats,
-) -> int:
-    """Add the integrals over elements to the blocks of pairs of `changed` functions; return of how many elements.
+    matrix: tuple[Ints, Ints, Floats],
+) -> None:
+    """Add the integrals over elements to the blocks of a matrix.
 
     on: starts and functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
-    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; start, column, block
-    (q, 2, 2): rows of the lower triangle of the matrix
+    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; matrix: starts of rows,
+    columns, and blocks (q, 2, 2) of the lower triangle
     """
     nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
     (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
+    start, column, block = matrix
     most, most_points = 1, 1
     for e in range(len(at) - 1):
         most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
     f, work, of_tip, by = np.empty((3, most)), np.empty((5, most)), np.empty((3, 4)), np.empty((2, most))
     per, shift, g, s = np.empty(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
-    n_integrated = 0
     for e in range(len(at) - 1):
-        if not np.any(changed[function[at[e] : at[e + 1]]]):
-            continue
-        n_integrated += 1
-        k, m, first, last = (
-            gathered(e, by, per, nodes, half, patch_at, patch),
-            at[e + 1] - at[e],
-            pair_at[e],
-            pair_at[e + 1],
-        )
+        k, m = gathered(e, by, per, nodes, half, patch_at, patch), at[e + 1] - at[e]
+        first, last = pair_at[e], pair_at[e + 1]
         n, area, shift[: 2 * m] = inside_at[e + 1] - inside_at[e], 0.0, 0.0
         for q in range(rim_at[e], rim_at[e + 1]):
             functions_at(places[q, 0], places[q, 1], False, k, by, per, first, last, tip_of, side, carrier_at,
@@ -147,11 +131,7 @@ def _integrate(
         c11, c12, c33 = moduli[e]
         for i in range(m):
             row = start[function[at[e] + i]]
-            if not changed[function[at[e] + i]]:
-                continue
             for j in range(i + 1):
-                if not changed[function[at[e] + j]]:
-                    continue
                 while column[row] < function[at[e] + j]:
                     row += 1
                 xx, xy, yx, yy = products[i, j], products[m + j, i], products[m + i, j], products[m + i, m + j]
@@ -159,4 +139,3 @@ def _integrate(
                 block[row, 0, 1] += c12 * xy + c33 * yx
                 block[row, 1, 0] += c12 * yx + c33 * xy
                 block[row, 1, 1] += c11 * yy + c33 * xx
-    return n_integrated
