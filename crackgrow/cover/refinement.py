@@ -31,13 +31,12 @@ class SizeField:
     rings: Floats | float  # (n,) or the same for all: cells of each size round the place
 
 
-def refined(lattice: Lattice, field: SizeField, before: Lattice | None = None, *, quartered: bool = False) -> Lattice:
-    """The lattice with `divided` cells; it is the lattice itself, or the one `before`, where the cells are the same."""
+def refined(lattice: Lattice, field: SizeField, *, quartered: bool = False) -> Lattice:
+    """The lattice with `divided` cells, each `quartered` if that is asked for; itself where they are the same."""
     cells = divided(lattice, field)
     cells = cells.quartered() if quartered else cells
-    for known in (lattice, before):
-        if known is not None and cells.equal(known.cells):
-            return known
+    if cells.equal(lattice.cells):
+        return lattice
     finer = lattice_of(lattice.spacing, lattice.support, lattice.origin, cells)
     return replace(finer, map_origin=lattice.map_origin)
 

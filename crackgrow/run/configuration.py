@@ -285,16 +285,13 @@ class Configuration:
         return u @ shares, multipliers @ shares
 
 
-def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
-    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made.
-
-    What has not changed since the configuration `before` is not factorized again; the result is the same without it.
-    """
+def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
+    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made."""
     scene = scene.with_cracks(growing)
     case = scene.case
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
-        cover = cover_of(scene, growing, None if before is None else before.cover)
+        cover = cover_of(scene, growing)
         sites = sites_of(scene, cover, growing)
     with timed(seconds, "assembly"):
         stiff = stiffness(cover, scene.materials, case.numerics.quadrature)
@@ -311,9 +308,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else loose.held_in(matrix)
-        known = None if before is None else before.contact.system
-        keep = case.growth is not None or case.n_loads > 1  # another configuration follows
-        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), known, keep)
+        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover))
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver

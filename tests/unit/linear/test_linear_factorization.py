@@ -1,25 +1,20 @@
-"""The multifrontal factorization against dense and sparse solutions; hopeless matrices; what is taken over."""
+"""The multifrontal factorization against dense and sparse solutions; hopeless matrices."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse import block_array, block_diag, csc_array, csr_array, vstack
+from scipy.sparse import block_array, block_diag, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.linear import ConstrainedSystem, symmetric
-from crackgrow.linear import factorization as module
 from crackgrow.linear.factorization import Factorization
-from tests.unit.linear.lattices import Floats, Ints, boxes_at, lattice, net
+from tests.unit.linear.lattices import Floats, boxes_at, lattice, net
 
 
 def none(n: int) -> csr_array:
     """No constraints."""
     return csr_array((0, n))
-
-
-def factorized(matrix: csc_array, nodes: Ints, before: Factorization | None = None) -> Factorization:
-    return Factorization(symmetric(matrix), none(matrix.shape[0]), boxes_at(nodes), before)
 
 
 def solved(factorization: Factorization, loads: Floats) -> Floats:
@@ -151,80 +146,3 @@ def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     assert np.abs(u).max() < 2.0 * np.abs(x).max()
     np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
     assert u @ (semidefinite @ u) == pytest.approx(x @ loads, rel=1e-12)
-
-
-@pytest.fixture(scope="module")
-def rock() -> tuple[csc_array, Ints]:
-    """A matrix of many fronts."""
-    return lattice(40, 8)
-
-
-def changed(matrix: csc_array, dof: int) -> csc_array:
-    """The matrix, stiffer at one unknown."""
-    other = matrix.copy()
-    other[dof, dof] *= 1.5
-    return csc_array(other)
-
-
-@pytest.mark.parametrize("few", [0, 3, 10**6])
-def test_what_is_taken_over_gives_the_bits_of_what_is_made(
-    rock: tuple[csc_array, Ints], few: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """All that fronts leave is kept, some of it or none; a change is factorized along one way up the tree."""
-    monkeypatch.setattr(module, "FEW_FRONTS", few)
-    matrix, nodes = rock
-    before = factorized(matrix, nodes)
-    assert factorized(matrix, nodes, before).n_eliminated == 0
-    loads = np.random.default_rng(36).normal(size=(matrix.shape[0], 2))
-    for dof in (matrix.shape[0] // 3, 2):
-        after, alone = (factorized(changed(matrix, dof), nodes, known) for known in (before, None))
-        assert 0 < after.n_eliminated < 0.3 * alone.n_eliminated
-        np.testing.assert_array_equal(solved(after, loads), solved(alone, loads))
-
-
-def test_all_that_a_front_holds_is_in_its_key() -> None:
-    """With other entries or constraints a solution is that of a factorization without what was known."""
-    matrix, nodes = lattice(16, 3)
-    n, boxes = matrix.shape[0], boxes_at(nodes)
-    row = csr_array(np.eye(1, n, n // 2))
-    known = ConstrainedSystem(matrix, row, boxes)
-    loads = np.random.default_rng(37).normal(size=n)
-    for other in (
-        (changed(matrix, 7), row, boxes),
-        (csc_array(matrix * 1.0000001), row, boxes),
-        (matrix, 2.0 * row, boxes),
-        (matrix, csr_array(np.eye(1, n, n // 2 + 1)), boxes),
-        (matrix, none(n), boxes),
-        (matrix, csr_array(np.eye(2, n, n // 2)), boxes),
-        (matrix, row, None),
-    ):
-        found, alone = ConstrainedSystem(*other, known).solve(loads), ConstrainedSystem(*other).solve(loads)
-        np.testing.assert_array_equal(np.concatenate(found), np.concatenate(alone))
-
-
-def loaded(n: int, at: Ints) -> csr_array:
-    """Rows (k, n) with two entries each, from `at` (k,) on."""
-    k = len(at)
-    values = np.random.default_rng(60).normal(size=2 * k)
-    return csr_array((values, ((at[:, None] + np.arange(2)).ravel()), 2 * np.arange(k + 1)), shape=(k, n))
-
-
-@pytest.mark.parametrize("change", ["nothing", "value", "place", "order", "fewer", "more"])
-def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_array, Ints], change: str) -> None:
-    """After a change at one unknown, and of the rows; columns behind a new one have other numbers."""
-    matrix, nodes = rock
-    n = matrix.shape[0]
-    at = np.sort(np.random.default_rng(61).choice(n - 1, 60, replace=False))
-    first = loaded(n, at)
-    others = {
-        "nothing": first,
-        "value": csr_array(first * np.where(np.arange(60) == 7, 1.5, 1.0)[:, None]),
-        "place": loaded(n, np.sort(np.append(at[1:], at[0] + 3))),
-        "order": csr_array(first[::-1]),
-        "fewer": csr_array(first[3:]),
-        "more": csr_array(csr_array(vstack([first, loaded(n, np.array([n // 3]))]))[np.insert(np.arange(60), 20, 60)]),
-    }
-    before = factorized(matrix, nodes)
-    before.compliance(first)
-    after, alone = (factorized(changed(matrix, n // 3), nodes, some) for some in (before, None))
-    np.testing.assert_array_equal(after.compliance(others[change]), alone.compliance(others[change]))
