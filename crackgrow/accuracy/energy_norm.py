@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.sparse import csc_array
 
-from crackgrow.approximation.basis import fields_at, values_at
+from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.singular_stress import SingularStress
@@ -94,10 +94,10 @@ def _sampled(
     """Samples at a block of points, and the integral of their squares; singular parts act on some of the patches."""
     points, weights, element = at.points[block], at.weights[block], at.element[block]
     body = cover.elements.body[element]
-    gradient = fields_at(cover, u.reshape(-1, 2), points, element)[1:].transpose(1, 2, 0)
+    basis, patches = basis_at(cover, points, element), cover.patches.of_element.taken(element)
+    gradient = basis.fields(u)[1:].transpose(1, 2, 0)
     places = cover.lattice.to_metres(points)
     values = energy_components(materials, stress_of(materials, gradient, body, places), body)
-    basis, patches = values_at(cover, points, element), cover.patches.of_element.taken(element)
     point = patches.row
     # no fits on crumbs, whose stress is uniform
     phi = np.where(

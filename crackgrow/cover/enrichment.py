@@ -14,7 +14,7 @@ import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
-from crackgrow.cover.gathered import surroundings
+from crackgrow.cover.gathered import gathered, surroundings
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches
 from crackgrow.cover.shapes import CrackGeometry
@@ -58,7 +58,7 @@ def make_tips(
     """The tips of all cracks, which are the first lines of the elements; their functions follow the patches."""
     n_functions = len(patches.nodes)
     tips: list[Tip] = []
-    around = surroundings(elements, patches) if any(crack.gathered for crack in cracks) else None
+    around = surroundings(elements) if any(crack.gathered for crack in cracks) else None
     places = [crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips()]
     sizes = iter(largest_cells_at(lattice, np.array(places).reshape(-1, 2)).tolist())
     for index, crack in enumerate(cracks):
@@ -66,7 +66,7 @@ def make_tips(
             points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
             size = next(sizes)
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            found = around.gathered(index, points, size) if around is not None and crack.gathered else None
+            found = gathered(around, patches, index, points, size) if around and crack.gathered else None
             if found is None:
                 reach = reach_of_tips(lattice.support) * size
                 singular = _singular_patches(patches, beside, points[0])
@@ -79,7 +79,7 @@ def make_tips(
             view, carriers = found
             body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, carriers, n_functions, size))
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, body, carriers, n_functions, size))
             n_functions += N_TIP_FUNCTIONS * carriers.n
     return tuple(tips)
 

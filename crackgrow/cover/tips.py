@@ -68,7 +68,6 @@ class Tip(TipView):
     at_end: bool  # whether it is at the crack's end, not at its start
     points: Floats  # (n, 2) all vertices of the crack, from the tip on
     other_is_tip: bool  # whether the crack's other end is a tip, too
-    element: int  # at the tip, on the crack's plus face
     body: int
     carriers: Carriers
     first_function: int  # four functions for each carrier from this number on
@@ -156,7 +155,10 @@ def tip_angle(tip: TipView, points: Floats, reference: Floats) -> tuple[Floats, 
 
     The reference lies off the crack; the point may lie on it.
     """
-    return polar_beside(tip, points, side_angle(tip, reference))
+    local = (points - tip.point) @ tip.rotation.T
+    angle = np.arctan2(local[:, 1], local[:, 0])
+    angle += 2.0 * np.pi * np.round((side_angle(tip, reference) - angle) / (2.0 * np.pi))
+    return np.hypot(local[:, 0], local[:, 1]), angle
 
 
 def side_angle(tip: TipView, reference: Floats) -> Floats:
@@ -164,14 +166,6 @@ def side_angle(tip: TipView, reference: Floats) -> Floats:
     seen = (reference - tip.point) @ tip.rotation.T
     alpha = crack_angle(tip, np.hypot(seen[:, 0], seen[:, 1]))
     return np.asarray(alpha - np.mod(alpha - np.arctan2(seen[:, 1], seen[:, 0]), 2.0 * np.pi))
-
-
-def polar_beside(tip: TipView, points: Floats, side: Floats) -> tuple[Floats, Floats]:
-    """Distance r and angle t (n,) of points (n, 2), each on the side of the crack that has the angles `side` (n,)."""
-    local = (points - tip.point) @ tip.rotation.T
-    angle = np.arctan2(local[:, 1], local[:, 0])
-    angle += 2.0 * np.pi * np.round((side - angle) / (2.0 * np.pi))
-    return np.hypot(local[:, 0], local[:, 1]), angle
 
 
 def crack_angle(tip: TipView, r: Floats) -> Floats:

@@ -7,12 +7,12 @@ are round-off.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import SolveError
 from crackgrow.linear.factorization import Factorization
-from crackgrow.linear.matrix import SymmetricMatrix, symmetric
+from crackgrow.linear.matrix import SymmetricMatrix
 
 REFINEMENTS = 3
 """Most corrections for round-off."""
@@ -32,12 +32,12 @@ class ConstrainedSystem:
 
     def __init__(
         self,
-        stiffness: csc_array | SymmetricMatrix,
+        stiffness: SymmetricMatrix,
         constraints: csr_array,
-        boxes: tuple[Ints, Ints] | None = None,
+        boxes: tuple[Ints, Ints],
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`."""
-        self.stiffness = symmetric(stiffness)
+        self.stiffness = stiffness
         self.constraints = constraints
         self._share = abs(constraints)
         self._factorization = Factorization(self.stiffness, constraints, boxes)

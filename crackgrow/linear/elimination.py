@@ -151,21 +151,6 @@ def _hold(matrix: Floats, size: Floats) -> Ints:
 def forward(U: Floats, V: Floats, n_placed: int, begin: int, border: Ints, x: Floats) -> None:
     """Replace what right-hand sides x (n, k) have at a front by D^-1 U'^-1 of it, and take it off the border's."""
     p, b, n_columns = len(U), V.shape[1], x.shape[1]
-    if n_columns == 1:
-        y, later = x[begin : begin + p, 0].copy(), np.zeros(b)
-        for k in range(p):
-            if y[k] != 0.0:
-                y[k] /= U[k, k]
-                for j in range(k + 1, p):
-                    y[j] -= U[k, j] * y[k]
-                value = y[k]
-                for j in range(b):
-                    later[j] += V[k, j] * value
-        for k in range(p):
-            x[begin + k, 0] = y[k] if k < n_placed else -y[k]
-        for j in range(b):
-            x[border[j], 0] -= later[j]
-        return
     active = np.zeros(n_columns, np.bool_)  # loads act on few fronts each
     for a in range(begin, begin + p):
         for k in range(n_columns):
@@ -191,25 +176,11 @@ def forward(U: Floats, V: Floats, n_placed: int, begin: int, border: Ints, x: Fl
 @kernel
 def backward(U: Floats, V: Floats, begin: int, border: Ints, x: Floats) -> None:
     """Replace what x (n, k) has at a front by U^-1 (x - V times the border's)."""
-    p, b, n_columns = len(U), V.shape[1], x.shape[1]
-    if n_columns > 1:
-        later, mine = np.empty((b, n_columns)), x[begin : begin + p]
-        for j in range(b):
-            later[j] = x[border[j]]
-        add_product(V, later, mine, -1.0, False)
-        solve_upper(U, mine, False)
-        return
-    y, known = x[begin : begin + p, 0].copy(), np.empty(b)
-    for j in range(b):
-        known[j] = x[border[j], 0]
-    for k in range(p - 1, -1, -1):
-        value = y[k]
-        for j in range(b):
-            value -= V[k, j] * known[j]
-        for j in range(k + 1, p):
-            value -= U[k, j] * y[j]
-        y[k] = value / U[k, k]
-    x[begin : begin + p, 0] = y
+    later, mine = np.empty((len(border), x.shape[1])), x[begin : begin + len(U)]
+    for j in range(len(border)):
+        later[j] = x[border[j]]
+    add_product(V, later, mine, -1.0, False)
+    solve_upper(U, mine, False)
 
 
 @kernel

@@ -38,16 +38,14 @@ class Factor:
 class Factorization:
     """A factorized matrix K (n, n) with constraints C (m, n)."""
 
-    def __init__(self, matrix: SymmetricMatrix, constraints: csr_array, boxes: tuple[Ints, Ints] | None = None) -> None:
+    def __init__(self, matrix: SymmetricMatrix, constraints: csr_array, boxes: tuple[Ints, Ints]) -> None:
         """Factorize K, positive semidefinite, whose functions have `boxes`: lower left, upper right corners (n / 2, 2).
 
-        Without boxes all unknowns are in one dense front. Raises SolveError where entries are not finite, or unknowns
-        have no stiffness.
+        Raises SolveError where entries are not finite, or unknowns have no stiffness.
         """
         self._constraints, squares = constraints, constraints.multiply(constraints)
         self._rho = _stiffness(matrix, constraints) / np.maximum(squares.sum(axis=1), np.finfo(float).tiny)
-        alike = np.zeros((matrix.n_functions, 2), dtype=np.int64)
-        fronts = fronts_of(matrix, constraints, *(boxes or (alike, alike + 1)))
+        fronts = fronts_of(matrix, constraints, *boxes)
         diagonal = matrix.diagonal() + squares.T @ self._rho
         if not np.all(diagonal != 0.0):
             raise SolveError(f"{np.sum(diagonal == 0.0)} of {len(diagonal)} unknowns have no stiffness")
@@ -68,7 +66,7 @@ class Factorization:
         start, end = fronts.starts[front : front + 2].tolist()
         own = slice(*fronts.border_start[front : front + 2].tolist())
         border, into, n_placed = fronts.border[own], fronts.into[own], int(fronts.n_placed[front])
-        children = np.flatnonzero(fronts.parent[:front] == front).tolist()
+        children = fronts.children.of(front).tolist()
         p, b, constraints = end - start, len(border), self._constraints
         starts = fronts.block_start[fronts.row_start[front] : fronts.row_start[front + 1] + 1]
         held = fronts.held[fronts.held_start[front] : fronts.held_start[front + 1]]

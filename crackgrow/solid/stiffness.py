@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.approximation.basis import arrays_of, functions_at, gathered
+from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
 from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
@@ -94,29 +94,25 @@ def _integrate(
     times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; matrix: starts of rows,
     columns, and blocks (q, 2, 2) of the lower triangle
     """
-    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
     (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
     start, column, block = matrix
     most, most_points = 1, 1
     for e in range(len(at) - 1):
         most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
-    f, work, of_tip, by = np.empty((3, most)), np.empty((5, most)), np.empty((3, 4)), np.empty((2, most))
-    per, shift, g, s = np.empty(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    work, shift, g, s = workspace(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    (nodes, half, patch_at, patch), (by, per, _, _, f) = arrays[:4], work
     for e in range(len(at) - 1):
         k, m = gathered(e, by, per, nodes, half, patch_at, patch), at[e + 1] - at[e]
-        first, last = pair_at[e], pair_at[e + 1]
         n, area, shift[: 2 * m] = inside_at[e + 1] - inside_at[e], 0.0, 0.0
         for q in range(rim_at[e], rim_at[e + 1]):
-            functions_at(places[q, 0], places[q, 1], False, k, by, per, first, last, tip_of, side, carrier_at,
-                         share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+            functions_at(places[q, 0], places[q, 1], e, False, k, arrays, work)
             for i in range(m):
                 shift[i] += normals[q, 0] * f[0, i]
                 shift[m + i] += normals[q, 1] * f[0, i]
         gradients = g[: n * 2 * m].reshape(n, 2 * m)
         for q in range(n):
             p = inside_at[e] + q
-            functions_at(points[p, 0], points[p, 1], True, k, by, per, first, last, tip_of, side, carrier_at,
-                         share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+            functions_at(points[p, 0], points[p, 1], e, True, k, arrays, work)
             area += weights[p]
             for i in range(m):
                 gradients[q, i], gradients[q, m + i] = scale * f[1, i], scale * f[2, i]

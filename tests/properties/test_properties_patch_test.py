@@ -17,6 +17,7 @@ from crackgrow.cover.shapes import BodyGeometry
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
@@ -123,7 +124,7 @@ def test_two_bodies_with_slanted_outlines_under_any_uniform_stress(
         supports.append(PointSupport(name, second, (None, float((gradient @ second)[1]))))
     cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),), body.name) for body in bodies], [])
     held = constraints(cover, tuple(supports))
-    system = ConstrainedSystem(stiffness(cover, [modulus, modulus], 4), held.matrix)
+    system = ConstrainedSystem(stiffness(cover, [modulus, modulus], 4), held.matrix, boxes_of_functions(cover))
     u = system.solve(load_vector(cover, tuple(bodies), tuple(loads), 4), held.given)[0]
     metres = np.random.default_rng(61).uniform((0.0, 0.0), (9.0, 5.0), (600, 2))
     elements = locate(lattice, cover.elements, lattice.to_lattice(metres))

@@ -18,6 +18,7 @@ from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 from tests.one_size import one_size
@@ -62,9 +63,9 @@ def test_lcp_of_all_points_with_the_open_wings(friction: float) -> None:
     """The LCP (17) of all 550 points of the tenth step: leaving open points out of the solve changes nothing."""
     solution, case = solve(friction, "newton", 10), gauss_case(friction, "lemke")
     scene = make_scene(case)
-    stiff = stiffness(solution.cover, scene.materials, case.numerics.quadrature).tocsc()
+    stiff = stiffness(solution.cover, scene.materials, case.numerics.quadrature)
     held = constraints(solution.cover, case.supports)
-    system = ConstrainedSystem(stiff, held.matrix)
+    system = ConstrainedSystem(stiff, held.matrix, boxes_of_functions(solution.cover))
     free, _ = system.solve(load_vector(solution.cover, case.bodies, case.loads, 4), held.given)
     jumps = csr_array(vstack(contact_operators(solution.cover, solution.faces)))
     weights = np.tile(solution.faces.weights * scene.lattice.spacing, 2)

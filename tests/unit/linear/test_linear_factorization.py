@@ -7,8 +7,9 @@ import pytest
 from scipy.sparse import block_array, block_diag, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
-from crackgrow.linear import ConstrainedSystem, symmetric
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.linear.factorization import Factorization
+from tests.symmetric_matrices import one_front, symmetric
 from tests.unit.linear.lattices import Floats, boxes_at, lattice, net
 
 
@@ -26,7 +27,8 @@ def solved(factorization: Factorization, loads: Floats) -> Floats:
 def test_solutions_are_those_of_superlu(n: int, placed: bool) -> None:
     """Of one load, of many, and of many each of which acts in one place."""
     matrix, nodes = lattice(n, n)
-    factorization = Factorization(symmetric(matrix), none(len(nodes) * 2), boxes_at(nodes) if placed else None)
+    boxes = boxes_at(nodes) if placed else one_front(len(nodes))
+    factorization = Factorization(symmetric(matrix), none(len(nodes) * 2), boxes)
     loads = np.random.default_rng(1).normal(size=(2 * n * n, 7))
     loads[:, 5:] = np.eye(len(loads), 2, -n)
     expected = splu(matrix).solve(loads)
@@ -46,7 +48,7 @@ def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_ar
         row[rng.integers(len(row), size=10)] = rng.uniform(0.0, 0.1, 10)
     rows[9:] = rows[[0, 5, 5]]
     constraints = csr_array(rows)
-    return ConstrainedSystem(matrix, constraints, boxes_at(nodes)), matrix, constraints
+    return ConstrainedSystem(symmetric(matrix), constraints, boxes_at(nodes)), matrix, constraints
 
 
 @pytest.mark.parametrize("k", [1, 3])
@@ -89,7 +91,8 @@ def test_separate_pieces_are_solved_and_condensed_each_by_itself() -> None:
     """Their fronts have nothing later that they are coupled to."""
     (one, nodes), (other, _) = lattice(9, 1), lattice(9, 2)
     matrix = csc_array(block_diag([one, other], format="csc"))
-    system = ConstrainedSystem(matrix, csr_array((0, matrix.shape[0])), boxes_at(np.concatenate([nodes, nodes + 100])))
+    boxes = boxes_at(np.concatenate([nodes, nodes + 100]))
+    system = ConstrainedSystem(symmetric(matrix), none(matrix.shape[0]), boxes)
     dense, rng = matrix.toarray(), np.random.default_rng(3)
     loads = rng.normal(size=len(dense))
     np.testing.assert_allclose(dense @ system.solve(loads)[0], loads, atol=1e-10)
@@ -115,7 +118,7 @@ def test_a_body_within_one_part_is_held_by_bonds_to_the_rest() -> None:
     bonds[1, own[-2:]], bonds[1, [-4, -1]] = 0.5, -0.5
     bonds[2, own[0]] = 1.0
     for rows in (bonds, bonds[:2], bonds[1:2]):
-        system = ConstrainedSystem(csc_array(dense), csr_array(rows), boxes_at(nodes))
+        system = ConstrainedSystem(symmetric(dense), csr_array(rows), boxes_at(nodes))
         whole = np.block([[dense, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
         loads = np.random.default_rng(7).normal(size=len(dense))
         expected = np.linalg.solve(whole, np.append(loads, np.zeros(len(rows))))
@@ -127,7 +130,7 @@ def test_a_body_within_one_part_is_held_by_bonds_to_the_rest() -> None:
 def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
     matrix, nodes = net(20, 25, small)
     loads = matrix @ np.random.default_rng(26).normal(size=matrix.shape[0])
-    u, _ = ConstrainedSystem(matrix, none(len(loads)), boxes_at(nodes)).solve(loads)
+    u, _ = ConstrainedSystem(symmetric(matrix), none(len(loads)), boxes_at(nodes)).solve(loads)
     np.testing.assert_allclose(matrix @ u, loads, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
 
 
@@ -141,7 +144,7 @@ def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     semidefinite = csc_array(spread.T @ matrix @ spread)
     x = rng.normal(size=len(spread.T))
     loads = semidefinite @ x
-    system = ConstrainedSystem(semidefinite, none(len(x)), boxes_at(np.vstack([nodes, nodes[twins]])))
+    system = ConstrainedSystem(symmetric(semidefinite), none(len(x)), boxes_at(np.vstack([nodes, nodes[twins]])))
     u, _ = system.solve(loads)
     assert np.abs(u).max() < 2.0 * np.abs(x).max()
     np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
