@@ -85,7 +85,7 @@ def test_changes_of_cell_size_leave_a_uniform_stress_alone(build, support: float
     """Small cells at a tip on a lattice line, at a tip inside of a cell, and on the outline."""
     places = [(3.0, 4.2), (11.1, 4.2), (13.2, 9.5)]
     sample = build.block(LARGE, [build.crack(places[:2])], support, levels, places)
-    assert sample.cover.sizes.min() == 0.5**levels
+    assert sample.cover.elements.size.min() == 0.5**levels
     assert errors(sample, LARGE, 4, ALONG)[0] < 1e-10
     assert max(errors(build.block(LARGE, [], support, levels, places), LARGE, 4, ANY[2])) < 1e-10
 
