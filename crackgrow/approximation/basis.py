@@ -27,23 +27,6 @@ assert N_TIP_FUNCTIONS == 4  # the kernels count by it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Derivatives:
-    """Derivatives of some functions at n points: those at point i are the places start[i] to start[i + 1]."""
-
-    functions: Ints  # (k,) ascending
-    start: Ints  # (n + 1,)
-    column: Ints  # (e,) place among the functions
-    values: Floats  # (2, e) by x and by y, per metre
-
-    def summed(self, weights: Floats) -> Floats:
-        """Sums (k, q) over the points, and over both derivatives, times `weights` (2, n, q)."""
-        shape = (len(self.start) - 1, len(self.functions))
-        tables = (csr_array((values, self.column, self.start), shape=shape) for values in self.values)
-        by_x, by_y = (table.T @ each for table, each in zip(tables, weights, strict=True))
-        return np.asarray(by_x + by_y)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Basis:
     """All functions at n points: those at point i are the places start[i] to start[i + 1], patches first."""
 
@@ -65,10 +48,17 @@ class Basis:
         return np.stack([self._rows(values) @ u.reshape(-1, 2) for values in self.values])
 
     @property
-    def derivatives(self) -> Derivatives:
-        """The derivatives, function by function."""
-        functions, column = numbered(self.functions, self.n_functions)
-        return Derivatives(functions, self.start, column, self.values[1:])
+    def columns(self) -> tuple[Ints, Ints]:
+        """The functions (k,) that there are, ascending, and which of them each value (q,) is of."""
+        return numbered(self.functions, self.n_functions)
+
+    def summed(self, weights: Floats) -> tuple[Ints, Floats]:
+        """These functions (k,), and sums (k, c) over points and both derivatives of these times `weights` (2, n, c)."""
+        functions, column = self.columns
+        shape = (len(self.start) - 1, len(functions))
+        tables = (csr_array((values, column, self.start), shape=shape) for values in self.values[1:])
+        by_x, by_y = (table.T @ each for table, each in zip(tables, weights, strict=True))
+        return functions, np.asarray(by_x + by_y)
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:

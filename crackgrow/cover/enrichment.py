@@ -22,13 +22,13 @@ from crackgrow.cover.tips import (
     N_TIP_FUNCTIONS,
     Carriers,
     Tip,
-    beyond_far_end,
     carrying_nodes,
     largest_cells_at,
     reach_of_tips,
     seen_from_tip,
     side_angle,
 )
+from crackgrow.geometry.tolerance import TOUCH
 from crackgrow.ragged import Ragged, by_row
 
 
@@ -70,9 +70,7 @@ def make_tips(
             if found is None:
                 reach = reach_of_tips(lattice.support) * size
                 singular = _singular_patches(patches, beside, points[0])
-                ends_inside = other_is_tip or _leads_through(
-                    lattice, elements, patches, singular, beyond_far_end(points, reach)
-                )
+                ends_inside = other_is_tip or _is_seen_beyond(lattice, elements, patches, singular, points, reach)
                 view = seen_from_tip(points, reach, ends_inside)
                 singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
                 found = view, Carriers(singular, np.ones(len(singular)), np.arange(len(singular)), reach)
@@ -127,9 +125,15 @@ def _singular_patches(patches: Patches, beside: tuple[int, int], tip: Floats) ->
     return np.asarray(candidates[np.abs(patches.nodes[candidates] - tip).max(axis=1) < patches.half[candidates]])
 
 
-def _leads_through(lattice: Lattice, elements: Elements, patches: Patches, some: Ints, segment: Floats) -> bool:
-    """Whether a segment (2, 2) leads through an element with one of `some` patches."""
-    line = shapely.linestrings(segment)
+def _is_seen_beyond(
+    lattice: Lattice, elements: Elements, patches: Patches, some: Ints, points: Floats, reach: float
+) -> bool:
+    """Whether one of `some` patches is where the angle round a tip jumps on: in line beyond the far end of its crack.
+
+    The crack has vertices (n, 2) from the tip on.
+    """
+    step = (points[-1] - points[-2]) / np.hypot(*(points[-1] - points[-2]))
+    line = shapely.linestrings([points[-1] + TOUCH * step, points[-1] + reach * step])
     cut = elements.tree.query(line, predicate="intersects") + elements.n_whole
     whole = elements.whole_of_tile[lattice.tiles.squares.tree.query(line, predicate="intersects")]
     through = np.concatenate([cut, whole[whole >= 0]])

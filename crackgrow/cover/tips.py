@@ -16,7 +16,6 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.squares import QUANTA
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.geometry.tolerance import TOUCH
 
 N_TIP_FUNCTIONS = 4
 """Tip functions on a singular patch, paper eq. (1)."""
@@ -108,13 +107,6 @@ def n_outward(points_from_tip: Floats) -> int:
     local = points_from_tip - points_from_tip[0]
     outward = np.sum(local[:-1] * (local[1:] - local[:-1]), axis=1) >= 0.0
     return len(outward) if outward.all() else int(np.argmin(outward))
-
-
-def beyond_far_end(points_from_tip: Floats, reach: float) -> Floats:
-    """The straight extension (2, 2) of a crack (n, 2) past its far end, where the angle round the tip jumps on."""
-    start, step = points_from_tip[-1], points_from_tip[-1] - points_from_tip[-2]
-    step = step / np.hypot(*step)
-    return np.stack([start + TOUCH * step, start + reach * step])
 
 
 def seen_from_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> TipView:

@@ -11,7 +11,7 @@ from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import SolveError
-from crackgrow.linear.factorization import Factorization
+from crackgrow.linear.factorization import AT_ONCE, Factorization
 from crackgrow.linear.matrix import SymmetricMatrix
 
 REFINEMENTS = 3
@@ -20,9 +20,6 @@ REFINEMENTS = 3
 ROUND_OFF = 1e-14
 """Residuals below this fraction of the terms that they are sums of are round-off."""
 
-AT_ONCE = 256
-"""Right-hand sides that are solved for together."""
-
 INCONSISTENT = 1e-6
 """A constraint that misses more than this fraction of what it prescribes, and of its terms, contradicts others."""
 
@@ -30,17 +27,12 @@ INCONSISTENT = 1e-6
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
-    def __init__(
-        self,
-        stiffness: SymmetricMatrix,
-        constraints: csr_array,
-        boxes: tuple[Ints, Ints],
-    ) -> None:
+    def __init__(self, stiffness: SymmetricMatrix, constraints: csr_array, boxes: tuple[Ints, Ints]) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`."""
         self.stiffness = stiffness
         self.constraints = constraints
         self._share = abs(constraints)
-        self._factorization = Factorization(self.stiffness, constraints, boxes)
+        self._factorization = Factorization(stiffness, constraints, boxes)
 
     def release(self) -> None:
         """Let go of the factors: nothing is solved any more."""

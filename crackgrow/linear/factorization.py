@@ -19,7 +19,7 @@ from crackgrow.linear.fronts import Fronts, fronts_of
 from crackgrow.linear.matrix import SymmetricMatrix
 
 AT_ONCE = 256
-"""Rows of a large matrix that are mirrored together."""
+"""Right-hand sides that are solved for, and rows of a large matrix that are mirrored, together."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

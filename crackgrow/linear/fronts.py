@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
 
 from crackgrow.arrays import Bools, Ints
 from crackgrow.compiled import kernel
@@ -70,21 +70,11 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
     held_start = np.searchsorted(begins[held], np.arange(len(parent) + 1))
     position = np.empty(n + m, dtype=np.int64)
     position[order] = np.arange(n + m)
-    blocks = _blocks_by_row(matrix.start, matrix.column, order, position)
+    at, block, turned, later = _blocks_by_row(matrix, position)
     child = np.argsort(parent[:-1], kind="stable")
     children = by_row(parent[child], child, len(parent))
     border_start, border, into, block_column, held_column, multiplier_column = _local_numbers(
-        blocks[0],
-        blocks[3],
-        first,
-        children.start,
-        children.values,
-        offset,
-        held_start,
-        held,
-        indptr,
-        indices,
-        position,
+        (at, later), first, (children.start, children.values), offset, (held_start, held), (indptr, indices), position
     )
     if border_start[-1] < 0:
         raise ValueError("functions are coupled that are further apart than couplings reach")
@@ -94,7 +84,7 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
     counts = width[border]
     return Fronts(
         unknown, offset[first], 2 * n_functions, children, starts_of(counts)[border_start],
-        spans(offset[border], counts), spans(into, counts), first, blocks[0], blocks[1], blocks[2],
+        spans(offset[border], counts), spans(into, counts), first, at, block, turned,
         block_column, held_start, held, held_column, multiplier_column,
     )  # fmt: skip
 
@@ -130,40 +120,34 @@ def _together(front: Ints, parent: Ints, start: Ints, function: Ints) -> Ints:
     return begins
 
 
-@kernel
-def _blocks_by_row(start: Ints, column: Ints, order: Ints, position: Ints) -> tuple[Ints, Ints, Bools, Ints]:
+def _blocks_by_row(matrix: SymmetricMatrix, position: Ints) -> tuple[Ints, Ints, Bools, Ints]:
     """Of each function or multiplier, in the order of elimination, the blocks with later ones and itself.
 
     Starts, which blocks of the matrix they are, whether transposed, and the position of the later one.
     """
-    n, q = len(start) - 1, len(column)
-    at = np.zeros(len(order) + 1, np.int64)
-    for i in range(n):
-        for s in range(start[i], start[i + 1]):
-            at[min(position[i], position[column[s]]) + 1] += 1
-    for k in range(len(order)):
-        at[k + 1] += at[k]
-    free, block, turned, later = at[:-1].copy(), np.empty(q, np.int64), np.empty(q, np.bool_), np.empty(q, np.int64)
-    for i in range(n):
-        for s in range(start[i], start[i + 1]):
-            a, b = position[i], position[column[s]]
-            row = min(a, b)
-            place = free[row]
-            free[row] += 1
-            block[place], turned[place], later[place] = s, b < a, max(a, b)
-    return at, block, turned, later
+    one, other, number = position[matrix.row], position[matrix.column], np.arange(len(matrix.column))
+    shape = (len(position), len(number))
+    rows = coo_array((number, (np.minimum(one, other), number)), shape=shape).tocsr()  # sorts them by row, in a count
+    start, block = rows.indptr.astype(np.int64), rows.data
+    return start, block, (other < one)[block], np.maximum(one, other)[block]
 
 
 @kernel
 def _local_numbers(
-    at: Ints, later: Ints, first: Ints, child_start: Ints, children: Ints, offset: Ints, held_start: Ints, held: Ints,
-    indptr: Ints, indices: Ints, position: Ints,
-) -> tuple[Ints, Ints, Ints, Ints, Ints, Ints]:  # fmt: skip
+    blocks: tuple[Ints, Ints],
+    first: Ints,
+    below: tuple[Ints, Ints],
+    offset: Ints,
+    holding: tuple[Ints, Ints],
+    entries: tuple[Ints, Ints],
+    position: Ints,
+) -> tuple[Ints, Ints, Ints, Ints, Ints, Ints]:
     """The borders of fronts: starts, ascending positions behind a front that its subtree meets, numbers in the parent.
 
     Also the numbers, in their fronts, of blocks, of entries of constraints and of multipliers. Numbers are those of
     first unknowns. The last start is -1 where a subtree meets what its parents don't hold.
     """
+    (at, later), (child_start, children), (held_start, held), (indptr, indices) = blocks, below, holding, entries
     n_fronts, n = len(first) - 1, len(position) - len(held)
     mark, local, start = np.full(len(position), -1), np.empty(len(position), np.int64), np.zeros(n_fronts + 1, np.int64)
     border, into = np.empty(4 * len(position), np.int64), np.empty(4 * len(position), np.int64)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array, tril
 
 from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
 from crackgrow.arrays import Floats, Ints
@@ -20,6 +21,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.linear import SymmetricMatrix
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
+from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -30,52 +32,21 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> Sym
     moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
-    start, column = _pattern(on.start, on.values, *_elements_of(on.start, on.values, cover.n_functions))
+    start, column = _pattern(on, cover.n_functions)
     block = np.zeros((len(column), 2, 2))
     _integrate(arrays_of(cover), (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
     return SymmetricMatrix(start, column, block)
 
 
-@kernel
-def _elements_of(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
-    """The elements of n functions, ascending: starts (n + 1,) and elements, from the functions of elements."""
-    of = np.zeros(n + 1, np.int64)
-    for i in function:
-        of[i + 1] += 1
-    of = np.cumsum(of)
-    element, free = np.empty(len(function), np.int64), of[:-1].copy()
-    for e in range(len(at) - 1):
-        for p in range(at[e], at[e + 1]):
-            element[free[function[p]]] = e
-            free[function[p]] += 1
-    return of, element
-
-
-@kernel
-def _pattern(at: Ints, function: Ints, of: Ints, element: Ints) -> tuple[Ints, Ints]:
+def _pattern(on: Ragged, n: int) -> tuple[Ints, Ints]:
     """The lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
 
-    Functions are coupled that act on one element: those of element e are the places at[e] to at[e + 1], ascending, and
-    the elements of function i are of[i] to of[i + 1].
+    Functions are coupled that act on one element.
     """
-    n = len(of) - 1
-    start, seen, column, total = np.zeros(n + 1, np.int64), np.full(n, -1), np.empty(32 * n + 1, np.int64), 0
-    for i in range(n):
-        for place in range(of[i], of[i + 1]):
-            e = element[place]
-            for p in range(at[e], at[e + 1]):
-                j = function[p]
-                if j > i:
-                    break
-                if seen[j] != i:
-                    seen[j] = i
-                    if total == len(column):
-                        column = np.append(column, np.empty(total, np.int64))
-                    column[total] = j
-                    total += 1
-        column[start[i] : total].sort()
-        start[i + 1] = total
-    return start, column[:total].copy()
+    acts = csr_array((np.ones(len(on.values)), on.values, on.start), shape=(on.n, n))
+    lower = csr_array(tril(acts.T @ acts, format="csr"))
+    lower.sort_indices()
+    return lower.indptr.astype(np.int64), lower.indices.astype(np.int64)
 
 
 @kernel

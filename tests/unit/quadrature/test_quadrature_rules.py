@@ -108,7 +108,7 @@ def test_tip_rule_integrates_powers_of_the_distance_with_smooth_angles(name: str
     """Products of two gradients go as 1/r, of a gradient and a constant as r^(-1/2).
 
     The rule converges exponentially, the slower the closer the far side: 2 asinh(1 / (2 distance)) is to be resolved.
-    Six points, the default 4 + MORE_POINTS_AT_TIPS, suffice relative to the disc of the same size.
+    Six points, the default 4 + 2 MORE_POINTS, suffice relative to the disc of the same size.
     """
     value, error = tip_rule(name, power, 32)
     assert abs(error) < {"far side at 1e-2": 1e-8, "far side at 1e-4": 1e-4}.get(name, 1e-12) * value
