@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array, tril
+from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
 from crackgrow.arrays import Floats, Ints
@@ -43,10 +43,12 @@ def _pattern(on: Ragged, n: int) -> tuple[Ints, Ints]:
 
     Functions are coupled that act on one element.
     """
-    acts = csr_array((np.ones(len(on.values)), on.values, on.start), shape=(on.n, n))
-    lower = csr_array(tril(acts.T @ acts, format="csr"))
-    lower.sort_indices()
-    return lower.indptr.astype(np.int64), lower.indices.astype(np.int64)
+    acts = csr_array((np.ones(len(on.values), dtype=np.int32), on.values, on.start), shape=(on.n, n))
+    coupled = acts.T.tocsr() @ acts
+    coupled.sort_indices()
+    both = Ragged(coupled.indptr.astype(np.int64), coupled.indices.astype(np.int64))
+    lower = both.kept(both.values <= both.row)
+    return lower.start, lower.values
 
 
 @kernel
