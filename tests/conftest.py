@@ -33,6 +33,7 @@ from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
+from tests.symmetric_matrices import whole
 
 Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
@@ -72,12 +73,13 @@ class Sample:
         return shapely.Polygon(self.lattice.to_lattice(self.body.outline))
 
     def stiffness(self, quadrature: int = 3) -> NDArray[np.float64]:
-        return stiffness(self.cover, [self.material], quadrature).matrix.tocsc()
+        return whole(stiffness(self.cover, [self.material], quadrature))
 
     def system(self, supports: Sequence[Support], quadrature: int = 3) -> tuple[ConstrainedSystem, Floats]:
         held = constraints(self.cover, tuple(supports))
         check_held(free_motions(self.cover, held.matrix), np.empty(0, dtype=np.int64))
-        return ConstrainedSystem(self.stiffness(quadrature), held.matrix, boxes_of_functions(self.cover)), held.given
+        matrix = stiffness(self.cover, [self.material], quadrature)
+        return ConstrainedSystem(matrix, held.matrix, boxes_of_functions(self.cover)), held.given
 
     def solve(
         self, supports: Sequence[Support], tractions: dict[str, tuple[float, float]], quadrature: int = 3
@@ -112,7 +114,8 @@ class Build:
     def graded(lattice: Lattice, places: ArrayLike, levels: int, rings: float = 2.0) -> Lattice:
         """The lattice with cells of 2^-levels round places (n, 2), lattice coordinates."""
         points = shapely.points(np.asarray(places, dtype=float).reshape(-1, 2))
-        return refined(lattice, SizeField(points, np.full(len(points), 0.5**levels), max(rings, lattice.support)))
+        sizes, widths = np.full((2, len(points)), [[0.5**levels], [max(rings, lattice.support)]])
+        return refined(lattice, SizeField(points, sizes, widths))
 
     @classmethod
     def sample(

@@ -8,13 +8,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from crackgrow.contact.coulomb import ActiveSet, ContactLaw, complementarity_residual
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.problem import ContactProblem
 from crackgrow.contact.system import ContactSystem
-from crackgrow.linear import ConstrainedSystem
+from tests.symmetric_matrices import dense_system
 
 Floats = NDArray[np.float64]
 
@@ -100,7 +100,7 @@ def spread_problem(n: int, friction: Floats | float, seed: int, cohesion: Floats
 def rock_of(stiffness: Floats, law: ContactLaw, solver: str = "newton", weights: Floats | None = None) -> ContactSystem:
     """Contact points whose gaps, then slips, are the displacements of rock of this stiffness (2 n, 2 n) Pa/m."""
     n = len(law.compliance)
-    system = ConstrainedSystem(csc_array(stiffness), csr_array((0, 2 * n)))
+    system = dense_system(stiffness, csr_array((0, 2 * n)))
     gap_of, slip_of = csr_array(np.eye(2 * n)[:n]), csr_array(np.eye(2 * n)[n:])
     return ContactSystem(system, gap_of, slip_of, np.ones(n) if weights is None else weights, law, solver)
 

@@ -27,23 +27,6 @@ assert N_TIP_FUNCTIONS == 4  # the kernels count by it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Derivatives:
-    """Derivatives of some functions at n points: those at point i are the places start[i] to start[i + 1]."""
-
-    functions: Ints  # (k,) ascending
-    start: Ints  # (n + 1,)
-    column: Ints  # (e,) place among the functions
-    values: Floats  # (2, e) by x and by y, per metre
-
-    def summed(self, weights: Floats) -> Floats:
-        """Sums (k, q) over the points, and over both derivatives, times `weights` (2, n, q)."""
-        shape = (len(self.start) - 1, len(self.functions))
-        tables = (csr_array((values, self.column, self.start), shape=shape) for values in self.values)
-        by_x, by_y = (table.T @ each for table, each in zip(tables, weights, strict=True))
-        return np.asarray(by_x + by_y)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Basis:
     """All functions at n points: those at point i are the places start[i] to start[i + 1], patches first."""
 
@@ -55,32 +38,40 @@ class Basis:
     @property
     def rows(self) -> csr_array:
         """The values (n, n_functions)."""
-        return csr_array((self.values[0], self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
+        return self._rows(self.values[0])
+
+    def _rows(self, values: Floats) -> csr_array:
+        return csr_array((values, self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
+
+    def fields(self, u: Floats) -> Floats:
+        """The displacement, and its derivatives by x and by y if they are there (1 or 3, n, 2), of `u` (n_dofs,) m."""
+        return np.stack([self._rows(values) @ u.reshape(-1, 2) for values in self.values])
 
     @property
-    def derivatives(self) -> Derivatives:
-        """The derivatives, function by function."""
-        functions, column = numbered(self.functions, self.n_functions)
-        return Derivatives(functions, self.start, column, self.values[1:])
+    def columns(self) -> tuple[Ints, Ints]:
+        """The functions (k,) that there are, ascending, and which of them each value (q,) is of."""
+        return numbered(self.functions, self.n_functions)
+
+    def summed(self, weights: Floats) -> tuple[Ints, Floats]:
+        """These functions (k,), and sums (k, c) over points and both derivatives of these times `weights` (2, n, c)."""
+        functions, column = self.columns
+        shape = (len(self.start) - 1, len(functions))
+        tables = (csr_array((values, column, self.start), shape=shape) for values in self.values[1:])
+        by_x, by_y = (table.T @ each for table, each in zip(tables, weights, strict=True))
+        return functions, np.asarray(by_x + by_y)
 
 
-def basis_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
+def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:
     """Values and derivatives at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
-    return _basis(cover, points, elements, derivatives=True)
+    on = cover.functions_on(elements)
+    values = np.empty((3 if derivatives else 1, len(on.values)))
+    _values(arrays_of(cover), cover.lattice.spacing, points, elements, on.start, values)
+    return Basis(cover.n_functions, on.start, on.values, values)
 
 
 def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     """The values of `basis_at` alone."""
-    return _basis(cover, points, elements, derivatives=False)
-
-
-def fields_at(
-    cover: Cover, coefficients: Floats, points: Floats, elements: Ints, *, derivatives: bool = True
-) -> Floats:
-    """Fields (components, n, m) with `coefficients` (n_functions, m): the values, and the derivatives by x and by y."""
-    found = np.empty((3 if derivatives else 1, len(points), coefficients.shape[1]))
-    _fields(arrays_of(cover), cover.lattice.spacing, points, elements, np.ascontiguousarray(coefficients), found)
-    return found
+    return basis_at(cover, points, elements, derivatives=False)
 
 
 def of_component(rows: csr_array, component: int) -> csr_array:
@@ -101,7 +92,6 @@ def arrays_of(cover: Cover) -> tuple[Any, ...]:
         enrichment.tips.values,
         enrichment.side,
         enrichment.first.start,
-        enrichment.first.values,
         enrichment.place.start,
         enrichment.place.values,
         enrichment.share,
@@ -109,11 +99,20 @@ def arrays_of(cover: Cover) -> tuple[Any, ...]:
     )
 
 
-def _basis(cover: Cover, points: Floats, elements: Ints, derivatives: bool) -> Basis:
-    on = cover.functions_on(elements)
-    values = np.empty((3 if derivatives else 1, len(on.values)))
-    _values(arrays_of(cover), cover.lattice.spacing, points, elements, on.start, values)
-    return Basis(cover.n_functions, on.start, on.values, values)
+@kernel
+def most_functions(patch_at: Ints, pair_at: Ints, carrier_at: Ints) -> int:
+    """The largest number of functions on an element."""
+    most = 0
+    for e in range(len(patch_at) - 1):
+        carriers = carrier_at[pair_at[e + 1]] - carrier_at[pair_at[e]]
+        most = max(most, patch_at[e + 1] - patch_at[e] + 4 * carriers)
+    return most
+
+
+@kernel
+def workspace(most: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """What `gathered` and `functions_at` work in, where at most so many functions are on an element."""
+    return np.empty((2, most)), np.empty(most), np.empty((5, most)), np.empty((3, 4)), np.empty((3, most))
 
 
 @kernel
@@ -130,15 +129,13 @@ def gathered(
 
 
 @kernel
-def functions_at(
-    x: float, y: float, derivatives: bool, k: int, at: Floats, per: Floats, first: int, last: int, tip_of: Ints,
-    side: Floats, carrier_at: Ints, share_at: Ints, place: Ints, share: Floats, tips: Floats, f: Floats, work: Floats,
-    of_tip: Floats,
-) -> None:  # fmt: skip
-    """Put the functions at a point, of k gathered patches and then of the pairs `first` to `last`, into f (3, ...)."""
-    mls(x, y, at, per, k, derivatives, f, work)
+def functions_at(x: float, y: float, element: int, derivatives: bool, k: int, arrays: Any, work: Any) -> None:
+    """Put the functions of an element with k gathered patches at a point into the last (3, ...) of `work`."""
+    pair_at, tip_of, side, carrier_at, share_at, place, share, tips = arrays[4:]
+    at, per, of_nodes, of_tip, f = work
+    mls(x, y, at, per, k, derivatives, f, of_nodes)
     n = k
-    for pair in range(first, last):
+    for pair in range(pair_at[element], pair_at[element + 1]):
         tip_functions(x, y, tips[tip_of[pair]], side[pair], of_tip)
         for carrier in range(carrier_at[pair], carrier_at[pair + 1]):
             value = by_x = by_y = 0.0
@@ -156,70 +153,19 @@ def functions_at(
 
 
 @kernel
-def most_functions(patch_at: Ints, pair_at: Ints, carrier_at: Ints) -> int:
-    """The largest number of functions on an element."""
-    most = 0
-    for e in range(len(patch_at) - 1):
-        carriers = carrier_at[pair_at[e + 1]] - carrier_at[pair_at[e]]
-        most = max(most, patch_at[e + 1] - patch_at[e] + 4 * carriers)
-    return most
-
-
-@kernel
 def _values(arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
     """Put all functions at points into `found` (components, q), those of a point from its start (n + 1,) on."""
-    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
-    most, derivatives, k = most_functions(patch_at, pair_at, carrier_at), len(found) == 3, 0
-    f, work, of_tip, at, per = (
-        np.empty((3, most)),
-        np.empty((5, most)),
-        np.empty((3, 4)),
-        np.empty((2, most)),
-        np.empty(most),
-    )
+    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
+    work, derivatives, k = workspace(most_functions(patch_at, pair_at, carrier_at)), len(found) == 3, 0
+    at, per, _, _, f = work
     scale = 1.0 / spacing
     for i in range(len(points)):
         e = elements[i]
         if i == 0 or e != elements[i - 1]:
             k = gathered(e, at, per, nodes, half, patch_at, patch)
-        functions_at(points[i, 0], points[i, 1], derivatives, k, at, per, pair_at[e], pair_at[e + 1], tip_of, side,
-                     carrier_at, share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+        functions_at(points[i, 0], points[i, 1], e, derivatives, k, arrays, work)
         for n in range(start[i + 1] - start[i]):
             found[0, start[i] + n] = f[0, n]
             if derivatives:
                 found[1, start[i] + n] = scale * f[1, n]
                 found[2, start[i] + n] = scale * f[2, n]
-
-
-@kernel
-def _fields(arrays: Any, spacing: float, points: Floats, elements: Ints, coefficients: Floats, found: Floats) -> None:
-    """Put the fields with `coefficients` (n_functions, m) at points into `found` (components, n, m)."""
-    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, first, share_at, place, share, tips = arrays
-    most, derivatives, k = most_functions(patch_at, pair_at, carrier_at), len(found) == 3, 0
-    f, work, of_tip, at, per = (
-        np.empty((3, most)),
-        np.empty((5, most)),
-        np.empty((3, 4)),
-        np.empty((2, most)),
-        np.empty(most),
-    )
-    number, n = np.empty(most, np.int64), 0
-    for i in range(len(points)):
-        e = elements[i]
-        if i == 0 or e != elements[i - 1]:
-            k = gathered(e, at, per, nodes, half, patch_at, patch)
-            number[:k] = patch[patch_at[e] : patch_at[e + 1]]
-            n = k
-            for carrier in range(carrier_at[pair_at[e]], carrier_at[pair_at[e + 1]]):
-                for j in range(4):
-                    number[n] = first[carrier] + j
-                    n += 1
-        functions_at(points[i, 0], points[i, 1], derivatives, k, at, per, pair_at[e], pair_at[e + 1], tip_of, side,
-                     carrier_at, share_at, place, share, tips, f, work, of_tip)  # fmt: skip
-        for component in range(len(found)):
-            scale = 1.0 if component == 0 else 1.0 / spacing
-            for column in range(coefficients.shape[1]):
-                total = 0.0
-                for j in range(n):
-                    total += f[component, j] * coefficients[number[j], column]
-                found[component, i, column] = scale * total

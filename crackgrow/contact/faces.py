@@ -16,7 +16,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths, kink_angles, segment_directions
 from crackgrow.geometry.tolerance import SAME_PLACE
-from crackgrow.quadrature.rules import gauss, on_edges_with_tips
+from crackgrow.quadrature.rules import gauss, on_edges
 from crackgrow.ragged import starts_of
 
 if TYPE_CHECKING:
@@ -169,7 +169,7 @@ def integration_points(cover: Cover, index: int, breaks: Floats) -> tuple[FacePo
     start, size = start[keep], size[keep]
     tip_at_start, tip_at_end = np.zeros((2, len(start)), dtype=bool)
     tip_at_start[0], tip_at_end[-1] = surface.line.tip_at_start, surface.line.tip_at_end
-    position, weights = on_edges_with_tips(tip_at_start, tip_at_end, POINTS_PER_EDGE)
+    position, weights = on_edges(tip_at_start, tip_at_end, POINTS_PER_EDGE)
     s = (start[:, None] + size[:, None] * position).ravel()
     return points_at(cover, index, s), (size[:, None] * weights).ravel()
 

@@ -13,7 +13,6 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.cover.face_edges import FaceEdges
-from crackgrow.geometry.polyline import arc_lengths
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +21,6 @@ class CellLengths:
 
     s: Floats  # (k,) arc lengths of both ends, and between them of the places where h changes, lattice units
     cells: Floats  # (k,) xi there
-    mean_size: float  # mean of h, lattice units
 
     @property
     def total(self) -> float:
@@ -53,9 +51,9 @@ def sizes_beside(edges: FaceEdges, sizes: Floats) -> Floats:
     return np.maximum(sizes[edges.plus], minus)
 
 
-def cell_lengths(points: Floats, edges: FaceEdges, size: Floats) -> CellLengths:
-    """Lengths along a surface with corners `points` (n, 2), beside whose `edges` (e,) cells have a `size` (e,)."""
+def cell_lengths(length: float, edges: FaceEdges, size: Floats) -> CellLengths:
+    """Lengths along a surface of this arc length, beside whose `edges` (e,) cells have a `size` (e,)."""
     first = np.concatenate([[0], np.flatnonzero(np.diff(size)) + 1])  # edges of each part with cells of one size
-    s = np.concatenate([[0.0], edges.s[first[1:], 0], arc_lengths(points)[-1:]])
+    s = np.concatenate([[0.0], edges.s[first[1:], 0], [length]])
     cells = np.concatenate([[0.0], np.cumsum(np.diff(s) / size[first])])
-    return CellLengths(s, cells, float(np.diff(s) @ size[first] / s[-1]))
+    return CellLengths(s, cells)

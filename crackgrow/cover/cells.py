@@ -12,9 +12,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
-from crackgrow.arrays import Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
+from crackgrow.geometry.arrangement import as_numbers
 from crackgrow.ragged import Ragged, by_row, distinct, spans
 
 
@@ -34,6 +36,14 @@ class Tiles:
     squares: Squares
     cell: Ints  # (tiles,) the cell that each is a part of
     over: Ragged  # tiles -> the nodes, ascending, whose patches hold them
+    corners: NDArray[np.complex128]  # (v,) of all tiles, from left to right and upwards, spacings
+    ring: Ragged  # tiles -> corners on their rims, those of smaller neighbours too, from the lower left one to the left
+    following: Ints  # (places of `ring`,) the next corner
+
+    @property
+    def points(self) -> Floats:
+        """The corners (v, 2)."""
+        return np.stack([self.corners.real, self.corners.imag], axis=1)
 
 
 def nodes_of(cells: Squares, support: float) -> Nodes:
@@ -62,7 +72,9 @@ def tiles_of(cells: Squares, nodes: Nodes, support: float) -> Tiles:
     low, size, number = (np.concatenate(arrays) for arrays in zip(*done, strict=True))
     order = np.lexsort((low[:, 1], low[:, 0]))
     tiles = squares_of(low, size)
-    return Tiles(tiles, number[order], _covering(tiles, nodes))
+    corners = tiles.corners
+    ring, following = _rings(tiles, corners)
+    return Tiles(tiles, number[order], _covering(tiles, nodes), as_numbers(corners / QUANTA), ring, following)
 
 
 def _covering(tiles: Squares, nodes: Nodes) -> Ragged:
@@ -107,3 +119,24 @@ def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
             found.append((cell[crossed], inside[crossed]))
     cell, off = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
     return cell, off
+
+
+def _rings(tiles: Squares, corners: Ints) -> tuple[Ragged, Ints]:
+    """The corners (v, 2) on the rims of tiles, counter-clockwise from the lower left, and what follows each."""
+    around = np.sort(tiles.around(corners / QUANTA), axis=1)
+    around[:, 1:][around[:, 1:] == around[:, :-1]] = -1
+    corner, column = np.nonzero(around >= 0)
+    tile = around[corner, column]
+    along = along_rim(corners[corner] - tiles.low[tile], tiles.size[tile])
+    order = np.lexsort((along, tile))
+    ring = by_row(tile[order], corner[order], tiles.n)
+    following = np.roll(ring.values, -1)
+    following[ring.start[1:] - 1] = ring.values[ring.start[:-1]]
+    return ring, following
+
+
+def along_rim(off: Floats | Ints, size: Floats | Ints) -> Floats | Ints:
+    """How far (n,) round squares of `size` (n,) points on their rims are, from the lower left corner; `off` (n, 2)."""
+    x, y = off.T
+    found: Floats | Ints = np.select([y == 0, x == size, y == size], [x, size + y, 3 * size - x], 4 * size - y)
+    return found

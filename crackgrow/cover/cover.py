@@ -22,6 +22,7 @@ from crackgrow.cover.patches import Patches, physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 from crackgrow.geometry.arrangement import on_grid
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.ragged import Ragged, starts_of
 
 
@@ -49,7 +50,7 @@ class Surface:
     @cached_property
     def in_cells(self) -> CellLengths:
         """Lengths along it in cells."""
-        return cell_lengths(self.line.points, self.edges, self.sizes)
+        return cell_lengths(arc_lengths(self.line.points)[-1], self.edges, self.sizes)
 
 
 @dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
@@ -66,7 +67,6 @@ class Cover:
     surfaces: tuple[Surface, ...]  # the cracks, then the interfaces, then the foundations
     elements: Elements
     patches: Patches
-    sizes: Floats  # (elements,) side of the cell that each lies in, spacings
     tips: tuple[Tip, ...]
     enrichment: Enrichment  # which tips act on which elements
     touching: Bools  # (e,) which edges of the arrangement lie on a surface
@@ -137,7 +137,6 @@ def build_cover(
         surfaces=surfaces,
         elements=elements,
         patches=patches,
-        sizes=elements.size,
         tips=tips,
         enrichment=enrichment,
         touching=touching,

@@ -13,6 +13,7 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.cover.cells import along_rim
 from crackgrow.cover.lattice import Lattice
 from crackgrow.geometry.arrangement import as_numbers, faces_of
 from crackgrow.geometry.tolerance import ON_LINE
@@ -68,26 +69,17 @@ def _rims(lattice: Lattice, some: Ints, number: Ints, points: Floats) -> tuple[F
     """The corners on the rims of some tiles (m,), and those of `points` (n, 2) there, each once and in order from the
     lower left corner round each tile; and the `number` (tiles + 1,) of the tile of each.
     """
-    owner, at = lattice.tiling.ring.places(some)
+    owner, at = lattice.tiles.ring.places(some)
     around = np.sort(number[lattice.tiles.squares.around(points)], axis=1)
     is_other = np.diff(around, prepend=-1, axis=1) != 0
     point, column = np.nonzero(is_other & (around[:, :1] != around[:, -1:]))
     owner = np.concatenate([owner, around[point, column]])
-    points = np.concatenate([lattice.tiling.points[lattice.tiling.ring.values[at]], points[point]])
-    low, size = lattice.tile_low[some[owner]], lattice.tile_size[some[owner], None]
-    along = _round_rim(points, low, low + size)
+    points = np.concatenate([lattice.tiles.points[lattice.tiles.ring.values[at]], points[point]])
+    along = along_rim(points - lattice.tile_low[some[owner]], lattice.tile_size[some[owner]])
     order = np.lexsort((along, owner))
     points, owner, along = points[order], owner[order], along[order]
     single = (np.diff(owner, prepend=-1) > 0) | (np.diff(along, prepend=-1.0) != 0.0)
     return points[single], owner[single]
-
-
-def _round_rim(points: Floats, low: Floats, high: Floats) -> Floats:
-    """How far (n,) round tiles from `low` to `high` (n, 2) points (n, 2) on their rims are, in sides from `low`."""
-    size = high - low
-    share, back = (points - low) / size, (high - points) / size
-    at_low, at_right, at_top = points[:, 1] == low[:, 1], points[:, 0] == high[:, 0], points[:, 1] == high[:, 1]
-    return np.select([at_low, at_right, at_top], [share[:, 0], 1.0 + share[:, 1], 2.0 + back[:, 0]], 3.0 + back[:, 1])
 
 
 def _parts(points: Floats, owner: Ints, pieces: Floats, of_piece: Ints, n: int) -> tuple[NDArray[np.object_], Ints]:

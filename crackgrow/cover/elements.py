@@ -15,6 +15,7 @@ import shapely
 from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.cover.cells import Tiles
 from crackgrow.cover.cut_tiles import CutTiles, bodies_at, cut_tiles
 from crackgrow.cover.extensions import extensions_of
 from crackgrow.cover.face_edges import FaceEdges, OutlineEdges, edges_along, edges_on_lines, edges_on_outlines
@@ -23,7 +24,6 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.pieces import Pieces, cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.squares import QUANTA, Squares
-from crackgrow.cover.tiling import Tiling
 from crackgrow.geometry.arrangement import Edges, Rings, as_numbers, edges_between, ring_vertices
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 from crackgrow.ragged import distinct, starts_of
@@ -40,8 +40,7 @@ class Elements:
 
     n_whole: int
     tile: Ints  # (n,) tile of the lattice that it is, or is a piece of
-    cell: Floats  # (n, 2) lower left corner of the tile's cell
-    size: Floats  # (n,) side of the cell, spacings
+    size: Floats  # (n,) side of the tile's cell, spacings
     body: Ints  # (n,)
     polygons: NDArray[np.object_]  # (n - n_whole,) shapely polygons
     reference: Floats  # (n, 2) a point inside
@@ -74,7 +73,7 @@ def cut_elements(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequen
     body_of_tile = bodies_at(regions, lattice.tile_low + 0.5 * lattice.tile_size[:, None])
     touched, cut = _cut(lattice, cutting, regions)
     whole = np.flatnonzero(~touched & (body_of_tile >= 0))
-    vertices, rings = _rings(lattice.tiling, whole, cut.polygons)
+    vertices, rings = _rings(lattice.tiles, whole, cut.polygons)
     edges = edges_between(rings, len(vertices))
     on_sides, on_lines = cutting.traces(*edges_along(cutting.pieces, cutting.start[-1], vertices, edges))
     line_edges = edges_on_lines(lines, on_lines, vertices, edges)
@@ -84,13 +83,11 @@ def cut_elements(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequen
     whole_of_tile[whole] = np.arange(len(whole))
     body = np.concatenate([body_of_tile[whole], cut.body])
     tile = np.concatenate([whole, cut.tile])
-    cell = lattice.tiles.cell[tile]
     middles = lattice.tile_low[whole] + 0.5 * lattice.tile_size[whole, None]
     return Elements(
         n_whole=len(whole),
         tile=tile,
-        cell=lattice.cells.low[cell] / QUANTA,
-        size=lattice.cells.size[cell] / QUANTA,
+        size=lattice.cells.size[lattice.tiles.cell[tile]] / QUANTA,
         body=body,
         polygons=cut.polygons,
         reference=np.concatenate([middles, cut.reference]),
@@ -105,17 +102,17 @@ def cut_elements(lattice: Lattice, bodies: Sequence[BodyGeometry], lines: Sequen
     )
 
 
-def _rings(tiling: Tiling, whole: Ints, polygons: NDArray[np.object_]) -> tuple[Floats, Rings]:
+def _rings(tiles: Tiles, whole: Ints, polygons: NDArray[np.object_]) -> tuple[Floats, Rings]:
     """All vertices (v, 2): corners of tiles and of polygons that tiles are cut into; and the rings of the `whole` tiles
     (n_whole,), then of these polygons.
     """
     points, ends, polygon = ring_vertices(polygons)
-    numbers = distinct(np.concatenate([tiling.corners, as_numbers(points)]))
-    corner, vertex = (np.searchsorted(numbers, some) for some in (tiling.corners, as_numbers(points)))
-    of_whole, place = tiling.ring.places(whole)
+    numbers = distinct(np.concatenate([tiles.corners, as_numbers(points)]))
+    corner, vertex = (np.searchsorted(numbers, some) for some in (tiles.corners, as_numbers(points)))
+    of_whole, place = tiles.ring.places(whole)
     return np.stack([numbers.real, numbers.imag], axis=1), Rings(
-        start=np.concatenate([corner[tiling.ring.values[place]], vertex]),
-        end=np.concatenate([corner[tiling.following[place]], vertex[ends]]),
+        start=np.concatenate([corner[tiles.ring.values[place]], vertex]),
+        end=np.concatenate([corner[tiles.following[place]], vertex[ends]]),
         face=np.concatenate([of_whole, polygon + len(whole)]),
     )
 

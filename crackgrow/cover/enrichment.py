@@ -14,7 +14,7 @@ import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.elements import Elements
-from crackgrow.cover.gathered import surroundings
+from crackgrow.cover.gathered import gathered, surroundings
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches
 from crackgrow.cover.shapes import CrackGeometry
@@ -22,13 +22,13 @@ from crackgrow.cover.tips import (
     N_TIP_FUNCTIONS,
     Carriers,
     Tip,
-    beyond_far_end,
     carrying_nodes,
     largest_cells_at,
     reach_of_tips,
     seen_from_tip,
     side_angle,
 )
+from crackgrow.geometry.tolerance import TOUCH
 from crackgrow.ragged import Ragged, by_row
 
 
@@ -58,7 +58,7 @@ def make_tips(
     """The tips of all cracks, which are the first lines of the elements; their functions follow the patches."""
     n_functions = len(patches.nodes)
     tips: list[Tip] = []
-    around = surroundings(elements, patches) if any(crack.gathered for crack in cracks) else None
+    around = surroundings(elements) if any(crack.gathered for crack in cracks) else None
     places = [crack.seen_from(at_end)[0] for crack in cracks for at_end in crack.tips()]
     sizes = iter(largest_cells_at(lattice, np.array(places).reshape(-1, 2)).tolist())
     for index, crack in enumerate(cracks):
@@ -66,20 +66,18 @@ def make_tips(
             points, beside = crack.seen_from(at_end), elements.lines[index].beside(at_end)
             size = next(sizes)
             other_is_tip = crack.tip_at_start if at_end else crack.tip_at_end
-            found = around.gathered(index, points, size) if around is not None and crack.gathered else None
+            found = gathered(around, patches, index, points, size) if around and crack.gathered else None
             if found is None:
                 reach = reach_of_tips(lattice.support) * size
                 singular = _singular_patches(patches, beside, points[0])
-                ends_inside = other_is_tip or _leads_through(
-                    lattice, elements, patches, singular, beyond_far_end(points, reach)
-                )
+                ends_inside = other_is_tip or _is_seen_beyond(lattice, elements, patches, singular, points, reach)
                 view = seen_from_tip(points, reach, ends_inside)
                 singular = singular[carrying_nodes(view, patches.nodes[singular], size)]
                 found = view, Carriers(singular, np.ones(len(singular)), np.arange(len(singular)), reach)
             view, carriers = found
             body = int(elements.body[beside[0]])
             seen = (view.point, view.rotation, view.path, view.radii, view.fade)
-            tips.append(Tip(*seen, index, at_end, points, other_is_tip, beside[0], body, carriers, n_functions, size))
+            tips.append(Tip(*seen, index, at_end, points, other_is_tip, body, carriers, n_functions, size))
             n_functions += N_TIP_FUNCTIONS * carriers.n
     return tuple(tips)
 
@@ -127,9 +125,15 @@ def _singular_patches(patches: Patches, beside: tuple[int, int], tip: Floats) ->
     return np.asarray(candidates[np.abs(patches.nodes[candidates] - tip).max(axis=1) < patches.half[candidates]])
 
 
-def _leads_through(lattice: Lattice, elements: Elements, patches: Patches, some: Ints, segment: Floats) -> bool:
-    """Whether a segment (2, 2) leads through an element with one of `some` patches."""
-    line = shapely.linestrings(segment)
+def _is_seen_beyond(
+    lattice: Lattice, elements: Elements, patches: Patches, some: Ints, points: Floats, reach: float
+) -> bool:
+    """Whether one of `some` patches is where the angle round a tip jumps on: in line beyond the far end of its crack.
+
+    The crack has vertices (n, 2) from the tip on.
+    """
+    step = (points[-1] - points[-2]) / np.hypot(*(points[-1] - points[-2]))
+    line = shapely.linestrings([points[-1] + TOUCH * step, points[-1] + reach * step])
     cut = elements.tree.query(line, predicate="intersects") + elements.n_whole
     whole = elements.whole_of_tile[lattice.tiles.squares.tree.query(line, predicate="intersects")]
     through = np.concatenate([cut, whole[whole >= 0]])

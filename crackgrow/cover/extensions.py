@@ -103,8 +103,8 @@ def _at_corners(lattice: Lattice, points: Floats) -> Floats:
     """Corners of tiles that touch points (n, 2), where one is within rounding of them; else the points themselves."""
     around = lattice.tiles.squares.around(points)
     point, column = np.nonzero(around >= 0)
-    which, place = lattice.tiling.ring.places(around[point, column])
-    owner, corners = point[which], lattice.tiling.points[lattice.tiling.ring.values[place]]
+    which, place = lattice.tiles.ring.places(around[point, column])
+    owner, corners = point[which], lattice.tiles.points[lattice.tiles.ring.values[place]]
     distance = np.abs(corners - points[owner]).max(axis=1)
     nearest = np.lexsort((distance, owner))
     nearest = nearest[np.diff(owner[nearest], prepend=-1) > 0]

@@ -41,10 +41,13 @@ def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> tu
     A side and an interface along it that do not share their vertices would enclose slivers, by rounding to the grid;
     and a crack would end beside a slanting side, not on it.
     """
-    on_sides = [line.junctions | _ends_without_tip(line) for line in lines]
-    places = np.concatenate(
-        [np.empty((0, 2)), *(line.points[some] for line, some in zip(lines, on_sides, strict=True))]
-    )
+    found = [np.empty((0, 2))]
+    for line in lines:
+        some = line.junctions.copy()
+        some[0] |= not line.tip_at_start
+        some[-1] |= not line.tip_at_end
+        found.append(line.points[some])
+    places = np.concatenate(found)
     every = np.arange(len(sides))
     if len(places) == 0:
         return sides, every
@@ -60,13 +63,6 @@ def sides_through_junctions(sides: Floats, lines: Sequence[CrackGeometry]) -> tu
         owner.append(np.full(len(found[-1]), side))
     found[0], owner[0] = np.delete(sides, np.unique(hit), axis=0), np.delete(every, np.unique(hit))
     return np.concatenate(found), np.concatenate(owner)
-
-
-def _ends_without_tip(line: CrackGeometry) -> Bools:
-    """Which corners (n,) of a line are ends of it, and no tips."""
-    ends = np.zeros(len(line.points), dtype=bool)
-    ends[0], ends[-1] = not line.tip_at_start, not line.tip_at_end
-    return ends
 
 
 def _on_interfaces(places: Floats, interfaces: Sequence[CrackGeometry]) -> Floats:

@@ -11,7 +11,6 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.units import Metres
 from crackgrow.cover.cells import Nodes, Tiles, nodes_of, tiles_of
 from crackgrow.cover.squares import QUANTA, Squares, squares_of
-from crackgrow.cover.tiling import Tiling, tiling_of
 from crackgrow.errors import GeometryError
 
 MOST_ACROSS = 2**13
@@ -33,18 +32,7 @@ class Lattice:
     cells: Squares
     nodes: Nodes
     tiles: Tiles
-    tiling: Tiling
     map_origin: tuple[float, float] = (0.0, 0.0)  # m, on the map that the scene comes from
-
-    @property
-    def reach(self) -> int:
-        """Nodes on each side of a point, per axis, that can cover it where all cells are of one size."""
-        return math.ceil(self.support)
-
-    @property
-    def node_points(self) -> Floats:
-        """Nodes (n, 2), lattice coordinates."""
-        return np.asarray(self.nodes.places / QUANTA)
 
     @property
     def tile_low(self) -> Floats:
@@ -91,7 +79,8 @@ def place_lattice(
         wide = f"the specimen is {cells.max():,} cells of {Metres(spacing):.4g} wide or high"
         raise GeometryError(f"{wide}, and at most {MOST_ACROSS:,} have places: use a larger numerics.spacing")
     origin = 0.5 * (lower + upper) - (below + centre_offset - np.array(offset)) * spacing
-    return lattice_of(spacing, support, origin, _largest_cells(int(cells[0]), int(cells[1])))
+    places = np.stack(np.meshgrid(*map(np.arange, cells.tolist()), indexing="ij"), axis=-1).reshape(-1, 2)
+    return lattice_of(spacing, support, origin, squares_of(QUANTA * places, np.full(len(places), QUANTA)))
 
 
 def lattice_of(spacing: float, support: float, origin: Floats, cells: Squares) -> Lattice:
@@ -99,10 +88,4 @@ def lattice_of(spacing: float, support: float, origin: Floats, cells: Squares) -
     nodes = nodes_of(cells, support)
     tiles = tiles_of(cells, nodes, support)
     width, height = ((cells.low + cells.size[:, None]).max(axis=0) // QUANTA).tolist()
-    return Lattice(spacing, support, origin, (width, height), cells, nodes, tiles, tiling_of(tiles.squares))
-
-
-def _largest_cells(width: int, height: int) -> Squares:
-    """Cells of one spacing."""
-    places = np.stack(np.meshgrid(np.arange(width), np.arange(height), indexing="ij"), axis=-1).reshape(-1, 2)
-    return squares_of(QUANTA * places, np.full(len(places), QUANTA))
+    return Lattice(spacing, support, origin, (width, height), cells, nodes, tiles)

@@ -1,7 +1,5 @@
 """Physical patches: the connected pieces into which cracks and outlines cut the mathematical patches.
 
-A mathematical patch of whole tiles only is one physical patch. Ways are followed in the others.
-
 Crumbs are pieces of rock, cut out by cracks, that are no larger than a cell there. All functions of the lattice look
 alike on such a piece, up to what is linear: the stiffness would be singular to working precision. A crumb has three
 functions instead, round the corners of a triangle round it: of so few, moving least squares makes the barycentric
@@ -71,48 +69,18 @@ def _connected_pieces(lattice: Lattice, elements: Elements) -> Patches:
     to the other without crossing a crack or leaving the body. Patches are numbered along the lattice, those of one node
     by their first elements.
     """
-    over = lattice.tiles.over
-    _, place = over.places(elements.tile)
-    node = over.values[place]
-    pairs = Ragged(starts_of(over.counts[elements.tile]), node)  # of an element and a node
-    every = np.arange(len(node))
-    first_of_node = np.empty(len(lattice.nodes.half), dtype=np.int64)
-    first_of_node[node[::-1]] = every[::-1]
-    first = first_of_node[node]  # pair of the same patch
-    cut = np.flatnonzero(_is_cut(lattice, elements)[node])
-    first[cut] = cut[_first_in_piece(elements, pairs, cut)]
-    patches = np.flatnonzero(first == every)
-    patches = patches[np.argsort(node[patches], kind="stable")]
-    number, of_node = np.empty(len(node), dtype=np.int64), node[patches]
-    number[patches] = np.arange(len(patches))
-    nodes, half = lattice.node_points[of_node], lattice.nodes.half[of_node] / QUANTA
-    return Patches(Ragged(pairs.start, number[first]), nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
-
-
-def _is_cut(lattice: Lattice, elements: Elements) -> Bools:
-    """Which nodes (n,) have patches that are not of whole tiles only.
-
-    Whole tiles beside each other belong to the same body: where bodies meet tiles are cut.
-    """
-    over, size, half = lattice.tiles.over, lattice.tiles.squares.size, lattice.nodes.half
-    whole = elements.whole_of_tile >= 0
-    area = np.bincount(over.values, np.repeat(whole * size.astype(float) ** 2, over.counts), len(half))
-    return np.asarray(area != 4.0 * half.astype(float) ** 2)
-
-
-def _first_in_piece(elements: Elements, pairs: Ragged, cut: Ints) -> Ints:
-    """The first (p,) of those of the `cut` pairs (p,) of elements and nodes that each hangs together with."""
-    is_cut = np.zeros(len(pairs.values), dtype=bool)
-    is_cut[cut] = True
-    some = pairs.kept(is_cut)
-    n_nodes = int(some.values.max(initial=0)) + 1
-    keys, mine = some.row * n_nodes + some.values, some.counts > 0
-    left, right = elements.edges.left, elements.edges.right
-    chosen = np.flatnonzero(mine[left] & mine[right] & elements.passable)
-    which, one = some.places(left[chosen])
-    other = found_in(keys, right[chosen][which] * n_nodes + some.values[one])
+    pairs = lattice.tiles.over.taken(elements.tile)  # of an element and a node
+    n_nodes = len(lattice.nodes.half)
+    keys, edges, links = pairs.row * n_nodes + pairs.values, elements.edges, np.flatnonzero(elements.passable)
+    which, one = pairs.places(edges.left[links])
+    other = found_in(keys, edges.right[links][which] * n_nodes + pairs.values[one])
     label = connected(len(keys), one[other >= 0], other[other >= 0])
-    return np.flatnonzero(np.diff(np.maximum.accumulate(label), prepend=-1) > 0)[label]
+    first = np.flatnonzero(np.diff(np.maximum.accumulate(label), prepend=-1) > 0)  # pair of each piece
+    patches = np.argsort(pairs.values[first], kind="stable")
+    number, of_node = np.empty(len(patches), dtype=np.int64), pairs.values[first[patches]]
+    number[patches] = np.arange(len(patches))
+    nodes, half = lattice.nodes.places[of_node] / QUANTA, lattice.nodes.half[of_node] / QUANTA
+    return Patches(Ragged(pairs.start, number[label]), nodes, half, len(nodes), np.zeros(elements.n, dtype=bool))
 
 
 def _is_seen(lattice: Lattice, elements: Elements, patches: Patches) -> Bools:

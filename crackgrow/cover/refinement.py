@@ -28,16 +28,15 @@ class SizeField:
 
     shapes: NDArray[np.object_]  # (n,) geometries, lattice coordinates
     size: Floats  # (n,) the largest cells that they allow at the place, spacings
-    rings: Floats | float  # (n,) or the same for all: cells of each size round the place
+    rings: Floats  # (n,) cells of each size round the place
 
 
-def refined(lattice: Lattice, field: SizeField, before: Lattice | None = None, *, quartered: bool = False) -> Lattice:
-    """The lattice with `divided` cells; it is the lattice itself, or the one `before`, where the cells are the same."""
+def refined(lattice: Lattice, field: SizeField, *, quartered: bool = False) -> Lattice:
+    """The lattice with `divided` cells, each `quartered` if that is asked for; itself where they are the same."""
     cells = divided(lattice, field)
     cells = cells.quartered() if quartered else cells
-    for known in (lattice, before):
-        if known is not None and cells.equal(known.cells):
-            return known
+    if cells.equal(lattice.cells):
+        return lattice
     finer = lattice_of(lattice.spacing, lattice.support, lattice.origin, cells)
     return replace(finer, map_origin=lattice.map_origin)
 
@@ -52,11 +51,8 @@ def divided(lattice: Lattice, field: SizeField) -> Squares:
     """
     if not len(field.size):
         return lattice.cells
-    each = np.broadcast_to(field.rings, field.size.shape)
-    classes = [
-        (rings, shapely.STRtree(field.shapes[each == rings]), field.size[each == rings])
-        for rings in np.unique(each).tolist()
-    ]
+    each = field.rings
+    classes = [(n, shapely.STRtree(field.shapes[each == n]), field.size[each == n]) for n in np.unique(each).tolist()]
     fixed: list[tuple[Ints, Ints]] = []
     low, size = lattice.cells.low, lattice.cells.size
     least = max(float(field.size.min()) * QUANTA, QUANTA / 2**MOST_LEVELS)
@@ -76,8 +72,9 @@ def divided(lattice: Lattice, field: SizeField) -> Squares:
 
 def balanced(cells: Squares) -> Squares:
     """The cells, divided where one is more than twice as large as another that it touches, corners included."""
+    steps = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)])
     while True:
-        around = _around(cells.low, cells.size)
+        around = cells.low[:, None] + np.where(steps > 0, cells.size[:, None, None], steps)  # a place in each neighbour
         neighbour = cells.at(around.reshape(-1, 2)).reshape(around.shape[:2])
         large = (neighbour >= 0) & (cells.size[neighbour] > 2 * cells.size[:, None])
         if not large.any():
@@ -88,10 +85,3 @@ def balanced(cells: Squares) -> Squares:
         cells = squares_of(
             *(np.concatenate([a[~is_large], b]) for a, b in zip((cells.low, cells.size), quarters, strict=True))
         )
-
-
-def _around(low: Ints, size: Ints) -> Ints:
-    """Places (n, 8, 2) in the neighbours of squares (n,)."""
-    steps = np.array([(x, y) for x in (-1, 0, 1) for y in (-1, 0, 1) if (x, y) != (0, 0)])
-    beyond = np.where(steps > 0, size[:, None, None], steps)
-    return np.asarray(low[:, None] + beyond, dtype=np.int64)

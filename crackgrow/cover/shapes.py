@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 import shapely
@@ -12,6 +12,9 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case.surface import SurfaceName
+
+if TYPE_CHECKING:
+    from crackgrow.case.model import Body
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -39,16 +42,7 @@ class CrackGeometry:
         return np.asarray(self.points[::-1] if at_end else self.points)
 
 
-class Named(Protocol):
-    """A body, or what is known of it in some other form."""
-
-    @property
-    def name(self) -> str:
-        """Its name."""
-        ...
-
-
-def body_index(bodies: Sequence[Named], name: str) -> int:
+def body_index(bodies: Sequence[BodyGeometry | Body], name: str) -> int:
     """Number of the body of that name."""
     return next(index for index, body in enumerate(bodies) if body.name == name)
 

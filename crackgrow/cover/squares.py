@@ -11,7 +11,6 @@ from functools import cached_property
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.ragged import Ragged, distinct, spans, starts_of
@@ -22,8 +21,10 @@ QUANTA = 2**18
 CORNERS = np.array([(0, 0), (0, 1), (1, 0), (1, 1)])
 """Corners of a square of side one, from left to right and upwards."""
 
-_HALVINGS = ((16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F), (2, 0x3333333333333333))
-_EVERY_OTHER = 0x5555555555555555
+_HALVINGS = (
+    (16, 0x0000FFFF0000FFFF), (8, 0x00FF00FF00FF00FF), (4, 0x0F0F0F0F0F0F0F0F), (2, 0x3333333333333333),
+    (1, 0x5555555555555555),
+)  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,14 +107,9 @@ def quarters_of(low: Ints, size: Ints) -> tuple[Ints, Ints]:
 
 
 def _codes(places: Ints) -> Ints:
-    """Places (n,) on the Morton curve of corners (n, 2): the bits of both coordinates in turn."""
-    x, y = (_spread(places[:, axis]) for axis in range(2))
-    return np.asarray(2 * x + y)
-
-
-def _spread(values: Ints) -> NDArray[np.int64]:
-    """Values (n,) below 2^31 with a zero between every two bits."""
-    spread = values.astype(np.int64)
+    """Places (n,) on the Morton curve of corners (n, 2), below 2^31: the bits of both coordinates in turn."""
+    spread = places.astype(np.int64)  # with a zero between every two bits
     for shift, mask in _HALVINGS:
         spread = (spread | (spread << shift)) & mask
-    return np.asarray((spread | (spread << 1)) & _EVERY_OTHER)
+    x, y = spread.T
+    return np.asarray(2 * x + y)

@@ -16,7 +16,6 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.squares import QUANTA
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.geometry.tolerance import TOUCH
 
 N_TIP_FUNCTIONS = 4
 """Tip functions on a singular patch, paper eq. (1)."""
@@ -68,7 +67,6 @@ class Tip(TipView):
     at_end: bool  # whether it is at the crack's end, not at its start
     points: Floats  # (n, 2) all vertices of the crack, from the tip on
     other_is_tip: bool  # whether the crack's other end is a tip, too
-    element: int  # at the tip, on the crack's plus face
     body: int
     carriers: Carriers
     first_function: int  # four functions for each carrier from this number on
@@ -111,13 +109,6 @@ def n_outward(points_from_tip: Floats) -> int:
     return len(outward) if outward.all() else int(np.argmin(outward))
 
 
-def beyond_far_end(points_from_tip: Floats, reach: float) -> Floats:
-    """The straight extension (2, 2) of a crack (n, 2) past its far end, where the angle round the tip jumps on."""
-    start, step = points_from_tip[-1], points_from_tip[-1] - points_from_tip[-2]
-    step = step / np.hypot(*step)
-    return np.stack([start + TOUCH * step, start + reach * step])
-
-
 def seen_from_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> TipView:
     """A crack given by its vertices (n, 2) from the tip on; `reach` is how far tip functions can be seen.
 
@@ -156,7 +147,10 @@ def tip_angle(tip: TipView, points: Floats, reference: Floats) -> tuple[Floats, 
 
     The reference lies off the crack; the point may lie on it.
     """
-    return polar_beside(tip, points, side_angle(tip, reference))
+    local = (points - tip.point) @ tip.rotation.T
+    angle = np.arctan2(local[:, 1], local[:, 0])
+    angle += 2.0 * np.pi * np.round((side_angle(tip, reference) - angle) / (2.0 * np.pi))
+    return np.hypot(local[:, 0], local[:, 1]), angle
 
 
 def side_angle(tip: TipView, reference: Floats) -> Floats:
@@ -164,14 +158,6 @@ def side_angle(tip: TipView, reference: Floats) -> Floats:
     seen = (reference - tip.point) @ tip.rotation.T
     alpha = crack_angle(tip, np.hypot(seen[:, 0], seen[:, 1]))
     return np.asarray(alpha - np.mod(alpha - np.arctan2(seen[:, 1], seen[:, 0]), 2.0 * np.pi))
-
-
-def polar_beside(tip: TipView, points: Floats, side: Floats) -> tuple[Floats, Floats]:
-    """Distance r and angle t (n,) of points (n, 2), each on the side of the crack that has the angles `side` (n,)."""
-    local = (points - tip.point) @ tip.rotation.T
-    angle = np.arctan2(local[:, 1], local[:, 0])
-    angle += 2.0 * np.pi * np.round((side - angle) / (2.0 * np.pi))
-    return np.hypot(local[:, 0], local[:, 1]), angle
 
 
 def crack_angle(tip: TipView, r: Floats) -> Floats:

@@ -168,12 +168,11 @@ def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: In
     weights, turn = weights_of(material, rule), disc.tip.rotation
     at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
     turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
-    derivatives = basis.derivatives
-    sums = derivatives.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))
+    functions, sums = basis.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))
     of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
     of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
-    return Functional(derivatives.functions, np.ascontiguousarray(sums.T), more)
+    return Functional(functions, np.ascontiguousarray(sums.T), more)
 
 
 def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:

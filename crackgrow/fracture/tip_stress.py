@@ -23,7 +23,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from crackgrow.approximation.basis import Derivatives, basis_at
+from crackgrow.approximation.basis import Basis, basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
@@ -117,9 +117,9 @@ def stress_functionals(cover: Cover, sites: Sequence[Site], radius: float | Sequ
     found = []
     for site, rule, points, own in zip(sites, rules, on_rays, np.split(elements, np.cumsum(counts)[:-1]), strict=True):
         inside = points.taken(own >= 0)
-        derivatives = basis_at(cover, inside.places, own[own >= 0]).derivatives
+        functions, sums = _sums(inside, basis_at(cover, inside.places, own[own >= 0]))
         more = (inside.places, inside.ray, inside.weight, inside.averaged)
-        found.append(StressFunctional(site, rule, Functional(derivatives.functions, _sums(inside, derivatives), more)))
+        found.append(StressFunctional(site, rule, Functional(functions, sums, more)))
     return found
 
 
@@ -197,15 +197,16 @@ def _crossings(segments: Floats, rule: Rule) -> Floats:
     return np.where(meets, distance, np.inf)
 
 
-def _sums(points: _Points, derivatives: Derivatives) -> Floats:
-    """Sums (2 (rays + 1), k) of derivatives at points by x, along each ray and then over the disc, and by y."""
-    counts, k = np.diff(derivatives.start), len(derivatives.functions)
+def _sums(points: _Points, basis: Basis) -> tuple[Ints, Floats]:
+    """Functions (k,), and sums (2 (rays + 1), k) of their derivatives by x, on each ray, then in the disc, and by y."""
+    functions, column = basis.columns
+    counts, k = np.diff(basis.start), len(functions)
     on_ray, averaged, weight = (each.repeat(counts) for each in (points.ray, points.averaged, points.weight))
     rows = []
-    for values in derivatives.values:
-        rows.append(np.bincount(on_ray * k + derivatives.column, averaged * values, N_RAYS * k).reshape(N_RAYS, k))
-        rows.append(np.bincount(derivatives.column, weight * values, k)[None])
-    return np.concatenate(rows)
+    for values in basis.values[1:]:
+        rows.append(np.bincount(on_ray * k + column, averaged * values, N_RAYS * k).reshape(N_RAYS, k))
+        rows.append(np.bincount(column, weight * values, k)[None])
+    return functions, np.concatenate(rows)
 
 
 def _averaged(

@@ -71,26 +71,19 @@ def faces_of(arrangements: NDArray[np.object_] | list[shapely.MultiLineString]) 
 def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
     """Directed ring edges of polygons: start points (n, 2), the position of each edge's end among them, polygon ids."""
     rings, polygon_of_ring = shapely.get_rings(polygons, return_index=True)
-    coordinates, ring_of_point = shapely.get_coordinates(rings, return_index=True)
-    n = len(coordinates)
-    last = np.empty(n, dtype=bool)
-    last[:-1] = ring_of_point[1:] != ring_of_point[:-1]
-    last[-1:] = True
-    keep = ~last  # the closing point repeats the first
-    position = np.cumsum(keep) - 1
-    first_of_ring = position[np.searchsorted(ring_of_point, np.arange(len(rings)))]
-    following = np.minimum(np.arange(n) + 1, n - 1)
-    end = np.where(last[following], first_of_ring[ring_of_point], position[following])
-    return coordinates[keep], end[keep].astype(np.int64), polygon_of_ring[ring_of_point[keep]].astype(np.int64)
+    coordinates, ring = shapely.get_coordinates(rings, return_index=True)
+    n = len(ring)
+    closing = np.append(ring[1:] != ring[:-1], True)[:n]  # these points repeat the first of their ring
+    position, following = np.cumsum(~closing) - 1, np.arange(1, n + 1)
+    last = np.flatnonzero(closing) - 1
+    following[last] = np.searchsorted(ring, ring[last])
+    end = position[following[~closing]]
+    return coordinates[~closing], end, polygon_of_ring[ring[~closing]].astype(np.int64)
 
 
 def vertex_ids(points: Floats) -> Ints:
     """Ids (n,) of points (n, 2) on the grid: equal for equal points, dense from 0."""
-    scaled = np.rint(points / GRID).astype(np.int64)
-    _, column = np.unique(scaled[:, 0], return_inverse=True)
-    rows, row = np.unique(scaled[:, 1], return_inverse=True)
-    _, ids = np.unique(column * len(rows) + row, return_inverse=True)
-    return np.asarray(ids, dtype=np.int64)
+    return np.asarray(np.unique(as_numbers(on_grid(points)), return_inverse=True)[1], dtype=np.int64)
 
 
 def connected(n: int, first: Ints, second: Ints) -> Ints:

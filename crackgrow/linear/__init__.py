@@ -5,6 +5,6 @@ What is named here is its door, all that other packages use of it.
 
 from crackgrow.linear.constrained import ConstrainedSystem
 from crackgrow.linear.elimination import DEPENDENT
-from crackgrow.linear.matrix import SymmetricMatrix, symmetric
+from crackgrow.linear.matrix import SymmetricMatrix
 
-__all__ = ["DEPENDENT", "ConstrainedSystem", "SymmetricMatrix", "symmetric"]
+__all__ = ["DEPENDENT", "ConstrainedSystem", "SymmetricMatrix"]

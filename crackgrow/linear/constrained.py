@@ -7,21 +7,18 @@ are round-off.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import SolveError
-from crackgrow.linear.factorization import Factorization
-from crackgrow.linear.matrix import SymmetricMatrix, symmetric
+from crackgrow.linear.factorization import AT_ONCE, Factorization
+from crackgrow.linear.matrix import SymmetricMatrix
 
 REFINEMENTS = 3
 """Most corrections for round-off."""
 
 ROUND_OFF = 1e-14
 """Residuals below this fraction of the terms that they are sums of are round-off."""
-
-AT_ONCE = 256
-"""Right-hand sides that are solved for together."""
 
 INCONSISTENT = 1e-6
 """A constraint that misses more than this fraction of what it prescribes, and of its terms, contradicts others."""
@@ -30,27 +27,16 @@ INCONSISTENT = 1e-6
 class ConstrainedSystem:
     """K with constraints C u = g, factorized once for many loads."""
 
-    def __init__(
-        self,
-        stiffness: csc_array | SymmetricMatrix,
-        constraints: csr_array,
-        boxes: tuple[Ints, Ints] | None = None,
-        before: ConstrainedSystem | None = None,
-        keep: bool = True,
-    ) -> None:
-        """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`.
-
-        `before` is a system that may have parts in common with this one; `keep` what the next may have in common.
-        """
-        self.stiffness = symmetric(stiffness)
+    def __init__(self, stiffness: SymmetricMatrix, constraints: csr_array, boxes: tuple[Ints, Ints]) -> None:
+        """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`."""
+        self.stiffness = stiffness
         self.constraints = constraints
         self._share = abs(constraints)
-        known: Factorization | None = None if before is None else before.factorization
-        self.factorization: Factorization = Factorization(self.stiffness, constraints, boxes, known, keep)
+        self._factorization = Factorization(stiffness, constraints, boxes)
 
-    def hand_over(self) -> None:
-        """Solve no more: the system that comes next is the last to take anything over."""
-        self.factorization.hand_over()
+    def release(self) -> None:
+        """Let go of the factors: nothing is solved any more."""
+        self._factorization.release()
 
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
@@ -65,7 +51,7 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            found = self.factorization.solve(columns[:, block], wanted[:, block])
+            found = self._factorization.solve(columns[:, block], wanted[:, block])
             u[:, block], multipliers[:, block] = self._corrected(found, columns[:, block], wanted[:, block])
         given_in = wanted.any(axis=0)
         if given_in.any():
@@ -75,14 +61,14 @@ class ConstrainedSystem:
     def _check_agreement(self, wanted: Floats) -> None:
         """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
         nothing = np.zeros((self.constraints.shape[1], wanted.shape[1]))
-        u, _ = self._corrected(self.factorization.solve(nothing, wanted), nothing, wanted)
+        u, _ = self._corrected(self._factorization.solve(nothing, wanted), nothing, wanted)
         left = np.abs(self.constraints @ u - wanted)
         if np.any(left > INCONSISTENT * (np.abs(wanted) + self._share @ np.abs(u))):
             raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
 
     def compliance(self, rows: csr_array) -> Floats:
         """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; symmetric to the last bit."""
-        return self.factorization.compliance(rows)
+        return self._factorization.compliance(rows)
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -109,7 +95,7 @@ class ConstrainedSystem:
                 break
             last = error
             residual = loads - self.stiffness @ u - self.constraints.T @ multipliers
-            du, dm = self.factorization.solve(residual, wanted - self.constraints @ u)
+            du, dm = self._factorization.solve(residual, wanted - self.constraints @ u)
             u, multipliers = u + du, multipliers + dm
         return u, multipliers
 

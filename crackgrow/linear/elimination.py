@@ -25,48 +25,40 @@ STIFF = 1e100
 
 
 @kernel
-def ordered(blocks: Floats, which: Ints, turned: Bools) -> Floats:
-    """The blocks (q, 2, 2) `which` (q,) of a matrix, transposed where they are `turned`."""
-    found = np.empty((len(which), 2, 2))
-    for q in range(len(which)):
-        b, t = which[q], turned[q]
-        found[q, 0, 0], found[q, 1, 1] = blocks[b, 0, 0], blocks[b, 1, 1]
-        found[q, 0, 1] = blocks[b, 1, 0] if t else blocks[b, 0, 1]
-        found[q, 1, 0] = blocks[b, 0, 1] if t else blocks[b, 1, 0]
-    return found
+def enter(start: Ints, block: Ints, turned: Bools, column: Ints, blocks: Floats, U: Floats, V: Floats) -> None:
+    """Add those of the `blocks` (q, 2, 2) of a matrix that a front's functions have, from start[k] on for each.
 
-
-@kernel
-def enter(start: Ints, column: Ints, blocks: Floats, U: Floats, V: Floats) -> None:
-    """Add the `blocks` (q, 2, 2) of a front's functions, those of each from start[k] - start[0] on."""
+    They are the numbers `block`, transposed where they are `turned`.
+    """
     p = len(U)
     for k in range(len(start) - 1):
         a = 2 * k
-        for q in range(start[k] - start[0], start[k + 1] - start[0]):
+        for q in range(start[k], start[k + 1]):
             c = column[q]
             for i in range(2):
                 for j in range(2):
+                    value = blocks[block[q], j, i] if turned[q] else blocks[block[q], i, j]
                     if c >= p:
-                        V[a + i, c + j - p] += blocks[q, i, j]
+                        V[a + i, c + j - p] += value
                     elif c + j >= a + i:
-                        U[a + i, c + j] += blocks[q, i, j]
+                        U[a + i, c + j] += value
 
 
 @kernel
 def hold(
-    start: Ints, column: Ints, values: Floats, multiplier: Ints, rho: Floats, U: Floats, V: Floats, C: Floats
-) -> None:
-    """Add [[C' rho C, C'], [C, 0]] of the constraints that begin in a front.
+    held: Ints, start: Ints, column: Ints, values: Floats, multiplier: Ints, rho: Floats, U: Floats, V: Floats,
+    C: Floats,
+) -> None:  # fmt: skip
+    """Add [[C' rho C, C'], [C, 0]] of the constraints `held` that begin in a front.
 
-    Entries are `values` at `column` from start[r] - start[0] on, `multiplier` and `rho` (r,).
+    Those of constraint r are `values` at `column` from start[r] on, `multiplier` and `rho`.
     """
     p = len(U)
-    for r in range(len(rho)):
-        begin, end = start[r] - start[0], start[r + 1] - start[0]
-        for s in range(begin, end):
-            for t in range(begin, end + 1):
-                a, b = column[s], column[t] if t < end else multiplier[r]
-                value = rho[r] * values[s] * values[t] if t < end else values[s]
+    for r in held:
+        for s in range(start[r], start[r + 1]):
+            for t in range(start[r], start[r + 1] + 1):
+                a, b = column[s], column[t] if t < start[r + 1] else multiplier[r]
+                value = rho[r] * values[s] * values[t] if t < start[r + 1] else values[s]
                 if b < a:
                     continue
                 if b < p:
@@ -79,25 +71,19 @@ def hold(
 
 @kernel
 def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
-    """Add what a child has left to its parent, where its border has the ascending numbers `into` (b,).
-
-    `left` has rows of the upper triangle, one after the other: whole rows (b b,), or packed ones (b (b + 1) / 2,).
-    """
+    """Add the upper triangle that a child has `left` (b, b) to its parent, where it has the numbers `into` (b,)."""
     p, b = len(U), len(into)
-    whole = len(left) > b * (b + 1) // 2
-    n_own = np.searchsorted(into, p)
-    place = 0  # of left[i, i]
+    n_own = np.searchsorted(into, p)  # they are ascending
     for i in range(b):
-        a, row = into[i], place - i
+        a = into[i]
         if a < p:
             for j in range(i, n_own):
-                U[a, into[j]] += left[row + j]
+                U[a, into[j]] += left[i, j]
             for j in range(n_own, b):
-                V[a, into[j] - p] += left[row + j]
+                V[a, into[j] - p] += left[i, j]
         else:
             for j in range(i, b):
-                C[a - p, into[j] - p] += left[row + j]
-        place += b + 1 if whole else b - i
+                C[a - p, into[j] - p] += left[i, j]
 
 
 @kernel
@@ -129,7 +115,8 @@ def eliminate(U: Floats, V: Floats, C: Floats, size: Floats, n_placed: int, care
         if not _is_factorized(between, met):
             return False
         solve_upper(between, after, True)
-    take_off(V, C, n_placed)
+    add_square(V[:n_placed], C, -1.0)  # C - V' D V
+    add_square(V[n_placed:], C, 1.0)
     return True
 
 
@@ -161,44 +148,9 @@ def _hold(matrix: Floats, size: Floats) -> Ints:
 
 
 @kernel
-def take_off(V: Floats, C: Floats, n_placed: int) -> None:
-    """C - V' D V."""
-    add_square(V[:n_placed], C, -1.0)
-    add_square(V[n_placed:], C, 1.0)
-
-
-@kernel
-def packed(left: Floats, b: int) -> Floats:
-    """The upper triangle of `left`, whole rows (b b,), or packed already."""
-    n = b * (b + 1) // 2
-    if len(left) <= n:
-        return left
-    rows, place = np.empty(n), 0
-    for i in range(b):
-        rows[place : place + b - i] = left[i * b + i : i * b + b]
-        place += b - i
-    return rows
-
-
-@kernel
 def forward(U: Floats, V: Floats, n_placed: int, begin: int, border: Ints, x: Floats) -> None:
     """Replace what right-hand sides x (n, k) have at a front by D^-1 U'^-1 of it, and take it off the border's."""
     p, b, n_columns = len(U), V.shape[1], x.shape[1]
-    if n_columns == 1:
-        y, later = x[begin : begin + p, 0].copy(), np.zeros(b)
-        for k in range(p):
-            if y[k] != 0.0:
-                y[k] /= U[k, k]
-                for j in range(k + 1, p):
-                    y[j] -= U[k, j] * y[k]
-                value = y[k]
-                for j in range(b):
-                    later[j] += V[k, j] * value
-        for k in range(p):
-            x[begin + k, 0] = y[k] if k < n_placed else -y[k]
-        for j in range(b):
-            x[border[j], 0] -= later[j]
-        return
     active = np.zeros(n_columns, np.bool_)  # loads act on few fronts each
     for a in range(begin, begin + p):
         for k in range(n_columns):
@@ -224,25 +176,11 @@ def forward(U: Floats, V: Floats, n_placed: int, begin: int, border: Ints, x: Fl
 @kernel
 def backward(U: Floats, V: Floats, begin: int, border: Ints, x: Floats) -> None:
     """Replace what x (n, k) has at a front by U^-1 (x - V times the border's)."""
-    p, b, n_columns = len(U), V.shape[1], x.shape[1]
-    if n_columns > 1:
-        later, mine = np.empty((b, n_columns)), x[begin : begin + p]
-        for j in range(b):
-            later[j] = x[border[j]]
-        add_product(V, later, mine, -1.0, False)
-        solve_upper(U, mine, False)
-        return
-    y, known = x[begin : begin + p, 0].copy(), np.empty(b)
-    for j in range(b):
-        known[j] = x[border[j], 0]
-    for k in range(p - 1, -1, -1):
-        value = y[k]
-        for j in range(b):
-            value -= V[k, j] * known[j]
-        for j in range(k + 1, p):
-            value -= U[k, j] * y[j]
-        y[k] = value / U[k, k]
-    x[begin : begin + p, 0] = y
+    later, mine = np.empty((len(border), x.shape[1])), x[begin : begin + len(U)]
+    for j in range(len(border)):
+        later[j] = x[border[j]]
+    add_product(V, later, mine, -1.0, False)
+    solve_upper(U, mine, False)
 
 
 @kernel

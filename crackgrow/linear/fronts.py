@@ -10,12 +10,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import coo_array, csr_array
 
 from crackgrow.arrays import Bools, Ints
 from crackgrow.compiled import kernel
 from crackgrow.linear.dissection import dissected
 from crackgrow.linear.matrix import SymmetricMatrix
+from crackgrow.ragged import Ragged, by_row, spans, starts_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,7 +30,7 @@ class Fronts:
     order: Ints  # (n + m,) unknown at each place
     starts: Ints  # (fronts + 1,)
     n_placed: Ints  # (fronts,)
-    parent: Ints  # (fronts,), -1 for none
+    children: Ragged  # fronts -> those whose borders they take, ascending
     border_start: Ints  # (fronts + 1,)
     border: Ints  # (b,) of each front, ascending places of later unknowns that its subtree is coupled to
     into: Ints  # (b,) what their numbers are in the parent
@@ -46,7 +47,7 @@ class Fronts:
     @property
     def n(self) -> int:
         """Number of fronts."""
-        return len(self.parent)
+        return self.children.n
 
 
 def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: Ints) -> Fronts:
@@ -69,21 +70,21 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
     held_start = np.searchsorted(begins[held], np.arange(len(parent) + 1))
     position = np.empty(n + m, dtype=np.int64)
     position[order] = np.arange(n + m)
-    blocks = _blocks_by_row(matrix.start, matrix.column, order, position)
-    border_start, border = _borders(
-        blocks[0], blocks[3], first, parent, held_start, held, indptr, indices // 2, position
+    at, block, turned, later = _blocks_by_row(matrix, position)
+    child = np.argsort(parent[:-1], kind="stable")
+    children = by_row(parent[child], child, len(parent))
+    border_start, border, into, block_column, held_column, multiplier_column = _local_numbers(
+        (at, later), first, (children.start, children.values), offset, (held_start, held), (indptr, indices), position
     )
-    if len(border) == 1 and border[0] < 0:
+    if border_start[-1] < 0:
         raise ValueError("functions are coupled that are further apart than couplings reach")
-    rest_start, rest, into, block_column, held_column, multiplier_column = _numbers(
-        blocks[0], blocks[3], first, parent, (border_start, border), offset, held_start, held, indptr, indices, position
-    )
-    starts = offset[first]
     n_functions = np.diff(np.append(0, np.cumsum(order < n))[first])
     unknown = np.repeat(np.where(order < n, 2 * order, n + order), width)
     unknown[offset[:-1][order < n] + 1] += 1
+    counts = width[border]
     return Fronts(
-        unknown, starts, 2 * n_functions, parent, rest_start, rest, into, first, blocks[0], blocks[1], blocks[2],
+        unknown, offset[first], 2 * n_functions, children, starts_of(counts)[border_start],
+        spans(offset[border], counts), spans(into, counts), first, at, block, turned,
         block_column, held_start, held, held_column, multiplier_column,
     )  # fmt: skip
 
@@ -119,124 +120,83 @@ def _together(front: Ints, parent: Ints, start: Ints, function: Ints) -> Ints:
     return begins
 
 
-@kernel
-def _blocks_by_row(start: Ints, column: Ints, order: Ints, position: Ints) -> tuple[Ints, Ints, Bools, Ints]:
+def _blocks_by_row(matrix: SymmetricMatrix, position: Ints) -> tuple[Ints, Ints, Bools, Ints]:
     """Of each function or multiplier, in the order of elimination, the blocks with later ones and itself.
 
     Starts, which blocks of the matrix they are, whether transposed, and the position of the later one.
     """
-    n, q = len(start) - 1, len(column)
-    at = np.zeros(len(order) + 1, np.int64)
-    for i in range(n):
-        for s in range(start[i], start[i + 1]):
-            at[min(position[i], position[column[s]]) + 1] += 1
-    for k in range(len(order)):
-        at[k + 1] += at[k]
-    free, block, turned, later = at[:-1].copy(), np.empty(q, np.int64), np.empty(q, np.bool_), np.empty(q, np.int64)
-    for i in range(n):
-        for s in range(start[i], start[i + 1]):
-            a, b = position[i], position[column[s]]
-            row = min(a, b)
-            place = free[row]
-            free[row] += 1
-            block[place], turned[place], later[place] = s, b < a, max(a, b)
-    return at, block, turned, later
+    one, other, number = position[matrix.row], position[matrix.column], np.arange(len(matrix.column))
+    shape = (len(position), len(number))
+    rows = coo_array((number, (np.minimum(one, other), number)), shape=shape).tocsr()  # sorts them by row, in a count
+    start, block = rows.indptr.astype(np.int64), rows.data
+    return start, block, (other < one)[block], np.maximum(one, other)[block]
 
 
 @kernel
-def _borders(
-    at: Ints, later: Ints, first: Ints, parent: Ints, held_start: Ints, held: Ints, indptr: Ints, function: Ints,
+def _local_numbers(
+    blocks: tuple[Ints, Ints],
+    first: Ints,
+    below: tuple[Ints, Ints],
+    offset: Ints,
+    holding: tuple[Ints, Ints],
+    entries: tuple[Ints, Ints],
     position: Ints,
-) -> tuple[Ints, Ints]:  # fmt: skip
-    """Starts (fronts + 1,), and the ascending positions behind a front that its subtree meets; or one -1."""
-    n_fronts, n = len(parent), len(position) - len(held)
-    mark, start = np.full(len(position) + 1, -1), np.zeros(n_fronts + 1, np.int64)
-    child, sibling = np.full(n_fronts, -1), np.full(n_fronts, -1)
-    border, total = np.empty(4 * len(position), np.int64), 0
+) -> tuple[Ints, Ints, Ints, Ints, Ints, Ints]:
+    """The borders of fronts: starts, ascending positions behind a front that its subtree meets, numbers in the parent.
+
+    Also the numbers, in their fronts, of blocks, of entries of constraints and of multipliers. Numbers are those of
+    first unknowns. The last start is -1 where a subtree meets what its parents don't hold.
+    """
+    (at, later), (child_start, children), (held_start, held), (indptr, indices) = blocks, below, holding, entries
+    n_fronts, n = len(first) - 1, len(position) - len(held)
+    mark, local, start = np.full(len(position), -1), np.empty(len(position), np.int64), np.zeros(n_fronts + 1, np.int64)
+    border, into = np.empty(4 * len(position), np.int64), np.empty(4 * len(position), np.int64)
+    column, held_column = np.empty(len(later), np.int64), np.empty(len(indices), np.int64)
+    multiplier_column = np.empty(len(held), np.int64)
     for p in range(n_fronts):
-        end = first[p + 1]
+        end, total = first[p + 1], start[p]
         if total + len(position) > len(border):
             border = np.append(border, np.empty(len(border) + len(position), np.int64))
+            into = np.append(into, np.empty(len(into) + len(position), np.int64))
         for q in range(at[first[p]], at[end]):
-            j = later[q]
-            if j >= end and mark[j] != p:
-                mark[j] = p
-                border[total] = j
-                total += 1
-        for s in range(held_start[p], held_start[p + 1]):
-            r = held[s]
-            for q in range(indptr[r], indptr[r + 1] + 1):
-                j = position[function[q]] if q < indptr[r + 1] else position[n + r]
-                if j >= end and mark[j] != p:
-                    mark[j] = p
-                    border[total] = j
-                    total += 1
-        c = child[p]
-        while c >= 0:
+            total = _met(later[q], p, end, mark, border, total)
+        for r in held[held_start[p] : held_start[p + 1]]:
+            total = _met(position[n + r], p, end, mark, border, total)
+            for q in range(indptr[r], indptr[r + 1]):
+                total = _met(position[indices[q] // 2], p, end, mark, border, total)
+        for c in children[child_start[p] : child_start[p + 1]]:
             if start[c + 1] > start[c] and border[start[c]] < first[p]:
-                return start, np.full(1, -1)
+                start[-1] = -1
+                return start, border, into, column, held_column, multiplier_column
             for q in range(start[c], start[c + 1]):
-                j = border[q]
-                if j >= end and mark[j] != p:
-                    mark[j] = p
-                    border[total] = j
-                    total += 1
-            c = sibling[c]
+                total = _met(border[q], p, end, mark, border, total)
         border[start[p] : total].sort()
-        start[p + 1] = total
-        if parent[p] >= 0:
-            sibling[p] = child[parent[p]]
-            child[parent[p]] = p
-        elif total > start[p]:
-            return start, np.full(1, -1)
-    return start, border[:total].copy()
+        start[p + 1], number = total, 0
+        for k in range(first[p], end):
+            local[k] = number
+            number += offset[k + 1] - offset[k]
+        for k in border[start[p] : total]:
+            local[k] = number
+            number += offset[k + 1] - offset[k]
+        for q in range(at[first[p]], at[end]):
+            column[q] = local[later[q]]
+        for r in held[held_start[p] : held_start[p + 1]]:
+            multiplier_column[r] = local[position[n + r]]
+            for q in range(indptr[r], indptr[r + 1]):
+                held_column[q] = local[position[indices[q] // 2]] + indices[q] % 2
+        for c in children[child_start[p] : child_start[p + 1]]:
+            for q in range(start[c], start[c + 1]):
+                into[q] = local[border[q]]
+    if start[-1] > start[-2]:  # the last front has no parent
+        start[-1] = -1
+    return start, border[: start[-1]].copy(), into[: start[-1]].copy(), column, held_column, multiplier_column
 
 
 @kernel
-def _numbers(
-    at: Ints, later: Ints, first: Ints, parent: Ints, borders: tuple[Ints, Ints], offset: Ints, held_start: Ints,
-    held: Ints, indptr: Ints, indices: Ints, position: Ints,
-) -> tuple[Ints, Ints, Ints, Ints, Ints, Ints]:  # fmt: skip
-    """The borders by unknowns, their numbers in parents, and numbers of blocks, entries of constraints, multipliers."""
-    border_start, border = borders
-    n_fronts, n = len(parent), len(position) - len(held)
-    start = np.zeros(n_fronts + 1, np.int64)
-    for p in range(n_fronts):
-        start[p + 1] = start[p]
-        for q in range(border_start[p], border_start[p + 1]):
-            start[p + 1] += offset[border[q] + 1] - offset[border[q]]
-    rest, into = np.empty(start[-1], np.int64), np.empty(start[-1], np.int64)
-    column, local = np.empty(len(later), np.int64), np.empty(len(position), np.int64)
-    held_column, multiplier_column = np.empty(len(indices), np.int64), np.empty(len(held), np.int64)
-    child, sibling = np.full(n_fronts, -1), np.full(n_fronts, -1)
-    for p in range(n_fronts):
-        for k in range(first[p], first[p + 1]):
-            local[k] = offset[k] - offset[first[p]]
-        place, number = start[p], offset[first[p + 1]] - offset[first[p]]
-        for q in range(border_start[p], border_start[p + 1]):
-            k = border[q]
-            local[k] = number
-            for unknown in range(offset[k], offset[k + 1]):
-                rest[place] = unknown
-                place += 1
-                number += 1
-        for q in range(at[first[p]], at[first[p + 1]]):
-            column[q] = local[later[q]]
-        for s in range(held_start[p], held_start[p + 1]):
-            r = held[s]
-            for q in range(indptr[r], indptr[r + 1]):
-                held_column[q] = local[position[indices[q] // 2]] + indices[q] % 2
-            multiplier_column[r] = local[position[n + r]]
-        c = child[p]
-        while c >= 0:
-            place = start[c]
-            for q in range(border_start[c], border_start[c + 1]):
-                k = border[q]
-                for component in range(offset[k + 1] - offset[k]):
-                    into[place] = local[k] + component
-                    place += 1
-            c = sibling[c]
-        if parent[p] >= 0:
-            sibling[p] = child[parent[p]]
-            child[parent[p]] = p
-    return start, rest, into, column, held_column, multiplier_column
+def _met(j: int, p: int, end: int, mark: Ints, border: Ints, total: int) -> int:
+    """Add position j to the border of front p, unless it is before its `end` or there already; the border's end."""
+    if j >= end and mark[j] != p:
+        mark[j] = p
+        border[total] = j
+        total += 1
+    return total

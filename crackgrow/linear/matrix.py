@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.sparse import bsr_array, csc_array, csr_array
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel
@@ -58,31 +57,6 @@ class SymmetricMatrix:
         block = self.block.copy()
         np.add.at(block, (self.start[places // 2 + 1] - 1, places % 2, places % 2), values)
         return replace(self, block=block)
-
-    def tocsc(self) -> csc_array:
-        """All of the matrix."""
-        lower = bsr_array((self.block, self.column, self.start), shape=self.shape)
-        below = self.block * (self.row != self.column)[:, None, None]
-        upper = bsr_array((below, self.column, self.start), shape=self.shape).T
-        total = csc_array(lower.tocsr() + upper.tocsr())
-        total.eliminate_zeros()
-        return total
-
-
-def symmetric(matrix: csc_array | SymmetricMatrix) -> SymmetricMatrix:
-    """A sparse symmetric matrix (2 n, 2 n) by its lower blocks; what is one already stays."""
-    if isinstance(matrix, SymmetricMatrix):
-        return matrix
-    n = matrix.shape[0] // 2
-    blocks = bsr_array(csr_array(matrix) + csr_array(matrix.shape), blocksize=(2, 2))
-    row = np.repeat(np.arange(n), np.diff(blocks.indptr))
-    lower = np.flatnonzero(blocks.indices <= row)
-    entries = [blocks.data[lower], np.zeros((n, 2, 2))]  # every function has a block with itself
-    places = np.concatenate([row[lower] * n + blocks.indices[lower], np.arange(n) * (n + 1)])
-    pairs, at = np.unique(places, return_inverse=True)
-    block = np.zeros((len(pairs), 2, 2))
-    np.add.at(block, at, np.concatenate(entries))
-    return SymmetricMatrix(np.searchsorted(pairs, np.arange(n + 1) * n), pairs % n, block)
 
 
 @kernel

@@ -30,18 +30,14 @@ THIN = 1e-4
 """Triangles with a side below this part of the longest: the other two are alike whatever they are. Which of them is
 halved matters by the area, which is nothing."""
 
-MORE_POINTS_WHERE_FADING = 1
-"""Points per direction on top where tip functions fade out: chi folds inside of elements. Without, 4e-4 of K_II; of
-cracks no longer than three cells the compliance is 3 % off where whole tiles take no more, 0.1 % where they do."""
+MORE_POINTS = 1
+"""Points per direction on top in triangles, whose rule is not a product of two: without, 1e-4 of K; once more in those
+with their apex at a tip; and once more where tip functions fade out: chi folds inside of elements. Without, 4e-4 of
+K_II; of cracks no longer than three cells the compliance is 3 % off where whole tiles take no more, 0.1 % where they
+do."""
 
 FAR = 0.5
 """Triangles no larger than this part of their distance from a tip take as few points as whole tiles: 1e-5 of K."""
-
-MORE_POINTS_AT_TIPS = 1
-"""The same for triangles with their apex at a tip."""
-
-MORE_POINTS_IN_CUT_TILES = 1
-"""Points per direction on top in triangles, whose rule is not a product of two: without, 1e-4 of K."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -59,8 +55,8 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     n_whole = cover.elements.n_whole
     corners, owner = _triangles(cover.elements.polygons)
     owner += n_whole
-    more = MORE_POINTS_WHERE_FADING if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
-    cut = n + MORE_POINTS_IN_CUT_TILES
+    more = MORE_POINTS if any(np.isfinite(tip.fade) for tip in cover.tips) else 0
+    cut = n + MORE_POINTS
     far = cut + more if more else n
     parts = [_on_tiles(cover, np.flatnonzero(~enriched[:n_whole]), n)]
     parts.append(_on_tiles(cover, np.flatnonzero(enriched[:n_whole]), far))
@@ -70,7 +66,7 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
     if len(corners):
         tips = np.array([tip.point for tip in cover.tips])
         at_tip, corners, owner = _tip_first(corners, owner, tips)
-        points, weights = on_tip_triangles(corners[at_tip], cut + MORE_POINTS_AT_TIPS + more)
+        points, weights = on_tip_triangles(corners[at_tip], cut + MORE_POINTS + more)
         sides = corners[at_tip, 1:] - corners[at_tip, :1]
         exact = 0.5 * np.abs(cross(sides[:, 0], sides[:, 1]))  # the rule gives areas to 1e-5
         parts.append(_flat(points, weights * (exact / weights.sum(axis=1))[:, None], owner[at_tip]))

@@ -15,7 +15,7 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.quadrature.elements import LARGEST
-from crackgrow.quadrature.rules import on_edges, on_edges_with_tips
+from crackgrow.quadrature.rules import on_edges
 from crackgrow.ragged import Ragged, by_row
 
 POINTS_PER_EDGE = 4
@@ -84,21 +84,16 @@ def points_on_outlines(cover: Cover, ends: Floats, element: Ints, edge: Ints) ->
     return which, points, lengths
 
 
-def points_on_edges(
-    cover: Cover, ends: Floats, acting: Ragged, n: int = POINTS_PER_EDGE
-) -> tuple[Ints, Floats, Floats]:
-    """Points on edges `ends` (m, 2, 2) on which the functions of the tips `acting` on them act.
+def points_on_edges(cover: Cover, ends: Floats, acting: Ragged, n: int) -> tuple[Ints, Floats, Floats]:
+    """Points on edges `ends` (m, 2, 2), n on each piece, on which the functions of the tips `acting` on them act.
 
     Returns the edge (n,), sorted, position (n, 2) and length (n,), in spacings, of every point.
     """
-    smooth = np.flatnonzero(acting.counts == 0)
-    parts = [_flat(smooth, np.zeros(len(smooth)), np.ones(len(smooth)), *on_edges(len(smooth), n))]
-    if len(smooth) < len(ends):
-        owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, acting)
-        parts.append(_flat(owner, start, size, *on_edges_with_tips(tip_at_start, tip_at_end, n)))
-    edge, position, share = (np.concatenate(arrays) for arrays in zip(*parts, strict=True))
+    owner, start, size, tip_at_start, tip_at_end = _halved(cover, ends, acting)
+    x, w = on_edges(tip_at_start, tip_at_end, n)
+    edge, position, share = np.repeat(owner, n), (start[:, None] + size[:, None] * x).ravel(), size[:, None] * w
     order = np.argsort(edge, kind="stable")
-    edge, position, share = edge[order], position[order], share[order]
+    edge, position, share = edge[order], position[order], share.ravel()[order]
     step = (ends[:, 1] - ends[:, 0])[edge]
     return edge, ends[edge, 0] + position[:, None] * step, share * _norm(step)
 
@@ -120,22 +115,16 @@ def _tips_on_edges(cover: Cover, left: Ints, right: Ints, passable: Bools) -> Ra
     return by_row(edge[seen], tip[seen], len(left))
 
 
-def _flat(owner: Ints, start: Floats, size: Floats, x: Floats, w: Floats) -> tuple[Ints, Floats, Floats]:
-    """Points at x (m, n), weights w (m, n), of the pieces `start` to `start + size` (m,) of their edges."""
-    position = start[:, None] + size[:, None] * x
-    return np.repeat(owner, x.shape[1]), position.ravel(), (size[:, None] * w).ravel()
-
-
 def _halved(cover: Cover, ends: Floats, acting: Ragged) -> tuple[Ints, Floats, Floats, Bools, Bools]:
-    """Halve the edges (m, 2, 2) that tip functions act on until all pieces are short by their distance from the tips.
+    """Halve edges (m, 2, 2) until all pieces are short by their distance from the tips whose functions act on them.
 
     Returns edge, start and size (as fractions of the edge) and whether a tip is at the start or at the end.
     """
-    tips = np.array([tip.point for tip in cover.tips])
-    owner = np.flatnonzero(acting.counts > 0)
+    tips = np.array([tip.point for tip in cover.tips]).reshape(-1, 2)
+    owner = np.arange(len(ends))
     start, size = np.zeros(len(owner)), np.ones(len(owner))
     done = []
-    while len(owner):
+    while True:
         whole = (ends[:, 1] - ends[:, 0])[owner]
         first, step = ends[owner, 0] + start[:, None] * whole, size[:, None] * whole
         length = _norm(step)
@@ -150,6 +139,8 @@ def _halved(cover: Cover, ends: Floats, acting: Ragged) -> tuple[Ints, Floats, F
         tip_at = np.zeros((2, len(owner)), dtype=bool)
         tip_at[0, piece[at_start]], tip_at[1, piece[at_end]] = True, True
         done.append((owner[~large], start[~large], size[~large], *tip_at[:, ~large]))
+        if not large.any():
+            break
         half = 0.5 * size[large]
         owner = np.tile(owner[large], 2)
         start, size = np.concatenate([start[large], start[large] + half]), np.tile(half, 2)

@@ -25,7 +25,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
-from crackgrow.linear import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
@@ -36,7 +36,7 @@ from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.rigid_modes import check_held, free_motions
-from crackgrow.solid.stiffness import Stiffness, stiffness
+from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import Constraints
 
 SIGNS = np.array([1.0, 1.0, -1.0])
@@ -77,7 +77,7 @@ class Configuration:
     scene: Scene
     cracks: tuple[GrowingCrack, ...]
     cover: Cover
-    stiffness: Stiffness
+    stiffness: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
@@ -251,7 +251,7 @@ class Configuration:
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.stiffness.matrix, self.contact, loads, outcome)
+        residual = residual_of(self.stiffness, self.contact, loads, outcome)
         if not residual.size <= WORST_RESIDUAL:
             raise NotSolvedError(residual.message(self.cover))
         return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
@@ -296,22 +296,17 @@ class Configuration:
         return u @ shares, multipliers @ shares
 
 
-def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configuration | None = None) -> Configuration:
-    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made.
-
-    What has not changed since the configuration `before` is neither integrated nor factorized again; the result is the
-    same without it.
-    """
+def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
+    """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made."""
     scene = scene.with_cracks(growing)
     case = scene.case
     seconds: dict[str, float] = {}
     with timed(seconds, "cover"):
-        cover = cover_of(scene, growing, None if before is None else before.cover)
+        cover = cover_of(scene, growing)
         sites = sites_of(scene, cover, growing)
     with timed(seconds, "assembly"):
-        stiff_before = None if before is None else before.stiffness
-        stiff = stiffness(cover, scene.materials, case.numerics.quadrature, stiff_before)
-        matrix = with_dependent_held(stiff.matrix)
+        stiff = stiffness(cover, scene.materials, case.numerics.quadrature)
+        matrix = with_dependent_held(stiff)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
         faces = contact_faces(scene, cover)
         operators = contact_operators(cover, faces)
@@ -323,10 +318,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...], before: Configurat
         check_held(free, _patches_at(cover, faces))
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
-        held_once = matrix if loose is None else loose.held_in(matrix)
-        known = None if before is None else before.contact.system
-        keep = case.growth is not None or case.n_loads > 1  # another configuration follows
-        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), known, keep)
+        held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)
+        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover))
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver

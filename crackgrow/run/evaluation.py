@@ -77,7 +77,6 @@ class StepSolution:
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
     errors: Errors | None = None  # None: cells are by hand, and nothing was measured
-    companion: Configuration | None = None  # that they were measured on
 
     @property
     def configuration(self) -> Configuration:

@@ -18,13 +18,10 @@ from crackgrow.run.size_field import size_field
 from crackgrow.solid.supports import Constraints, constraints, n_constraints, tied
 
 
-def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...], before: Cover | None = None) -> Cover:
-    """The cover of a scene with its cracks, on the lattice of the one before where cells are the same.
-
-    Raises GeometryError where it can't be made.
-    """
-    cracks, base = _geometries(scene, growing), None if before is None else before.lattice
-    lattice = refined(scene.lattice, size_field(scene.at_start, cracks), base, quartered=scene.grading.quartered)
+def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Cover:
+    """The cover of a scene with its cracks. Raises GeometryError where it can't be made."""
+    cracks = _geometries(scene, growing)
+    lattice = refined(scene.lattice, size_field(scene.at_start, cracks), quartered=scene.grading.quartered)
     return build_cover(lattice, scene.bodies, cracks, scene.interfaces, scene.foundations)
 
 

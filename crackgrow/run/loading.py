@@ -30,15 +30,14 @@ class NextStepSolver:
     cracks: tuple[GrowingCrack, ...]
     before: StepSolution | None  # its state is gone on from where steps do not start unloaded
 
-    def solve(self, scene: Scene, like: Configuration | None, origin: Origin | None = None) -> StepSolution:
+    def solve(self, scene: Scene, origin: Origin | None = None) -> StepSolution:
         """The step. Raises GeometryError or SolveError where a state can't be solved.
 
-        `like` is a configuration that may have parts in common with this one. A step that was solved before has the
-        `origin` that it had then.
+        A step that was solved before has the `origin` that it had then.
         """
         if isinstance(scene.case.loading, Stages):  # every step begins with the first of them
             return replace(_solved(through_stages(scene, self.cracks)), origin=FROM_REST)
-        configuration = assemble(scene, self.cracks, like)
+        configuration = assemble(scene, self.cracks)
         origin = origin or self._origin(configuration)
         if origin.start is not None:
             state = increment(configuration, origin.start, origin.start.level.factor)
@@ -53,12 +52,12 @@ class NextStepSolver:
             solution = _solved(_through_history(configuration))
         return replace(solution, origin=origin)
 
-    def companion(self, scene: Scene, solution: StepSolution, like: Configuration | None) -> tuple[StepSolution, float]:
+    def companion(self, scene: Scene, solution: StepSolution) -> tuple[StepSolution, float]:
         """The solution on the cells of a companion at the load factor of the step, and the factor of its own path.
 
         Where bonds break at a critical load, which they do at another one there, it is that of its own path.
         """
-        own, factor = self.solve(scene, like), solution.state.factor
+        own, factor = self.solve(scene), solution.state.factor
         if isinstance(scene.case.loading, CriticalLoad) and own.state.factor == factor:
             return own, math.nan  # both are the first guess: the criterion is never met, or no tip can grow
         if own.state.factor == factor or any(solution.jumps):
@@ -77,7 +76,7 @@ class NextStepSolver:
 
 def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:
     """The cracks under the last load of the case, after the step `before`. Raises as `NextStepSolver.solve` does."""
-    return NextStepSolver(cracks, before).solve(scene, None if before is None else before.configuration)
+    return NextStepSolver(cracks, before).solve(scene)
 
 
 class LoadsInTurn:
@@ -89,16 +88,15 @@ class LoadsInTurn:
         cracks: tuple[GrowingCrack, ...],
         first: int = 0,
         origin: Origin = FROM_REST,
-        like: Configuration | None = None,
     ) -> None:
-        """From number `first` on, whose `origin` is given. `like` may have parts in common with this configuration."""
+        """From number `first` on, whose `origin` is given."""
         self.scene, self._next = scene, first
         self._paid: Configuration | None = None
         staged = isinstance(scene.case.loading, Stages)
         self._states = (
             through_stages(scene, cracks, first, origin)
             if staged
-            else _through_history(assemble(scene, cracks, like), first, origin)
+            else _through_history(assemble(scene, cracks), first, origin)
         )
 
     def solution(self, number: int) -> StepSolution:
@@ -130,17 +128,17 @@ class HistorySolver:
     there: LoadsInTurn | None = None
     number: int = 0  # of the load
 
-    def solve(self, scene: Scene, like: Configuration | None) -> StepSolution:
+    def solve(self, scene: Scene) -> StepSolution:
         """The solution on other cells. Where there is none the next loads go on with the cells of now."""
-        other = LoadsInTurn(scene, self.cracks, like=like)
+        other = LoadsInTurn(scene, self.cracks)
         solution = other.solution(self.number)
         self.here = other
         return solution
 
-    def companion(self, scene: Scene, _: StepSolution, like: Configuration | None) -> tuple[StepSolution, float]:
+    def companion(self, scene: Scene, _: StepSolution) -> tuple[StepSolution, float]:
         """The solution on the cells of the companion, and its load factor."""
         if self.there is None or scene.grading != self.there.scene.grading:
-            self.there = LoadsInTurn(scene, self.cracks, like=like)
+            self.there = LoadsInTurn(scene, self.cracks)
         solution = self.there.solution(self.number)
         return solution, solution.state.factor
 

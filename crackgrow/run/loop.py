@@ -100,8 +100,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     scene, state, advances = scene.with_cracks(begun.cracks), begun, Advances(begun.cracks)
     known, before = _again(scene, begun), None
     while True:
-        if known is None and before is not None:
-            before.contact.system.hand_over()  # this load alone takes over from it: memory holds the factors once
+        if before is not None:
+            before.contact.system.release()  # memory holds the factors of one step
         try:
             solution = known or load(scene, state.cracks, before)
         except (GeometryError, SolveError) as error:
@@ -110,7 +110,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
             return unsolved(state, error)
         if scene.case.numerics.measured and solution.errors is None:
             solver = NextStepSolver(solution.cracks, before)
-            solution = solved_to_target(solution, solver, None if before is None else before.companion)
+            solution = solved_to_target(solution, solver)
         scene = scene.with_grading(next_grading(solution))
         time, cracks, notes = time_of(advances, solution, state.cracks)
         solution = replace(solution, notes=(*solution.notes, *notes))
@@ -131,7 +131,7 @@ def _again(scene: Scene, begun: RunState) -> StepSolution | None:
     """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
     if begun.origin is None:
         return None
-    solution = NextStepSolver(begun.cracks, None).solve(scene, None, begun.origin)
+    solution = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
     return replace(solution, factorizations=begun.factorizations, notes=begun.notes, errors=begun.errors)
 
 
@@ -144,7 +144,7 @@ def _static(scene: Scene, begun: RunState) -> Steps:
         if step == begun.step and begun.origin is not None:  # it was solved before
             solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
         elif scene.case.numerics.measured:
-            solution = solved_to_target(solution, solver, None)
+            solution = solved_to_target(solution, solver)
         yield _reported(RunState(step, cracks), solution), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, begun.paths)

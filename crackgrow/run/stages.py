@@ -50,7 +50,7 @@ def through_stages(
 def _next(state: LoadState, origin: Origin, here: Scene) -> tuple[Configuration, Origin]:
     """The configuration of the next stage, and where it starts from."""
     before = state.configuration
-    configuration = assemble(here, before.cracks, before)
+    configuration = assemble(here, before.cracks)
     left = {body.name for body in here.case.bodies}
     newly = [body.name for body in before.scene.case.bodies if body.name not in left]
     excavated = (*origin.excavated, *(Excavated(body, _held_by(state, body)) for body in newly))

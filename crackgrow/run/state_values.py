@@ -181,7 +181,7 @@ def specimen_means(state: LoadState) -> tuple[Components, Components]:
 def _stress_integral(state: LoadState) -> Floats:
     cover, lattice = state.cover, state.cover.lattice
     nodes = lattice.to_metres(cover.patches.nodes)
-    forces = (state.configuration.stiffness.matrix @ state.outcome.u).reshape(-1, 2)[: len(nodes)]
+    forces = (state.configuration.stiffness @ state.outcome.u).reshape(-1, 2)[: len(nodes)]
     total = _symmetric(nodes.T @ forces)
     for region, material in zip(state.scene.regions, state.materials, strict=True):
         total += region.area * np.array(material.initial.uniform)

@@ -18,7 +18,6 @@ from crackgrow.cover.tips import Tip
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.stress_intensity import StressIntensity
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StepSolution, TipState
 from crackgrow.run.increments import LoadState
 from crackgrow.run.layout import cells_of
@@ -44,19 +43,16 @@ PLACES = 65
 StepSolver = NextStepSolver | HistorySolver
 
 
-def solved_to_target(solution: StepSolution, solver: StepSolver, last: Configuration | None) -> StepSolution:
-    """The step with its errors, on cells that meet the target, or come as near to it as they can.
-
-    `last` is the companion of the step before.
-    """
+def solved_to_target(solution: StepSolution, solver: StepSolver) -> StepSolution:
+    """The step with its errors, on cells that meet the target, or come as near to it as they can."""
     numerics, before = solution.scene.case.numerics, None
-    n_solves, seconds, companion = 0, Counter[str](), last
+    n_solves, seconds = 0, Counter[str]()
     for n_rounds in range(MOST_ROUNDS + 1):
         n_solves += solution.factorizations
         seconds.update(solution.seconds)
-        errors, companion, cost = _held_against(solution, solver, companion)
+        errors, cost = _held_against(solution, solver)
         seconds.update(cost)
-        n_solves += companion is not None
+        n_solves += bool(cost)
         if errors.estimate(numerics.goal) <= numerics.target:
             break
         finer = _finer(solution, solver, errors, before) if n_rounds < MOST_ROUNDS else TOO_MANY_ROUNDS
@@ -64,7 +60,7 @@ def solved_to_target(solution: StepSolution, solver: StepSolver, last: Configura
             errors = replace(errors, missed=finer)
             break
         before, solution = errors, finer
-    return replace(solution, errors=errors, companion=companion, factorizations=n_solves, seconds=dict(seconds))
+    return replace(solution, errors=errors, factorizations=n_solves, seconds=dict(seconds))
 
 
 def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: Errors | None) -> StepSolution | str:
@@ -83,27 +79,23 @@ def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: E
         n_dofs = solution.cover.n_dofs * cells.n // now.n
         if n_dofs > MOST_UNKNOWNS:
             return f"smaller cells make some {n_dofs:,} unknowns, and at most {MOST_UNKNOWNS:,} are taken"
-        return solver.solve(scene, solution.configuration)
+        return solver.solve(scene)
     except (GeometryError, SolveError) as error:
         return f"smaller cells are not to be had: {error}"
 
 
-def _held_against(
-    solution: StepSolution, solver: StepSolver, like: Configuration | None
-) -> tuple[Errors, Configuration | None, Counter[str]]:
-    """The errors of a step, the configuration of its companion, and the seconds that it took."""
+def _held_against(solution: StepSolution, solver: StepSolver) -> tuple[Errors, Counter[str]]:
+    """The errors of a step, and the seconds that its companion took; none where it has no solution."""
     scene = solution.scene
     here = quantities(solution, solution.state.factor)
-    if like is not None:
-        like.contact.system.hand_over()  # nothing else takes over from it
     try:
         on = scene.with_grading(replace(scene.grading, companion=True))
-        there, own_factor = solver.companion(on, solution, like)
+        there, own_factor = solver.companion(on, solution)
     except (GeometryError, SolveError) as error:
         missed = f"the companion mesh has no solution to hold it against: {error}"
-        return replace(errors_of(scene.grading, here, None), missed=missed), None, Counter()
+        return replace(errors_of(scene.grading, here, None), missed=missed), Counter()
     errors = errors_of(scene.grading, here, quantities(there, own_factor))
-    return errors, there.configuration, Counter(there.seconds)
+    return errors, Counter(there.seconds)
 
 
 def next_grading(solution: StepSolution) -> Grading:

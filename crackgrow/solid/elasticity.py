@@ -53,11 +53,6 @@ def energy_components(materials: Sequence[PlaneElasticity], stress: Floats, body
     return np.asarray(factors[body] * np.stack([xx + yy, xx - yy, xy], axis=1))
 
 
-def energy_density(materials: Sequence[PlaneElasticity], stress: Floats, body: Ints) -> Floats:
-    """stress . C^-1 stress (n,) J/m^3 of stresses (n, 3) Pa: xx, yy, xy in bodies (n,)."""
-    return np.asarray(np.sum(energy_components(materials, stress, body) ** 2, axis=1))
-
-
 def principal(stress: Floats) -> tuple[Floats, Floats, Floats]:
     """Principal stresses s1 >= s3 (n,) Pa and the angle (n,) rad of s1's axis from +x, for stresses (n, 3)."""
     xx, yy, xy = stress.T

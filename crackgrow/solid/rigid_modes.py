@@ -38,9 +38,7 @@ class FreePiece:
     functions: Ints  # physical patches
     body: str  # name of the body that it is a part of
     whole: bool  # whether it is all of it
-    motions: (
-        Floats  # (k, 3) orthonormal, its free motions: translation x, y and rotation (1 at `reach` from the centre)
-    )
+    motions: Floats  # (k, 3) orthonormal, free: translation x, y and rotation (1 at `reach` from the centre)
     centre: Floats  # (2,) m, on the map
     reach: float  # m
 
@@ -52,7 +50,7 @@ class FreePiece:
     @property
     def motion(self) -> str:
         """Its free motions in words."""
-        translations = _null_space(self.motions[:, 2:].T) @ self.motions
+        translations = _free_directions(self.motions[:, 2:].T) @ self.motions
         words = (
             ["translation in x", "translation in y"] if len(translations) == 2 else [_along(t) for t in translations]
         )
@@ -112,10 +110,6 @@ class RigidMotions:
         """What an operator (m, n_dofs) makes of each motion, (m, l)."""
         return np.asarray((operator @ self.of_pieces).toarray() @ self.free.T)
 
-    def held_in(self, matrix: SymmetricMatrix) -> SymmetricMatrix:
-        """A stiffness matrix (n_dofs, n_dofs) with the supports."""
-        return matrix.with_diagonal(self.dofs, self.stiffness)
-
     def carrying(self, amplitudes: Floats) -> Floats:
         """Loads (n_dofs,) or (n_dofs, k) that move the supports with motions by `amplitudes` (l,) or (l, k) m."""
         moved = self.displacements(amplitudes)
@@ -167,7 +161,7 @@ def free_motions(cover: Cover, constraints: csr_array) -> RigidMotions:
 
 
 def _free_directions(held: Floats) -> Floats:
-    """The combinations (k, n) of n motions that constraints do not see; `held` (m, n) is what they see of each."""
+    """Orthonormal combinations (k, n) of n motions that constraints, which see `held` (m, n) of each, do not see."""
     n = held.shape[1]
     _, values, directions = np.linalg.svd(np.vstack([held, np.zeros((n, n))]), full_matrices=False)
     return np.asarray(directions[values <= HOLDS_NOTHING])
@@ -226,9 +220,3 @@ def _along(translation: Floats) -> str:
     if angle in (0.0, 90.0):
         return "translation in y" if angle else "translation in x"
     return f"translation at {angle:.3g} degrees from x"
-
-
-def _null_space(row: Floats) -> Floats:
-    """Orthonormal combinations (n - 1 or n, n) that make a row (1, n) vanish."""
-    _, sizes, rows = np.linalg.svd(row, full_matrices=True)
-    return np.asarray(rows[int(np.sum(sizes > HOLDS_NOTHING)) :])

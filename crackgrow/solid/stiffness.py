@@ -9,13 +9,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+from scipy.sparse import csr_array
 
-from crackgrow.approximation.basis import arrays_of, functions_at, gathered
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
+from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
 from crackgrow.linear import SymmetricMatrix
@@ -23,65 +23,32 @@ from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
-from crackgrow.solid.unchanged import Keys, element_keys, elements_of, reuse_unchanged
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Stiffness:
-    """A stiffness matrix, and what tells which of its entries the next configuration has in common with it."""
-
-    matrix: SymmetricMatrix  # (n_dofs, n_dofs) Pa, per metre of thickness
-    on: Ragged  # elements -> functions
-    keys: Keys  # (elements, 2) hashes of all that each element is integrated from
-    n_integrated: int  # elements
-
-
-def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int, before: Stiffness | None = None) -> Stiffness:
-    """The stiffness of bodies of these `materials`, with `n` Gauss points per direction.
-
-    What has not changed since the one `before` is taken over; the result is the same without it.
-    """
+def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> SymmetricMatrix:
+    """The stiffness (n_dofs, n_dofs) Pa, per metre of thickness, with `n` Gauss points per direction."""
     spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
     inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
-    arrays, moduli = arrays_of(cover), np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
+    moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
-    of = elements_of(on.start, on.values, cover.n_functions)
-    start, column = _pattern(on.start, on.values, *of)
-    block, changed = np.zeros((len(column), 2, 2)), np.ones(cover.n_functions, dtype=bool)
-    keys = element_keys(arrays, within, around, np.column_stack([moduli, np.full(len(moduli), spacing)]))
-    if before is not None:
-        changed = reuse_unchanged(((on.start, on.values), of, keys, start, column, block), before)
-    lower = (start, column, block)
-    n_integrated = _integrate(arrays, (on.start, on.values), within, around, moduli, 1.0 / spacing, changed, *lower)
-    return Stiffness(SymmetricMatrix(*lower), on, keys, n_integrated)
+    start, column = _pattern(on, cover.n_functions)
+    block = np.zeros((len(column), 2, 2))
+    _integrate(arrays_of(cover), (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
+    return SymmetricMatrix(start, column, block)
 
 
-@kernel
-def _pattern(at: Ints, function: Ints, of: Ints, element: Ints) -> tuple[Ints, Ints]:
+def _pattern(on: Ragged, n: int) -> tuple[Ints, Ints]:
     """The lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
 
-    Functions are coupled that act on one element: those of element e are the places at[e] to at[e + 1], ascending, and
-    the elements of function i are of[i] to of[i + 1].
+    Functions are coupled that act on one element.
     """
-    n = len(of) - 1
-    start, seen, column, total = np.zeros(n + 1, np.int64), np.full(n, -1), np.empty(32 * n + 1, np.int64), 0
-    for i in range(n):
-        for place in range(of[i], of[i + 1]):
-            e = element[place]
-            for p in range(at[e], at[e + 1]):
-                j = function[p]
-                if j > i:
-                    break
-                if seen[j] != i:
-                    seen[j] = i
-                    if total == len(column):
-                        column = np.append(column, np.empty(total, np.int64))
-                    column[total] = j
-                    total += 1
-        column[start[i] : total].sort()
-        start[i + 1] = total
-    return start, column[:total].copy()
+    acts = csr_array((np.ones(len(on.values), dtype=np.int32), on.values, on.start), shape=(on.n, n))
+    coupled = acts.T.tocsr() @ acts
+    coupled.sort_indices()
+    both = Ragged(coupled.indptr.astype(np.int64), coupled.indices.astype(np.int64))
+    lower = both.kept(both.values <= both.row)
+    return lower.start, lower.values
 
 
 @kernel
@@ -92,47 +59,33 @@ def _integrate(
     rim: tuple[Ints, Floats, Floats],
     moduli: Floats,
     scale: float,
-    changed: Bools,
-    start: Ints,
-    column: Ints,
-    block: Floats,
-) -> int:
-    """Add the integrals over elements to the blocks of pairs of `changed` functions; return of how many elements.
+    matrix: tuple[Ints, Ints, Floats],
+) -> None:
+    """Add the integrals over elements to the blocks of a matrix.
 
     on: starts and functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
-    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; start, column, block
-    (q, 2, 2): rows of the lower triangle of the matrix
+    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; matrix: starts of rows,
+    columns, and blocks (q, 2, 2) of the lower triangle
     """
-    nodes, half, patch_at, patch, pair_at, tip_of, side, carrier_at, _, share_at, place, share, tips = arrays
     (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
+    start, column, block = matrix
     most, most_points = 1, 1
     for e in range(len(at) - 1):
         most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
-    f, work, of_tip, by = np.empty((3, most)), np.empty((5, most)), np.empty((3, 4)), np.empty((2, most))
-    per, shift, g, s = np.empty(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
-    n_integrated = 0
+    work, shift, g, s = workspace(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    (nodes, half, patch_at, patch), (by, per, _, _, f) = arrays[:4], work
     for e in range(len(at) - 1):
-        if not np.any(changed[function[at[e] : at[e + 1]]]):
-            continue
-        n_integrated += 1
-        k, m, first, last = (
-            gathered(e, by, per, nodes, half, patch_at, patch),
-            at[e + 1] - at[e],
-            pair_at[e],
-            pair_at[e + 1],
-        )
+        k, m = gathered(e, by, per, nodes, half, patch_at, patch), at[e + 1] - at[e]
         n, area, shift[: 2 * m] = inside_at[e + 1] - inside_at[e], 0.0, 0.0
         for q in range(rim_at[e], rim_at[e + 1]):
-            functions_at(places[q, 0], places[q, 1], False, k, by, per, first, last, tip_of, side, carrier_at,
-                         share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+            functions_at(places[q, 0], places[q, 1], e, False, k, arrays, work)
             for i in range(m):
                 shift[i] += normals[q, 0] * f[0, i]
                 shift[m + i] += normals[q, 1] * f[0, i]
         gradients = g[: n * 2 * m].reshape(n, 2 * m)
         for q in range(n):
             p = inside_at[e] + q
-            functions_at(points[p, 0], points[p, 1], True, k, by, per, first, last, tip_of, side, carrier_at,
-                         share_at, place, share, tips, f, work, of_tip)  # fmt: skip
+            functions_at(points[p, 0], points[p, 1], e, True, k, arrays, work)
             area += weights[p]
             for i in range(m):
                 gradients[q, i], gradients[q, m + i] = scale * f[1, i], scale * f[2, i]
@@ -147,11 +100,7 @@ def _integrate(
         c11, c12, c33 = moduli[e]
         for i in range(m):
             row = start[function[at[e] + i]]
-            if not changed[function[at[e] + i]]:
-                continue
             for j in range(i + 1):
-                if not changed[function[at[e] + j]]:
-                    continue
                 while column[row] < function[at[e] + j]:
                     row += 1
                 xx, xy, yx, yy = products[i, j], products[m + j, i], products[m + i, j], products[m + i, m + j]
@@ -159,4 +108,3 @@ def _integrate(
                 block[row, 0, 1] += c12 * xy + c33 * yx
                 block[row, 1, 0] += c12 * yx + c33 * xy
                 block[row, 1, 1] += c11 * yy + c33 * xx
-    return n_integrated

@@ -15,6 +15,7 @@ import numpy as np
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Component, ContactSupport, EdgeSupport, PointSupport, Support
 from crackgrow.case.units import place_text
+from crackgrow.cover.cell_lengths import cell_lengths
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.face_edges import FaceEdges
@@ -110,9 +111,8 @@ class EdgePoints:
     points: Floats  # (n, 2) lattice coordinates
     lengths: Floats  # (n,) m
     elements: Ints  # (n,)
-    s: Floats  # (n,) m, arc length from the part's start
     sizes: Floats  # (n,) side of the cells there, spacings: see `_sizes_along`
-    stretched: Floats  # (n,) m, s where every cell were as large as the spacing
+    cells: Floats  # (n,) length from the start of the region, in cells of these sizes
     outward: Floats  # (n, 2) unit normals out of the rock
 
 
@@ -120,29 +120,21 @@ def points_along(cover: Cover, edges: Sequence[FaceEdges]) -> list[EdgePoints]:
     """The points along each of some rows of edges of outlines."""
     if not edges:
         return []
-    ends, elements, s = (
-        np.concatenate(arrays) for arrays in zip(*((e.points, e.plus, e.s) for e in edges), strict=True)
+    ends, elements, numbers = (
+        np.concatenate(arrays) for arrays in zip(*((e.points, e.plus, e.edge) for e in edges), strict=True)
     )
-    edge, points, lengths = points_on_outlines(cover, ends, elements, np.concatenate([e.edge for e in edges]))
-    s = s[edge, 0] + np.hypot(*(points - ends[edge, 0]).T)
-    sizes_along = [_sizes_along(cover, e) for e in edges]
-    offsets = [_offsets(e.s[:, 0], sizes) for e, sizes in zip(edges, sizes_along, strict=True)]
-    sizes = np.concatenate(sizes_along)
-    stretched = s / sizes[edge] + np.concatenate(offsets)[edge]
-    outward = outward_normals(ends[:, 1] - ends[:, 0])[edge]
-    spacing, owner = cover.lattice.spacing, np.repeat(np.arange(len(edges)), [len(e.edge) for e in edges])[edge]
-    return [
-        EdgePoints(
-            points[mine],
-            lengths[mine] * spacing,
-            elements[edge[mine]],
-            s[mine] * spacing,
-            sizes[edge[mine]],
-            stretched[mine] * spacing,
-            outward[mine],
-        )
-        for mine in (np.flatnonzero(owner == number) for number in range(len(edges)))
-    ]
+    edge, points, lengths = points_on_outlines(cover, ends, elements, numbers)
+    outward, spacing = outward_normals(ends[:, 1] - ends[:, 0])[edge], cover.lattice.spacing
+    found, first = [], 0
+    for row in edges:
+        mine = np.flatnonzero((edge >= first) & (edge < first + len(row.edge)))
+        own, sizes = edge[mine] - first, _sizes_along(cover, row)
+        s = row.s[own, 0] + np.hypot(*(points[mine] - row.points[own, 0]).T)
+        cells = cell_lengths(row.s[-1, 1], row, sizes).at(s)
+        at, element, length = points[mine], row.plus[own], lengths[mine] * spacing
+        found.append(EdgePoints(at, length, element, sizes[own], cells, outward[mine]))
+        first += len(row.edge)
+    return found
 
 
 def _sizes_along(cover: Cover, edges: FaceEdges) -> Floats:
@@ -151,16 +143,11 @@ def _sizes_along(cover: Cover, edges: FaceEdges) -> Floats:
     An edge that is close to the side of its cells has the functions of the nodes there, and no other ones to speak of.
     Cells outside need not be small: these nodes are as far apart as the larger cells are wide.
     """
-    own, ends = cover.sizes[edges.plus], edges.points
+    own, ends = cover.elements.size[edges.plus], edges.points
     beyond = ends.mean(axis=1) + CLOSE * own[:, None] * outward_normals(ends[:, 1] - ends[:, 0])
     cells = cover.lattice.cells
     there = cells.at(np.floor(QUANTA * beyond).astype(np.int64))
     return np.where(there >= 0, np.maximum(own, cells.size[there] / QUANTA), own)
-
-
-def _offsets(starts: Floats, sizes: Floats) -> Floats:
-    """What makes s / h + offset (k,) continuous: edges in a row start at s of `starts` (k,), in cells of `sizes` h."""
-    return np.concatenate([[0.0], np.cumsum(starts[1:] * (1.0 / sizes[:-1] - 1.0 / sizes[1:]))])
 
 
 def held_body(support: Support) -> str:
@@ -226,7 +213,7 @@ def _at_point(cover: Cover, support: PointSupport) -> _Averages:
 def _along_edge(edge: EdgePoints, spacing: float) -> _Averages:
     """Averages weighted with hat functions whose nodes are about one cell apart, as large as cells are there."""
     n_pieces = max(1, int((edge.lengths / edge.sizes).sum() / spacing))
-    along = edge.stretched - edge.stretched.min()
+    along = edge.cells - edge.cells.min()
     position = along / along.max() * n_pieces
     left = np.minimum(position.astype(np.int64), n_pieces - 1)
     share = position - left

@@ -209,7 +209,7 @@ def _on_finer(solution: StepSolution, before: StepSolution | None, number: int, 
     if (n := cover_of(finer, cracks).n_dofs) > MOST_UNKNOWNS:
         raise MemoryError(f"{n} unknowns")
     if scene.case.growth is not None:
-        return quantities(*NextStepSolver(cracks, before).companion(finer, solution, None))
+        return quantities(*NextStepSolver(cracks, before).companion(finer, solution))
     there = LoadsInTurn(finer, cracks).solution(number)
     return quantities(there, there.state.factor)
 

@@ -17,6 +17,7 @@ from crackgrow.cover.shapes import BodyGeometry
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.loads import load_vector
+from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
@@ -84,7 +85,7 @@ def test_changes_of_cell_size_leave_a_uniform_stress_alone(build, support: float
     """Small cells at a tip on a lattice line, at a tip inside of a cell, and on the outline."""
     places = [(3.0, 4.2), (11.1, 4.2), (13.2, 9.5)]
     sample = build.block(LARGE, [build.crack(places[:2])], support, levels, places)
-    assert sample.cover.sizes.min() == 0.5**levels
+    assert sample.cover.elements.size.min() == 0.5**levels
     assert errors(sample, LARGE, 4, ALONG)[0] < 1e-10
     assert max(errors(build.block(LARGE, [], support, levels, places), LARGE, 4, ANY[2])) < 1e-10
 
@@ -123,7 +124,7 @@ def test_two_bodies_with_slanted_outlines_under_any_uniform_stress(
         supports.append(PointSupport(name, second, (None, float((gradient @ second)[1]))))
     cover = build_cover(lattice, [BodyGeometry((lattice.to_lattice(body.outline),), body.name) for body in bodies], [])
     held = constraints(cover, tuple(supports))
-    system = ConstrainedSystem(stiffness(cover, [modulus, modulus], 4).matrix, held.matrix)
+    system = ConstrainedSystem(stiffness(cover, [modulus, modulus], 4), held.matrix, boxes_of_functions(cover))
     u = system.solve(load_vector(cover, tuple(bodies), tuple(loads), 4), held.given)[0]
     metres = np.random.default_rng(61).uniform((0.0, 0.0), (9.0, 5.0), (600, 2))
     elements = locate(lattice, cover.elements, lattice.to_lattice(metres))

@@ -14,4 +14,4 @@ def with_sizes(cover: Cover, sizes: np.ndarray | float) -> Cover:
     """The cover with these sides of cells, spacings: one by one for all elements (n,), or one for all."""
     sizes = np.array(np.broadcast_to(sizes, cover.elements.n))
     surfaces = tuple(replace(surface, sizes=sizes_beside(surface.edges, sizes)) for surface in cover.surfaces)
-    return replace(cover, sizes=sizes, surfaces=surfaces)
+    return replace(cover, elements=replace(cover.elements, size=sizes), surfaces=surfaces)

@@ -12,15 +12,21 @@ from crackgrow.approximation.basis import Basis
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.squares import QUANTA
 
 
 def patch_table(cover: Cover) -> np.ndarray:
     """Physical patch (elements, nodes) of every node round an element's cell, -1 for none; of cells of one size."""
-    of_element, reach = cover.patches.of_element, cover.lattice.reach
-    step = (cover.patches.nodes[of_element.values] - cover.elements.cell[of_element.row]).astype(int) + reach - 1
+    of_element, reach = cover.patches.of_element, math.ceil(cover.lattice.support)
+    step = (cover.patches.nodes[of_element.values] - cells_of(cover)[of_element.row]).astype(int) + reach - 1
     table = np.full((of_element.n, (2 * reach) ** 2), -1)
     table[of_element.row, 2 * reach * step[:, 0] + step[:, 1]] = of_element.values
     return table
+
+
+def cells_of(cover: Cover) -> np.ndarray:
+    """Lower left corners (elements, 2) of the cells that elements lie in, spacings."""
+    return cover.lattice.cells.low[cover.lattice.tiles.cell[cover.elements.tile]] / QUANTA
 
 
 def function_table(cover: Cover) -> np.ndarray:

@@ -54,8 +54,8 @@ def test_tips_kinks_corners_and_junctions_get_the_cells_that_they_ask_for() -> N
     assert [tip.size for tip in cover.tips] == [0.25, 0.25]
     places = ((0.0, 0.0), (0.0061, 0.0149), (-0.013, 0.005))
     assert [size_at(cover, place) for place in places] == [2.0**-4, 0.5, 1.0]
-    assert laid_out(case("junction_static", "numerics.refine.kinks=2")).sizes.min() == 0.25
-    assert np.all(laid_out(case("compression30", "numerics.refine.rings=3")).sizes == 1.0)
+    assert laid_out(case("junction_static", "numerics.refine.kinks=2")).elements.size.min() == 0.25
+    assert np.all(laid_out(case("compression30", "numerics.refine.rings=3")).elements.size == 1.0)
 
 
 def test_small_cells_follow_the_tip_and_stay_at_the_kink() -> None:
@@ -205,4 +205,4 @@ def test_the_end_of_a_crack_that_has_met_another_one_has_no_room_that_cells_are_
     """It lies on the other one: cells would be halved until they can't be any more."""
     case = shipped_case("junction_static", ["numerics.spacing=auto", f"numerics.accuracy={accuracy}"])
     cover = cover_of(make_scene(case), beginning(case).cracks)
-    assert cover.sizes.min() > 1e-3
+    assert cover.elements.size.min() > 1e-3

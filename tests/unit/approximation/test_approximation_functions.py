@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, fields_at, values_at
+from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
 from tests.conftest import Sample
@@ -52,10 +52,10 @@ def inner_points(sample: Sample, seed: int, n: int = 600) -> tuple[np.ndarray, n
     points = np.concatenate([points, tips[rng.integers(len(tips), size=2 * n)] + spread * rng.normal(size=(2 * n, 2))])
     elements = locate(sample.lattice, cover.elements, points)
     points, elements = points[elements >= 0], elements[elements >= 0]
-    radius = 1e-5 * cover.sizes[elements, None]
+    radius = 1e-5 * cover.elements.size[elements, None]
     around = [points + radius * d for d in ((1, 0), (-1, 0), (0, 1), (0, -1))]
     keep = np.all([locate(sample.lattice, cover.elements, p) == elements for p in around], axis=0)
-    far = np.hypot(*(points[:, None] - tips).transpose(2, 0, 1)).min(axis=1) > 0.02 * cover.sizes[elements]
+    far = np.hypot(*(points[:, None] - tips).transpose(2, 0, 1)).min(axis=1) > 0.02 * cover.elements.size[elements]
     return points[keep & far], elements[keep & far]
 
 
@@ -68,7 +68,7 @@ def test_plain_functions_reproduce_linear_fields_and_all_have_the_slopes_of_thei
     cover, n_patches = sample.cover, len(sample.cover.patches.nodes)
     points, elements = inner_points(sample, 20)
     assert len(points) > 700
-    size = cover.sizes[elements, None]
+    size = cover.elements.size[elements, None]
     assert size.min() == 0.5**levels
     basis = basis_at(cover, points, elements)
     slopes = [sample.lattice.spacing * slope for slope in gradient_rows(basis)]
@@ -85,12 +85,11 @@ def test_plain_functions_reproduce_linear_fields_and_all_have_the_slopes_of_thei
         difference = (ahead - behind).toarray() / (2.0 * step)
         # per side of a cell: step^2 times the third derivative r^-2.5 = 2e4 at r = 0.02: 2e-8; rounding 1e-16 / step
         assert (np.abs(slope.toarray() - difference) * size).max() < 5e-8
-    coefficients = np.random.default_rng(6).normal(size=(cover.n_functions, 3))
-    expected = [matrix @ coefficients for matrix in (basis.rows, *gradient_rows(basis))]
+    u = np.random.default_rng(6).normal(size=(cover.n_functions, 2))
+    expected = [matrix @ u for matrix in (basis.rows, *gradient_rows(basis))]
     for n in (0, 1, len(points)):
-        found = fields_at(cover, coefficients, points[:n], elements[:n])
-        found = [*found, *fields_at(cover, coefficients, points[:n], elements[:n], derivatives=False)]
-        for field, exact in zip(found, [*expected, expected[0]], strict=True):
+        found, alone = (make(cover, points[:n], elements[:n]).fields(u.ravel()) for make in (basis_at, values_at))
+        for field, exact in zip([*found, *alone], [*expected, expected[0]], strict=True):
             np.testing.assert_allclose(field, exact[:n], atol=1e-12 * np.abs(exact).max())
 
 
@@ -114,7 +113,7 @@ def test_functions_jump_on_cracks_and_nowhere_else(build, name: str, support: fl
             assert np.count_nonzero(jumps[:, :n_patches].max(axis=1).toarray()) > 0.3 * len(some)
         else:
             assert jumps.max() < 1e-12
-            size = cover.sizes[edges.left[some]] * sample.lattice.spacing
+            size = cover.elements.size[edges.left[some]] * sample.lattice.spacing
             for slope, beyond in zip(gradient_rows(left), gradient_rows(right), strict=True):
                 assert (abs(slope - beyond).max(axis=1).toarray().ravel() * size).max() < 1e-10
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import shapely
@@ -39,7 +41,7 @@ def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
 @pytest.mark.parametrize("support", SUPPORTS)
 def test_points_are_located_in_elements_that_hold_them_and_points_outside_in_none(build, support: float) -> None:
     sample = build.block((6, 5), [build.crack(KINKED)], support)
-    elements, reach = sample.cover.elements, sample.lattice.reach
+    elements, reach = sample.cover.elements, math.ceil(support)
     points = reach + np.random.default_rng(7).uniform((0.5, 0.5), (6.5, 5.5), (400, 2))
     found = locate(sample.lattice, elements, points)
     whole = found < elements.n_whole

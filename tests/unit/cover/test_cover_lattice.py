@@ -24,7 +24,8 @@ def graded(seed: int, levels: int, support: float = 2.0, rings: float = 2.0) -> 
     """A lattice with two random places that ask for cells of 2^-levels, and one that asks for half as many levels."""
     lattice = place_lattice(np.zeros(2), np.full(2, SIDES), 1.0, support)
     places = lattice.to_lattice(np.random.default_rng(seed).uniform(0.0, SIDES, (3, 2)))
-    return refined(lattice, SizeField(shapely.points(places), 0.5 ** np.array([levels, levels, levels // 2]), rings))
+    sizes = 0.5 ** np.array([levels, levels, levels // 2])
+    return refined(lattice, SizeField(shapely.points(places), sizes, np.full(3, rings)))
 
 
 def boxes(squares: Squares) -> tuple[np.ndarray, np.ndarray]:
@@ -102,7 +103,7 @@ def distances(lattice: Lattice, place: np.ndarray) -> np.ndarray:
 def test_cells_round_a_place_are_as_small_as_asked_in_rings_of_every_size(levels: int, rings: float) -> None:
     lattice = place_lattice(np.zeros(2), np.full(2, 12.0), 1.0, 2.0)
     for place in np.random.default_rng(levels).uniform(2.0, 12.0, (4, 2)):
-        fine = refined(lattice, SizeField(shapely.points(place[None]), np.array([0.5**levels]), rings))
+        fine = refined(lattice, SizeField(shapely.points(place[None]), np.array([0.5**levels]), np.array([rings])))
         side, away = fine.cells.size / QUANTA, distances(fine, place)
         assert side[away == 0.0].max() == 0.5**levels == side.min()
         assert not ((side > 0.5**levels) & (away <= rings * side)).any()
@@ -117,7 +118,7 @@ def test_rounding_of_a_place_on_a_corner_is_no_matter(noise: float) -> None:
     cells = []
     for direction in ((0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)):
         place = 0.5 * np.array(lattice.shape) + noise * np.array(direction)
-        cells.append(refined(lattice, SizeField(shapely.points([place]), np.array([0.5**6]), 2.0)).cells)
+        cells.append(refined(lattice, SizeField(shapely.points([place]), np.array([0.5**6]), np.array([2.0]))).cells)
     for other in cells[1:]:
         np.testing.assert_array_equal(cells[0].low, other.low)
         np.testing.assert_array_equal(cells[0].size, other.size)
@@ -128,7 +129,7 @@ def test_rounding_of_a_place_on_a_corner_is_no_matter(noise: float) -> None:
 def smallest(place: tuple[float, float], asked: float) -> tuple[int, bool]:
     """The smallest cell, quanta, of a lattice of 6 x 6 with a place that asks for cells, and whether it is filled."""
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
-    cells = refined(lattice, SizeField(shapely.points([place]), np.array([asked]), 2.0)).cells
+    cells = refined(lattice, SizeField(shapely.points([place]), np.array([asked]), np.array([2.0]))).cells
     return int(cells.size.min()), area(cells) == area(lattice.cells)
 
 
@@ -138,7 +139,7 @@ def test_sizes_are_halved_until_they_are_no_larger_and_there_is_a_smallest() -> 
     for outside_or_on_the_rim, divided in (((-40.0, 3.0), 1), ((0.0, 0.0), 8), ((5.0, 0.0), 8), ((1e7, 1e7), 1)):
         assert smallest(outside_or_on_the_rim, 0.125) == (QUANTA // divided, True)
     lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
-    assert refined(lattice, SizeField(np.empty(0, dtype=object), np.empty(0), 2.0)) is lattice
+    assert refined(lattice, SizeField(np.empty(0, dtype=object), np.empty(0), np.empty(0))) is lattice
 
 
 @pytest.mark.parametrize("support", [1.75, *SUPPORTS])

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 
 import numpy as np
 import pytest
 import shapely
 
-from tests.unit.cover_tables import function_table, patch_table, regular_window
+from tests.unit.cover_tables import cells_of, function_table, patch_table, regular_window
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -61,14 +62,14 @@ def test_a_node_has_one_patch_for_each_connected_piece_which_elements_there_shar
     }
     counts = Counter(map(tuple, patches.nodes))
     assert counts == {node: len(found) for node, found in parts.items() if found}
-    for node in np.array([[2, 2], [3, 3], [4, 2], [4, 4]]) + sample.lattice.reach:
+    for node in np.array([[2, 2], [3, 3], [4, 2], [4, 4]]) + math.ceil(support):
         owners = np.where((table >= 0) & (patches.nodes[table] == node).all(axis=2), table, -1).max(axis=1)
         inside = np.flatnonzero(owners >= 0)
         contains = np.array([shapely.contains_xy(part, elements.reference[inside]) for part in parts[tuple(node)]])
         np.testing.assert_array_equal(contains.sum(axis=0), 1)
         pairs = np.unique(np.stack([contains.argmax(axis=0), owners[inside]], axis=1), axis=0)
         assert len(pairs) == len(contains) == len(np.unique(pairs[:, 1]))
-    nodes, used = elements.cell[:, None] + regular_window(support)[None], table >= 0
+    nodes, used = cells_of(sample.cover)[:, None] + regular_window(support)[None], table >= 0
     np.testing.assert_array_equal(used, np.abs(nodes - elements.reference[:, None]).max(axis=2) < support)
     np.testing.assert_array_equal(patches.nodes[table[used]], nodes[used])
     np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(patches.nodes)))
@@ -86,7 +87,7 @@ def test_a_node_has_one_patch_for_each_connected_piece_which_elements_there_shar
 def test_a_corner_cut_off_where_the_weight_is_below_round_off_gets_no_patch(build) -> None:
     """The crack passes the corner (3.5, 2.5) of the square of node (5, 1) at 0.01 spacings: weight 1e-16 there."""
     near = build.block((6, 5), [build.crack([(2.0, 1.4), (4.2, 3.0)])])
-    node = np.array([5, 1]) + near.lattice.reach
+    node = np.array([5, 1]) + 2
     assert len(pieces(near, node)) == 1  # the corner's area, 6e-5, counts for nothing
     element = np.flatnonzero(shapely.contains_xy(near.cover.elements.polygons, 5.503, 4.497))[0]
     element += near.cover.elements.n_whole

@@ -1,16 +1,16 @@
-"""The multifrontal factorization against dense and sparse solutions; hopeless matrices; what is taken over."""
+"""The multifrontal factorization against dense and sparse solutions; hopeless matrices."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse import block_array, block_diag, csc_array, csr_array, vstack
+from scipy.sparse import block_array, block_diag, csc_array, csr_array
 from scipy.sparse.linalg import splu
 
-from crackgrow.linear import ConstrainedSystem, symmetric
-from crackgrow.linear import factorization as module
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.linear.factorization import Factorization
-from tests.unit.linear.lattices import Floats, Ints, boxes_at, lattice, net
+from tests.symmetric_matrices import one_front, symmetric
+from tests.unit.linear.lattices import Floats, boxes_at, lattice, net
 
 pytestmark = pytest.mark.physics
 
@@ -18,10 +18,6 @@ pytestmark = pytest.mark.physics
 def none(n: int) -> csr_array:
     """No constraints."""
     return csr_array((0, n))
-
-
-def factorized(matrix: csc_array, nodes: Ints, before: Factorization | None = None) -> Factorization:
-    return Factorization(symmetric(matrix), none(matrix.shape[0]), boxes_at(nodes), before)
 
 
 def solved(factorization: Factorization, loads: Floats) -> Floats:
@@ -33,7 +29,8 @@ def solved(factorization: Factorization, loads: Floats) -> Floats:
 def test_solutions_are_those_of_superlu(n: int, placed: bool) -> None:
     """Of one load, of many, and of many each of which acts in one place."""
     matrix, nodes = lattice(n, n)
-    factorization = Factorization(symmetric(matrix), none(len(nodes) * 2), boxes_at(nodes) if placed else None)
+    boxes = boxes_at(nodes) if placed else one_front(len(nodes))
+    factorization = Factorization(symmetric(matrix), none(len(nodes) * 2), boxes)
     loads = np.random.default_rng(1).normal(size=(2 * n * n, 7))
     loads[:, 5:] = np.eye(len(loads), 2, -n)
     expected = splu(matrix).solve(loads)
@@ -53,7 +50,7 @@ def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_ar
         row[rng.integers(len(row), size=10)] = rng.uniform(0.0, 0.1, 10)
     rows[9:] = rows[[0, 5, 5]]
     constraints = csr_array(rows)
-    return ConstrainedSystem(matrix, constraints, boxes_at(nodes)), matrix, constraints
+    return ConstrainedSystem(symmetric(matrix), constraints, boxes_at(nodes)), matrix, constraints
 
 
 @pytest.mark.parametrize("k", [1, 3])
@@ -96,7 +93,8 @@ def test_separate_pieces_are_solved_and_condensed_each_by_itself() -> None:
     """Their fronts have nothing later that they are coupled to."""
     (one, nodes), (other, _) = lattice(9, 1), lattice(9, 2)
     matrix = csc_array(block_diag([one, other], format="csc"))
-    system = ConstrainedSystem(matrix, csr_array((0, matrix.shape[0])), boxes_at(np.concatenate([nodes, nodes + 100])))
+    boxes = boxes_at(np.concatenate([nodes, nodes + 100]))
+    system = ConstrainedSystem(symmetric(matrix), none(matrix.shape[0]), boxes)
     dense, rng = matrix.toarray(), np.random.default_rng(3)
     loads = rng.normal(size=len(dense))
     np.testing.assert_allclose(dense @ system.solve(loads)[0], loads, atol=1e-10)
@@ -122,7 +120,7 @@ def test_a_body_within_one_part_is_held_by_bonds_to_the_rest() -> None:
     bonds[1, own[-2:]], bonds[1, [-4, -1]] = 0.5, -0.5
     bonds[2, own[0]] = 1.0
     for rows in (bonds, bonds[:2], bonds[1:2]):
-        system = ConstrainedSystem(csc_array(dense), csr_array(rows), boxes_at(nodes))
+        system = ConstrainedSystem(symmetric(dense), csr_array(rows), boxes_at(nodes))
         whole = np.block([[dense, rows.T], [rows, np.zeros((len(rows), len(rows)))]])
         loads = np.random.default_rng(7).normal(size=len(dense))
         expected = np.linalg.solve(whole, np.append(loads, np.zeros(len(rows))))
@@ -134,7 +132,7 @@ def test_a_body_within_one_part_is_held_by_bonds_to_the_rest() -> None:
 def test_nearly_singular_matrix_leaves_a_small_residual(small: float) -> None:
     matrix, nodes = net(20, 25, small)
     loads = matrix @ np.random.default_rng(26).normal(size=matrix.shape[0])
-    u, _ = ConstrainedSystem(matrix, none(len(loads)), boxes_at(nodes)).solve(loads)
+    u, _ = ConstrainedSystem(symmetric(matrix), none(len(loads)), boxes_at(nodes)).solve(loads)
     np.testing.assert_allclose(matrix @ u, loads, atol=1e-12 * (abs(matrix) @ np.abs(u)).max())
 
 
@@ -148,85 +146,8 @@ def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     semidefinite = csc_array(spread.T @ matrix @ spread)
     x = rng.normal(size=len(spread.T))
     loads = semidefinite @ x
-    system = ConstrainedSystem(semidefinite, none(len(x)), boxes_at(np.vstack([nodes, nodes[twins]])))
+    system = ConstrainedSystem(symmetric(semidefinite), none(len(x)), boxes_at(np.vstack([nodes, nodes[twins]])))
     u, _ = system.solve(loads)
     assert np.abs(u).max() < 2.0 * np.abs(x).max()
     np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
     assert u @ (semidefinite @ u) == pytest.approx(x @ loads, rel=1e-12)
-
-
-@pytest.fixture(scope="module")
-def rock() -> tuple[csc_array, Ints]:
-    """A matrix of many fronts."""
-    return lattice(40, 8)
-
-
-def changed(matrix: csc_array, dof: int) -> csc_array:
-    """The matrix, stiffer at one unknown."""
-    other = matrix.copy()
-    other[dof, dof] *= 1.5
-    return csc_array(other)
-
-
-@pytest.mark.parametrize("few", [0, 3, 10**6])
-def test_what_is_taken_over_gives_the_bits_of_what_is_made(
-    rock: tuple[csc_array, Ints], few: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """All that fronts leave is kept, some of it or none; a change is factorized along one way up the tree."""
-    monkeypatch.setattr(module, "FEW_FRONTS", few)
-    matrix, nodes = rock
-    before = factorized(matrix, nodes)
-    assert factorized(matrix, nodes, before).n_eliminated == 0
-    loads = np.random.default_rng(36).normal(size=(matrix.shape[0], 2))
-    for dof in (matrix.shape[0] // 3, 2):
-        after, alone = (factorized(changed(matrix, dof), nodes, known) for known in (before, None))
-        assert 0 < after.n_eliminated < 0.3 * alone.n_eliminated
-        np.testing.assert_array_equal(solved(after, loads), solved(alone, loads))
-
-
-def test_all_that_a_front_holds_is_in_its_key() -> None:
-    """With other entries or constraints a solution is that of a factorization without what was known."""
-    matrix, nodes = lattice(16, 3)
-    n, boxes = matrix.shape[0], boxes_at(nodes)
-    row = csr_array(np.eye(1, n, n // 2))
-    known = ConstrainedSystem(matrix, row, boxes)
-    loads = np.random.default_rng(37).normal(size=n)
-    for other in (
-        (changed(matrix, 7), row, boxes),
-        (csc_array(matrix * 1.0000001), row, boxes),
-        (matrix, 2.0 * row, boxes),
-        (matrix, csr_array(np.eye(1, n, n // 2 + 1)), boxes),
-        (matrix, none(n), boxes),
-        (matrix, csr_array(np.eye(2, n, n // 2)), boxes),
-        (matrix, row, None),
-    ):
-        found, alone = ConstrainedSystem(*other, known).solve(loads), ConstrainedSystem(*other).solve(loads)
-        np.testing.assert_array_equal(np.concatenate(found), np.concatenate(alone))
-
-
-def loaded(n: int, at: Ints) -> csr_array:
-    """Rows (k, n) with two entries each, from `at` (k,) on."""
-    k = len(at)
-    values = np.random.default_rng(60).normal(size=2 * k)
-    return csr_array((values, ((at[:, None] + np.arange(2)).ravel()), 2 * np.arange(k + 1)), shape=(k, n))
-
-
-@pytest.mark.parametrize("change", ["nothing", "value", "place", "order", "fewer", "more"])
-def test_compliance_taken_over_has_the_bits_of_one_found_alone(rock: tuple[csc_array, Ints], change: str) -> None:
-    """After a change at one unknown, and of the rows; columns behind a new one have other numbers."""
-    matrix, nodes = rock
-    n = matrix.shape[0]
-    at = np.sort(np.random.default_rng(61).choice(n - 1, 60, replace=False))
-    first = loaded(n, at)
-    others = {
-        "nothing": first,
-        "value": csr_array(first * np.where(np.arange(60) == 7, 1.5, 1.0)[:, None]),
-        "place": loaded(n, np.sort(np.append(at[1:], at[0] + 3))),
-        "order": csr_array(first[::-1]),
-        "fewer": csr_array(first[3:]),
-        "more": csr_array(csr_array(vstack([first, loaded(n, np.array([n // 3]))]))[np.insert(np.arange(60), 20, 60)]),
-    }
-    before = factorized(matrix, nodes)
-    before.compliance(first)
-    after, alone = (factorized(changed(matrix, n // 3), nodes, some) for some in (before, None))
-    np.testing.assert_array_equal(after.compliance(others[change]), alone.compliance(others[change]))

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from scipy.sparse import csc_array, csr_array
 
-from crackgrow.linear import symmetric
 from crackgrow.linear.dissection import LEAF, dissected
 from crackgrow.linear.fronts import Fronts, fronts_of
+from tests.symmetric_matrices import symmetric
 from tests.unit.linear.lattices import Ints, boxes_at, lattice
 
 
@@ -75,10 +75,12 @@ def test_fronts_cover_all_couplings(n: int) -> None:
         assert ((own < n_unknowns) == (np.arange(end - start) < fronts.n_placed[k])).all()
         later = np.flatnonzero(whole[start:end].any(axis=0))
         assert np.isin(later[later >= end], border).all()
-        if fronts.parent[k] < 0:
+        parents = fronts.children.row[fronts.children.values == k]
+        assert len(parents) == (k < fronts.n - 1)
+        if not len(parents):
             assert not len(border)
         else:
-            up = fronts.parent[k]
+            up = int(parents[0])
             there = np.append(
                 np.arange(*fronts.starts[up : up + 2]), fronts.border[slice(*fronts.border_start[up : up + 2])]
             )

@@ -8,7 +8,7 @@ import shapely
 from scipy.integrate import quad
 
 from crackgrow.quadrature.elements import element_points, triangulate
-from crackgrow.quadrature.rims import points_on_edges, rim_points
+from crackgrow.quadrature.rims import POINTS_PER_EDGE, points_on_edges, rim_points
 from crackgrow.ragged import Ragged
 from tests.unit.cover_tables import areas, tile_boxes
 
@@ -60,7 +60,7 @@ def test_square_root_of_the_distance_from_a_tip_is_integrated_along_edges(build,
     if distance == 0.0:
         ends[0, 0] = tip
     first_tip = Ragged(np.array([0, 1, 2]), np.array([0, 0]))  # on both edges
-    edge, points, lengths = points_on_edges(cover, ends, first_tip)
+    edge, points, lengths = points_on_edges(cover, ends, first_tip, POINTS_PER_EDGE)
     root = np.sqrt(np.hypot(*(points - tip).T))
     fine = (np.arange(400_000) + 0.5) / 400_000
     for number, (start, end) in enumerate(ends):

@@ -13,7 +13,6 @@ from crackgrow.quadrature.rims import POINTS_PER_EDGE
 from crackgrow.quadrature.rules import (
     gauss,
     on_edges,
-    on_edges_with_tips,
     on_tip_triangles,
     on_triangles,
     square,
@@ -26,7 +25,7 @@ POINTS = (1, 2, 3, 4, 6)
 
 @pytest.mark.parametrize("n", POINTS)
 def test_gauss_rules_of_lines_and_squares_are_exact_to_their_degree_and_no_further(n: int) -> None:
-    (x, w), (points, weights), (position, lengths) = gauss(n), square(n), on_edges(3, n)
+    (x, w), (points, weights), (position, lengths) = gauss(n), square(n), on_edges(*np.zeros((2, 3), dtype=bool), n)
     for i in range(2 * n):
         assert w @ x**i == pytest.approx(1 / (i + 1), rel=1e-13)
         np.testing.assert_allclose(np.sum(lengths * position**i, axis=1), np.full(3, 1 / (i + 1)), rtol=1e-13)
@@ -109,7 +108,7 @@ def test_tip_rule_integrates_powers_of_the_distance_with_smooth_angles(name: str
     """Products of two gradients go as 1/r, of a gradient and a constant as r^(-1/2).
 
     The rule converges exponentially, the slower the closer the far side: 2 asinh(1 / (2 distance)) is to be resolved.
-    Six points, the default 4 + MORE_POINTS_AT_TIPS, suffice relative to the disc of the same size.
+    Six points, the default 4 + 2 MORE_POINTS, suffice relative to the disc of the same size.
     """
     value, error = tip_rule(name, power, 32)
     assert abs(error) < {"far side at 1e-2": 1e-8, "far side at 1e-4": 1e-4}.get(name, 1e-12) * value
@@ -143,7 +142,7 @@ def test_tip_rule_is_exact_in_half_powers_of_r_to_its_degree_and_no_further(n: i
 @pytest.mark.parametrize("n", [2, 3, 5])
 def test_edges_with_a_tip_are_exact_for_half_powers_to_their_degree_and_no_further(n: int) -> None:
     at_start, at_end = np.array([True, False, False]), np.array([False, True, False])
-    position, w = on_edges_with_tips(at_start, at_end, n)
+    position, w = on_edges(at_start, at_end, n)
     distance = np.stack([position[0], 1 - position[1]])
     for k in range(-1, 2 * n - 1):
         np.testing.assert_allclose(np.sum(w[:2] * distance ** (k / 2), axis=1), 1 / (k / 2 + 1), rtol=1e-13)
@@ -156,7 +155,7 @@ def test_edge_between_two_tips_integrates_the_opening_of_a_crack() -> None:
     """sqrt(x (1 - x)) -> pi / 8, and its inverse, the gradient -> pi; the inverse is exact with one point."""
     both = np.array([True])
     for n, tolerance in ((6, 1e-6), (12, 1e-13)):
-        position, w = on_edges_with_tips(both, both, n)
+        position, w = on_edges(both, both, n)
         root = np.sqrt(position * (1 - position))
         assert np.sum(w * root) == pytest.approx(np.pi / 8, rel=tolerance)
         assert np.sum(w / root) == pytest.approx(np.pi, rel=1e-13)

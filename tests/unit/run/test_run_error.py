@@ -14,7 +14,7 @@ from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.report import estimate_maker
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.scene import make_scene
-from crackgrow.solid.elasticity import energy_density
+from crackgrow.solid.elasticity import energy_components
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
 from tests.solving import solve_step
@@ -46,7 +46,7 @@ def distance(coarse: StepSolution, fine: StepSolution) -> float:
     element = locate(coarse.cover.lattice, coarse.cover.elements, points, body)
     exact = stress_at(cover, materials, fine.outcome.u, found.points, found.element)
     off = stress_at(coarse.cover, coarse.state.materials, coarse.outcome.u, points, element) - exact
-    energies = [found.weights @ energy_density(materials, stress, body) for stress in (off, exact)]
+    energies = [(found.weights @ energy_components(materials, stress, body) ** 2).sum() for stress in (off, exact)]
     return 100.0 * float(np.sqrt(energies[0] / energies[1]))
 
 

@@ -8,12 +8,9 @@ import pytest
 from crackgrow.cover.cover import build_cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import BodyGeometry
-from crackgrow.linear import SymmetricMatrix
-from crackgrow.ragged import Ragged, starts_of
-from crackgrow.solid.elasticity import energy_components, energy_density, plane_elasticity, principal
+from crackgrow.solid.elasticity import energy_components, plane_elasticity, principal
 from crackgrow.solid.recovery import displacement_at, stress_at
-from crackgrow.solid.stiffness import Stiffness, _pattern, stiffness
-from crackgrow.solid.unchanged import elements_of, reuse_unchanged
+from crackgrow.solid.stiffness import stiffness
 from tests.conftest import Sample
 
 E, NU = 70e9, 0.3
@@ -56,7 +53,6 @@ def test_energy_components_square_to_the_strain_energy(plane: str) -> None:
     stress = np.array([[1.0, 2.0, -0.5], [0.0, 0.0, 1.0]])
     body = np.zeros(2, dtype=np.int64)
     expected = np.einsum("ni,ij,nj->n", stress, np.linalg.inv(material.matrix), stress)
-    np.testing.assert_allclose(energy_density([material], stress, body), expected)
     np.testing.assert_allclose(np.sum(energy_components([material], stress, body) ** 2, axis=1), expected)
 
 
@@ -116,7 +112,7 @@ def test_two_materials_each_stiffen_their_own_body(build) -> None:
     cover = build_cover(lattice, [BodyGeometry((outline,)) for outline in bodies], [])
     np.testing.assert_array_equal(cover.elements.body, (cover.elements.reference[:, 0] > 4.5).astype(int))
     soft, hard = (plane_elasticity(young, 0.25, "strain") for young in (1.0, 10.0))
-    matrix = stiffness(cover, [soft, hard], 4).matrix
+    matrix = stiffness(cover, [soft, hard], 4)
     nodes = lattice.to_metres(cover.patches.nodes)
     u = np.stack([1e-3 * nodes[:, 0], 0 * nodes[:, 0]], axis=1).ravel()
     assert u @ (matrix @ u) == pytest.approx(1e-6 * (10.0 * soft.c11 + 20.0 * hard.c11), rel=1e-12)
@@ -131,49 +127,3 @@ def test_linear_field_gives_its_displacement_and_uniform_stress_at_points(build,
     np.testing.assert_allclose(displacement_at(sample.cover, u, points, elements), metres @ GRADIENT.T, atol=1e-15)
     found = stress_at(sample.cover, [sample.material], u, points, elements)
     np.testing.assert_allclose(found, np.tile(sample.material.matrix @ STRAIN, (100, 1)), atol=1e-13)
-
-
-SHARES = (1.0, 10.0, 100.0)
-"""What each element adds to the entries of all pairs of functions on it."""
-
-
-def summed(lists: list[list[int]]) -> tuple[tuple, tuple, np.ndarray]:
-    """Functions of elements, elements of functions, and the dense sum, for elements with these functions."""
-    on = (starts_of(np.array([len(own) for own in lists])), np.concatenate(lists).astype(np.int64))
-    n = int(on[1].max()) + 1
-    dense = np.zeros((n, n))
-    for share, own in zip(SHARES, lists, strict=True):
-        dense[np.ix_(own, own)] += share
-    return on, elements_of(*on, n), dense
-
-
-@pytest.mark.parametrize(
-    ("before", "after", "known"),
-    [
-        ([[0, 1], [0, 1], [1]], [[0, 1], [0, 1], [1]], [0]),
-        ([[0, 1], [0, 1], [1]], [[0, 1], [0, 2], [1]], []),  # a patch falls in two, far from what 0 meets it on
-        ([[0, 1], [0, 2], [1]], [[0, 1], [0, 1], [1]], []),  # two join
-        ([[0, 1], [0, 1], [1]], [[1, 2], [1, 2], [0, 2]], [1]),  # under other numbers
-    ],
-)
-def test_only_entries_that_are_as_before_are_taken_over(
-    before: list[list[int]], after: list[list[int]], known: list[int]
-) -> None:
-    """The third element is another one; entries of pairs with a known function are the sums that there are now."""
-    keys = np.random.default_rng(0).integers(0, 2**63, (3, 2)).astype(np.uint64)
-    on, of, dense = summed(before)
-    start, column = _pattern(*on, *of)
-    row = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    matrix = SymmetricMatrix(start, column, dense[row, column][:, None, None] * np.array([[1.0, 2.0], [3.0, 4.0]]))
-    earlier = Stiffness(matrix, Ragged(*on), keys, 3)
-    keys = keys.copy()
-    keys[2] += np.uint64(5)
-    on, of, dense = summed(after)
-    start, column = _pattern(*on, *of)
-    block = np.zeros((len(column), 2, 2))
-    changed = reuse_unchanged((on, of, keys, start, column, block), earlier)
-    np.testing.assert_array_equal(np.flatnonzero(~changed), known)
-    row = np.repeat(np.arange(len(start) - 1), np.diff(start))
-    taken = ~(changed[row] & changed[column])
-    np.testing.assert_array_equal(block[taken, 0, 0], dense[row, column][taken])
-    np.testing.assert_array_equal(block[~taken], 0.0)
