@@ -1,4 +1,4 @@
-"""Plane elasticity and the stiffness: symmetry, zero-energy modes, energies of linear fields; what is taken over."""
+"""Plane elasticity and the stiffness: symmetry, zero-energy modes, energies of linear fields."""
 
 from __future__ import annotations
 
