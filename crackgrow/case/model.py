@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import Any, Final, Literal
 
 import numpy as np
@@ -293,6 +294,12 @@ class LoadHistory:
 
     factors: tuple[float, ...]
     increments: int | Literal["events"] | None = None  # of each load, or from event to event; None: as laws need it
+
+    @property
+    def grows(self) -> bool:
+        """Whether each load goes on where the one before has ended."""
+        steps = [last - first for first, last in pairwise((0.0, *self.factors))]
+        return all(step >= 0.0 for step in steps) or all(step <= 0.0 for step in steps)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

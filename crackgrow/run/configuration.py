@@ -147,7 +147,7 @@ class Configuration:
 
     @property
     def forgets(self) -> bool:
-        """Whether points have plain friction alone, so that slip hardly depends on the way of loads that grow."""
+        """Whether points have plain friction alone, so that slip does not depend on the way of loads that grow."""
         law = self.contact.law
         return not (self.sized or law.tension.any() or law.dilation.any())
 

@@ -168,10 +168,20 @@ def test_faces_that_open_take_no_energy_back() -> None:
     assert once.energy.dissipated > 0.2
 
 
-@pytest.mark.parametrize("name", ["confined30", "two_flaws"])
-def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
+CROSSED = "cracks.other={path: {center: [2, 1], length: 14, angle: 100}, contact: {friction: 0.5, cohesion: 0}}"
+
+
+@pytest.mark.parametrize(
+    ("name", "settings"),
+    [
+        ("confined30", ("numerics.spacing=3",)),
+        ("confined30", (CROSSED, "numerics.spacing=1.5", "numerics.contact.spacing=0.5")),
+        ("two_flaws", ("numerics.spacing=3",)),
+    ],
+)
+def test_increments_of_plain_friction_slip_as_events_do(name: str, settings: tuple[str, ...]) -> None:
     """Their dissipation is of the first order in the increments, and the balance of energies of the second."""
-    case = shipped_case(name, ["numerics.spacing=3"])
+    case = shipped_case(name, settings)
     cracks = tuple(map(GrowingCrack.given, case.cracks))
 
     def loaded(follow: int | Literal["events"]) -> LoadState:
@@ -199,6 +209,8 @@ def test_increments_of_plain_friction_slip_as_events_do(name: str) -> None:
     [
         ((), INCREMENTS),
         (("loading={history: [1], follow: events}",), None),
+        (("loading.history=[1, 0.5]",), None),
+        (("loading=critical",), None),
         (("cracks.flaw.contact.cohesion=0.1",), None),
         (("cracks.flaw.contact.dilation_angle=5",), None),
         (("loads.2.held=false", "loads.3.held=false"), 1),
