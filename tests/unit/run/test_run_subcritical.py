@@ -74,6 +74,15 @@ def test_a_cycle_counts_between_its_first_and_its_last_load_as_far_as_they_open_
     assert np.isnan([after.time, tip.velocity]).all()
 
 
+def test_along_bedding_a_crack_grows_in_a_cycle_as_at_the_range_that_is_as_critical_across_it() -> None:
+    """A level crack in bedding of half the toughness: twice the range, and growth in a cycle 2^3 times as much."""
+    weak = "bodies.rock.strength.bedding={angle: 0, toughness: 0.25 MPa sqrt(m)}"
+    bare, bedded = (whole_run(slow_cracks(*CYCLES, *more, "growth.steps=0"))[0][0].tips[0] for more in ((), (weak,)))
+    assert bedded.kink_deg == pytest.approx(bare.kink_deg, abs=0.1)
+    assert bedded.K_range == pytest.approx(2.0 * bare.K_range, rel=1e-4)
+    assert bedded.growth_per_cycle == pytest.approx(8.0 * bare.growth_per_cycle, rel=1e-3)
+
+
 def test_below_the_threshold_of_its_range_a_crack_stands_still() -> None:
     least = {share: f"growth.fatigue.threshold={share * 0.1875} MPa sqrt(m)" for share in (0.9, 1.1)}
     runs = {share: whole_run(slow_cracks(*CYCLES, setting, "growth.steps=1")) for share, setting in least.items()}
