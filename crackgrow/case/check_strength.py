@@ -169,12 +169,16 @@ def check_rate_law(scene: Scene) -> None:
 
 
 def _check_cycle(scene: Scene) -> None:
-    """A cycle is between two loads, which every step comes to; dK is of the hoop stress, by which its tips grow."""
+    """A cycle is between two loads, the larger one last, where tips are judged; dK is of the hoop stress."""
     report, criterion = scene.report, scene.get("growth", "criterion")
     history = scene.get("loading", "history") or [1.0]
     if scene.get("loading", "stages") is not None or history[0] == history[-1]:
         message = "wanted with growth.law: fatigue: a history whose first and last load differ, such as [0.1, 1]"
         report.fault(("loading",), message)
+    elif history[-1] < max(history):
+        message = f"ends with {history[-1]:g}; wanted with growth.law: fatigue: the largest load last, such as [0.1, 1]"
+        message += ", since tips are judged there; where negative factors open cracks turn the sign of the loads"
+        report.fault(("loading", "history"), message)
     if scene.get("growth", "unload_between_steps") is False:
         report.fault(("growth", "unload_between_steps"), "wanted with law: fatigue: true, since every cycle unloads")
     if criterion not in (None, *BY_K):

@@ -59,7 +59,7 @@ def test_a_tip_beyond_its_toughness_is_told_and_has_no_more_than_the_largest_vel
     assert told.startswith(f"the end of crack 'notch' is at {results[0].tips[0].criticality:.3g} of its toughness")
 
 
-@pytest.mark.parametrize(("first", "share"), [(-0.5, 1.0), (0.0, 1.0), (0.5, 0.5), (2.0, 1.0)])
+@pytest.mark.parametrize(("first", "share"), [(-0.5, 1.0), (0.0, 1.0), (0.5, 0.5)])
 def test_a_cycle_counts_between_its_first_and_its_last_load_as_far_as_they_open_the_crack(
     first: float, share: float
 ) -> None:
