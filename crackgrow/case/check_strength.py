@@ -78,6 +78,9 @@ def _check_limits(scene: Scene, key: Path, strength: Strength) -> None:
     if bedding is not None and bedding.toughness is not None and strength.toughness is None:
         message = "is that of cracks along the planes; give strength.toughness, that across them, too"
         scene.report.fault((*key, "bedding", "toughness"), message)
+    if bedding is not None and bedding.toughness is None and None not in (bedding.tension, strength.toughness):
+        message = "is of new cracks in rock with a toughness; give bedding.toughness, which tips go by, too"
+        scene.report.fault((*key, "bedding", "tension"), message)
     if strength.shear_toughness is None:
         return
     message = ""
