@@ -155,7 +155,7 @@ def check_rate_law(scene: Scene) -> None:
         return
     advance, at = scene.get("growth", "advance"), scene.get("growth", "initiation", "at")
     if advance not in (None, "all"):
-        message = f"{advance} given; wanted with law: {law}: all, since every tip has its velocity"
+        message = f"{advance} given; wanted with law: {law}: all, since every tip goes at its own rate"
         report.fault(("growth", "advance"), message)
     if at not in (None, "tips"):
         message = f"{at} given; wanted with law: {law}: tips. Cracks start where the criterion is met, at no time"
@@ -167,7 +167,8 @@ def check_rate_law(scene: Scene) -> None:
         _check_cycle(scene)
     without = bodies_with(scene, toughness=False) if report.sound("bodies") else []
     if without:
-        message = f"{law} needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
+        needs = "K over K_c" if law == "subcritical" else "K_c, from which on tips are unstable"
+        message = f"{law} needs {needs}, and bodies.{without[0]}.strength has no toughness; give it one"
         report.fault(("growth", "law"), message)
 
 

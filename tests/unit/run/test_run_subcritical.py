@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.subcritical import WAITS, mean_velocity
+from crackgrow.results.log import criticality_words
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
@@ -89,6 +90,8 @@ def test_below_the_threshold_of_its_range_a_crack_stands_still() -> None:
     assert [len(results) for results, _ in runs.values()] == [2, 1]
     (only,), end = runs[1.1]
     assert (only.cycles, only.tips[0].growth_per_cycle, end.status) == (0.0, 0.0, "arrested")
+    assert "no tip grows in a cycle; " in end.reason
+    assert criticality_words(only)[1] == "unstable at K 500 kPa sqrt(m)"
     assert f"the largest range of K is {only.tips[0].K_range:.4g} Pa sqrt(m), the threshold is" in end.reason
 
 
