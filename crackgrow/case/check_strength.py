@@ -78,6 +78,9 @@ def _check_limits(scene: Scene, key: Path, strength: Strength) -> None:
     if bedding is not None and bedding.toughness is not None and strength.toughness is None:
         message = "is that of cracks along the planes; give strength.toughness, that across them, too"
         scene.report.fault((*key, "bedding", "toughness"), message)
+    if bedding is not None and bedding.toughness is None and None not in (bedding.tension, strength.toughness):
+        message = "is of new cracks in rock with a toughness; give bedding.toughness, which tips go by, too"
+        scene.report.fault((*key, "bedding", "tension"), message)
     if strength.shear_toughness is None:
         return
     message = ""
@@ -152,7 +155,7 @@ def check_rate_law(scene: Scene) -> None:
         return
     advance, at = scene.get("growth", "advance"), scene.get("growth", "initiation", "at")
     if advance not in (None, "all"):
-        message = f"{advance} given; wanted with law: {law}: all, since every tip has its velocity"
+        message = f"{advance} given; wanted with law: {law}: all, since every tip goes at its own rate"
         report.fault(("growth", "advance"), message)
     if at not in (None, "tips"):
         message = f"{at} given; wanted with law: {law}: tips. Cracks start where the criterion is met, at no time"
@@ -164,17 +167,22 @@ def check_rate_law(scene: Scene) -> None:
         _check_cycle(scene)
     without = bodies_with(scene, toughness=False) if report.sound("bodies") else []
     if without:
-        message = f"{law} needs K over K_c, and bodies.{without[0]}.strength has no toughness; give it one"
+        needs = "K over K_c" if law == "subcritical" else "K_c, from which on tips are unstable"
+        message = f"{law} needs {needs}, and bodies.{without[0]}.strength has no toughness; give it one"
         report.fault(("growth", "law"), message)
 
 
 def _check_cycle(scene: Scene) -> None:
-    """A cycle is between two loads, which every step comes to; dK is of the hoop stress, by which its tips grow."""
+    """A cycle is between two loads, the larger one last, where tips are judged; dK is of the hoop stress."""
     report, criterion = scene.report, scene.get("growth", "criterion")
     history = scene.get("loading", "history") or [1.0]
     if scene.get("loading", "stages") is not None or history[0] == history[-1]:
         message = "wanted with growth.law: fatigue: a history whose first and last load differ, such as [0.1, 1]"
         report.fault(("loading",), message)
+    elif history[-1] < max(history):
+        message = f"ends with {history[-1]:g}; wanted with growth.law: fatigue: the largest load last, such as [0.1, 1]"
+        message += ", since tips are judged there; where negative factors open cracks turn the sign of the loads"
+        report.fault(("loading", "history"), message)
     if scene.get("growth", "unload_between_steps") is False:
         report.fault(("growth", "unload_between_steps"), "wanted with law: fatigue: true, since every cycle unloads")
     if criterion not in (None, *BY_K):

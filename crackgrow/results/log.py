@@ -133,7 +133,10 @@ def _tip_words(tip: TipResult, K_scale: float) -> str:
 
 
 def criticality_words(result: StepResult) -> list[str]:
-    """How critical the most critical tip is, of those that advance if any do, and the K at which it grows, if known."""
+    """How critical the most critical tip is, of those that advance if any do, and the K at which it grows, if known.
+
+    With a law of rate that is the K at which it is unstable.
+    """
     moved = [tip for tip in result.tips if tip.advanced]
     known = [tip for tip in moved or result.tips if math.isfinite(tip.criticality)]
     if not known:
@@ -142,7 +145,8 @@ def criticality_words(result: StepResult) -> list[str]:
     words = [f"criticality {most.criticality:.3g}"]
     if math.isfinite(most.K_growth):
         size, unit = unit_of([most.K_growth], INTENSITIES)
-        words.append(f"grows at K {most.K_growth / size:.3g} {_ascii(unit)}")
+        at_rate = math.isfinite(most.velocity) or math.isfinite(most.growth_per_cycle)
+        words.append(f"{'unstable' if at_rate else 'grows'} at K {most.K_growth / size:.3g} {_ascii(unit)}")
     return words
 
 

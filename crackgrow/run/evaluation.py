@@ -20,6 +20,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
+from crackgrow.fracture.opening import share_across
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.subcritical import range_of_K
@@ -135,12 +136,13 @@ def evaluated(state: LoadState) -> StepSolution:
 
 
 def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
-    """The solution whose tips know the range of K since the first load of a cycle."""
-    ranges = [
-        math.nan if now.verdict is None else range_of_K(was.K, now.K, now.verdict.kink)
-        for was, now in zip(_intensities(first), solution.tips, strict=True)
-    ]
-    tips = (replace(tip, K_range=its) for tip, its in zip(solution.tips, ranges, strict=True))
+    """The solution whose tips know the range of K since the first load of a cycle, as one across any bedding."""
+    tips = list(solution.tips)
+    for n, (was, now, site) in enumerate(zip(_intensities(first), tips, solution.configuration.sites, strict=False)):
+        if now.loading is not None and now.verdict is not None:
+            kink, (_, strength) = now.verdict.kink, solution.scene.growing_in(site.body)
+            share = float(share_across(strength, "toughness", now.loading.field.direction + kink))
+            tips[n] = replace(now, K_range=range_of_K(was.K, now.K, kink) / share)
     return replace(solution, tips=tuple(tips))
 
 

@@ -150,11 +150,11 @@ def ended(state: RunState, solution: StepSolution, growth: Growth) -> RunEnd:
     if not is_last and NEVER_CRITICAL in solution.notes:
         return RunEnd("arrested", f"{step}: {NEVER_CRITICAL}", state.paths)
     if grows and law is not None:
-        most = f"{near}its toughness, the threshold is {law.threshold:g}"
+        why = f"no tip has a velocity{near}its toughness, the threshold is {law.threshold:g}"
         if isinstance(law, Fatigue):
-            most = f"; the largest range of K is {_driving(solution).max():.4g} Pa sqrt(m), the threshold is "
-            most += f"{law.threshold:.4g}"
-        return RunEnd("arrested", f"{step}: no tip has a velocity{most}", state.paths)
+            why = f"no tip grows in a cycle; the largest range of K is {_driving(solution).max():.4g} Pa sqrt(m), "
+            why += f"the threshold is {law.threshold:.4g}"
+        return RunEnd("arrested", f"{step}: {why}", state.paths)
     if grows:
         where = step if state.step else "nothing grew"
         return RunEnd("arrested", f"{where}: no tip meets the criterion{at_load}", state.paths)

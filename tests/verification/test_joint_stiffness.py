@@ -40,6 +40,22 @@ loads:
 output: {points: {joint: {interface: [top, low], at: [0.02, 0]}}}
 """
 
+FOUNDATION = """
+title: a block on an elastic foundation
+plane: stress
+units: {stress: MPa}
+bodies:
+  top: {shape: {rectangle: {center: [0, 0.05], width: 0.1, height: 0.1}}, material: {young: 10000, poisson: 0}}
+supports:
+  - {on: {body: top, edge: bottom}, contact: {friction: 0.6, cohesion: 0, stiffness: {normal: 20000, shear: 5000}}}
+loads:
+  - {on: {body: top, edge: top}, traction: [1, -3]}
+  - {on: {body: top, edge: left}, traction: [0, -1]}
+  - {on: {body: top, edge: right}, traction: [0, 1]}
+numerics: {spacing: 0.013}
+output: {points: {top: {at: [0.03, 0.1]}}}
+"""
+
 
 def last(result: StepResult, column: str) -> float:
     """A column of history.csv at the end of a step."""
@@ -57,6 +73,12 @@ def test_a_joint_between_blocks_closes_and_slips_by_its_stiffness(spacing: float
     strain_energy += 0.02 * (PRESSURE**2 + 2.0 * STRESS**2) / (2.0 * YOUNG)
     assert result.energy.strain == pytest.approx(strain_energy, rel=1e-8)
     assert result.energy.error < 1e-9
+
+
+def test_a_block_on_a_foundation_with_a_stiffness() -> None:
+    (result,) = whole_run(case_of(FOUNDATION))[0]
+    assert last(result, "top.u_y") == pytest.approx(-PRESSURE / NORMAL - 0.1 * PRESSURE / YOUNG, rel=1e-8)
+    assert last(result, "top.u_x") == pytest.approx(STRESS / SHEAR + 0.1 * STRESS / (0.5 * YOUNG), rel=1e-8)
 
 
 def test_slip_beyond_friction_is_not_elastic() -> None:

@@ -349,20 +349,36 @@ def _bedding() -> Iterator[Row]:
 # K = c s sqrt(pi a) / sqrt(cos(pi a / W)) (Feddersen), where c = 1 but for the error of the first K.
 
 HALF, WIDTH, PULL, V_MAX = 0.02, 0.8, 1.5, 0.01  # m, m, MPa, m/s
-SLOW = {"direction": "explicit", "law": "subcritical"}
+PULLED = [{"far_field": [0, PULL, 0]}]
 
 
 def slow(exponent: int, increment: float) -> list[StepResult]:
     """The steps of a crack that grows slowly to twice its length in increments (mm)."""
-    law = {**SLOW, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}, "increment": increment}
-    return to_twice_its_length({**law, "steps": round(20 / increment)}, [1])
+    return to_twice_its_length(slowly(exponent, increment, round(20 / increment)), [1])
+
+
+def slowly(exponent: int, increment: float, n: int) -> dict[str, Any]:
+    """Slow growth by n increments (mm)."""
+    law = {"direction": "explicit", "law": "subcritical", "steps": n, "increment": increment}
+    return {**law, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}}
 
 
 def to_twice_its_length(law: dict[str, Any], history: list[float]) -> list[StepResult]:
     """The steps of a central crack that grows by a law of rate under loads."""
-    cracks = {"flaw": {"path": {"center": [0, 0], "length": 40, "angle": 0}, "contact": "none"}}
-    loads, numerics = [{"far_field": [0, PULL, 0]}], {"spacing": 20, "refine": {"tips": 3}}
+    return at_rates({"flaw": open_crack(0, 40)}, PULLED, law, history)
+
+
+def at_rates(
+    cracks: dict[str, Any], loads: list[dict[str, Any]], law: dict[str, Any], history: list[float], levels: int = 3
+) -> list[StepResult]:
+    """The steps of cracks that grow by a law of rate in a wide plate."""
+    numerics = {"spacing": 20, "refine": {"tips": levels}}
     return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": history}, **law)))
+
+
+def open_crack(x: float, length: float) -> dict[str, Any]:
+    """A crack along x (mm)."""
+    return {"path": {"center": [x, 0], "length": length, "angle": 0}, "contact": "none"}
 
 
 @cache
@@ -384,6 +400,32 @@ def fall_of_time_error(exponent: int) -> float:
     """How much less the error changes from the middle increment to the short one than from the long one to it."""
     error = [error_of_time(exponent, increment) for increment in (10.0, 5.0, 2.5)]
     return abs(error[0] - error[1]) / abs(error[1] - error[2])
+
+
+@cache
+def too_far(increment: float) -> float:
+    """By what part of its growth the shorter of two cracks is ahead, when the longer one has come to twice its length.
+
+    With n = 5 both obey a^(-3/2) = a_0^(-3/2) - C t, with one C, but for what they know of each other and the edges.
+    """
+    cracks = {"long": open_crack(-150, 40), "short": open_crack(150, 36)}
+    last = at_rates(cracks, PULLED, slowly(5, increment, round(20 / increment)), [1])[-1]
+    half = {str(each.name): 0.5 * float(np.hypot(*np.diff(each.points, axis=0).T).sum()) for each in last.cracks}
+    assert abs(half["long"] / (2.0 * HALF) - 1.0) < 0.01
+    exact = (half["long"] ** -1.5 - HALF**-1.5 + 0.018**-1.5) ** (-1.0 / 1.5)
+    return float((half["short"] - exact) / (exact - 0.018))
+
+
+def fall_of_too_far() -> float:
+    """The same over that of twice the increment."""
+    return abs(too_far(2.5) / too_far(5.0))
+
+
+def least_advance_of_time() -> float:
+    """The shortest step (s) where the fastest tip slows while another one waits."""
+    cracks = {"wedged": open_crack(-150, 10), "slow": open_crack(150, 40)}
+    loads = [{"crack": "wedged", "pressure": "20*exp(-((x+150)/2)**2)"}, {"crack": "slow", "pressure": 2.08}]
+    return float(np.diff([step.time for step in at_rates(cracks, loads, slowly(20, 5, 4), [1], 4)]).min())
 
 
 PARIS, LEAST_LOAD = {"rate": "1e-6 mm", "at": "1 MPa sqrt(m)", "exponent": 3}, 0.2  # of the largest load
@@ -422,6 +464,11 @@ def _times() -> Iterator[Row]:
         yield Row(name, "time of growth", value, 0.0, "Feddersen", 0.01)
         value = partial(fall_of_time_error, exponent)
         yield Row(name, "fall of the error of time", value, 3.0, "order of two", 0.0, "at least")
+    name, source = "growth too far, over that of twice the increment", "the velocity of each"
+    yield Row("a slower crack", "growth too far", partial(too_far, 2.5), 0.0, source, 0.01)
+    yield Row("a slower crack", name, fall_of_too_far, 0.35, "order of two", 0.0, "at most")
+    value, name = least_advance_of_time, "least step of time [s]"
+    yield Row("a tip that waits", name, value, 1e-9, "time goes on", 0.0, "at least")
     for increment in (10, 5, 2.5):
         name, value = f"increments of {increment} mm", partial(cycles_over_exact, increment, True)
         yield Row(name, "cycles of growth, in increments", value, 0.0, "slit_body.py, Paris", 0.001)
