@@ -110,7 +110,7 @@ def fit(
     """
     runs = _Runs(plan, Workers(workers, scheduler, memory, timeout), resume, show)
     with locked(runs.study(())):
-        place, residual, jacobian = least_squares_of(runs.residuals, len(plan.names))
+        place, residual, jacobian = least_squares_of(runs.residuals, len(plan.names), _scale(plan))
         found = _fit_of(plan, place, residual, jacobian, len(runs.runs))
         write_text(plan.folder / "fit.json", json.dumps(asdict(found), indent=2) + "\n")
         from crackgrow.study.pictures import draw_fit  # here: it loads matplotlib
@@ -121,10 +121,12 @@ def fit(
     return found
 
 
-def least_squares_of(residuals: Callable[[Floats], list[Floats]], n: int) -> tuple[Floats, Floats, Floats]:
+def least_squares_of(
+    residuals: Callable[[Floats], list[Floats]], n: int, scale: float
+) -> tuple[Floats, Floats, Floats]:
     """The place (n,) in the unit cube with the least squares, its residuals (m,), and their derivatives (m, n).
 
-    `residuals` are those of several places (k, n) at once.
+    `residuals` are those of several places (k, n) at once; scale: of what was measured, in their unit.
     """
     from scipy.optimize import least_squares  # here: other studies need none of it
 
@@ -134,10 +136,16 @@ def least_squares_of(residuals: Callable[[Floats], list[Floats]], n: int) -> tup
         return np.stack([(other - here) / step for other, step in zip(there, np.diag(steps), strict=True)], axis=1)
 
     found = least_squares(
-        lambda place: residuals(place[None])[0], np.full(n, 0.5), jacobian, bounds=(0.0, 1.0), xtol=NEAR, ftol=NEAR**2,
-        max_nfev=MOST_ROUNDS,
+        lambda place: residuals(place[None])[0] / scale, np.full(n, 0.5), lambda place: jacobian(place) / scale,
+        bounds=(0.0, 1.0), xtol=NEAR, ftol=NEAR**2, gtol=NEAR**4, max_nfev=MOST_ROUNDS,
     )  # fmt: skip
-    return found.x, found.fun, jacobian(found.x)
+    return found.x, found.fun * scale, jacobian(found.x)
+
+
+def _scale(plan: FitPlan) -> float:
+    """The range of the measured y, or its size where that is constant; the size of a measured path."""
+    points = plan.points[:, int(plan.file.measured.crack is None) :]
+    return float(np.ptp(points, axis=0).max() or np.abs(points).max() or 1.0)
 
 
 def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_runs: int) -> Fit:

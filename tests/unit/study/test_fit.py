@@ -12,7 +12,7 @@ import pytest
 
 from crackgrow import cli, open_run
 from crackgrow.errors import CaseError, SolveError
-from crackgrow.study.fit import FitPlan, _fit_of, least_squares_of, missed, plan_fit
+from crackgrow.study.fit import FitPlan, _fit_of, _scale, least_squares_of, missed, plan_fit
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep_file import FitFile, Measured
 from crackgrow.study.values import Range
@@ -29,22 +29,24 @@ def plan_of(points: np.ndarray, **ranges: Range) -> FitPlan:
     return FitPlan(file, "", Path("out"), tuple(ranges), points)
 
 
-def test_a_straight_line_is_that_of_linear_regression_with_its_intervals() -> None:
-    """Of y = a + b x with s^2 = SSR/(n - 2): var(b) = s^2 / sum (x - mean)^2, and the covariance of numpy's polyfit."""
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e9])
+def test_a_straight_line_is_that_of_linear_regression_with_its_intervals(unit: float) -> None:
+    """In any unit of y = a + b x, s^2 = SSR/(n - 2): var(b) = s^2 / sum (x - mean)^2, the covariance of polyfit."""
     rng, x = np.random.default_rng(1), np.linspace(0.0, 2.0, 12)
-    y = 1.0 + 3.0 * x + rng.normal(0.0, 0.2, 12)
+    y = unit * (1.0 + 3.0 * x + rng.normal(0.0, 0.2, 12))
     a, b = Range(-5.0, 5.0, "", None, log=False), Range(0.5, 20.0, "", None, log=True)
     plan = plan_of(np.stack([x, y], axis=1), a=a, b=b)
 
     def residuals(places: np.ndarray) -> list[np.ndarray]:
-        return [(-5.0 + 10.0 * a) + 0.5 * 40.0**b * x - y for a, b in places]
+        return [unit * (-5.0 + 10.0 * a + 0.5 * 40.0**b * x) - y for a, b in places]
 
-    place, _, _ = least_squares_of(residuals, 2)
-    best, cov = np.polyfit(x, y, 1, cov=True)
+    place, misfit, _ = least_squares_of(residuals, 2, _scale(plan))
+    best, cov = np.polyfit(x, y / unit, 1, cov=True)
+    np.testing.assert_allclose(misfit, unit * np.polyval(best, x) - y, atol=2e-3 * unit)
     found = np.array([-5.0 + 10.0 * place[0], 0.5 * 40.0 ** place[1]])
     np.testing.assert_allclose(found, best[::-1], rtol=1e-3)
-    exact = np.stack([np.full(12, 10.0), found[1] * np.log(40.0) * x], axis=1)  # of places in the unit square
-    told = _fit_of(plan, place, np.polyval(best, x) - y, exact, 7)
+    exact = unit * np.stack([np.full(12, 10.0), found[1] * np.log(40.0) * x], axis=1)  # of places in the unit square
+    told = _fit_of(plan, place, unit * np.polyval(best, x) - y, exact, 7)
     np.testing.assert_allclose(told.covariance, cov[::-1, ::-1], rtol=5e-3)
     np.testing.assert_allclose(told.half_widths, 2.2281 * np.sqrt(np.diag(cov))[::-1], rtol=5e-3)  # Student, 10 degrees
     assert told.region == pytest.approx(2.0 * 4.1028, rel=1e-4)  # F(2, 10)
