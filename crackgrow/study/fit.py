@@ -18,12 +18,13 @@ from typing import Any, Final
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, SolveError
 from crackgrow.results.atomic import write_text
-from crackgrow.results.folder import RunFolder, table_of
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.units import counted
 from crackgrow.run.loop import for_each
-from crackgrow.study.path_files import read_paths
+from crackgrow.study.path_files import read_paths, read_points
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
 from crackgrow.study.runs import Row, Values, locked, run_study
 from crackgrow.study.sweep import short_names
@@ -257,20 +258,19 @@ def missed(folder: Path, points: Floats, measured: Measured) -> Floats:
 
 
 def _measured(path: Path, measured: Measured) -> Floats:
-    """The measured points (n, 2); raises CaseError, FolderError."""
-    if measured.crack is not None:
-        lines = read_paths(path, measured.columns).cracks.values()
-        return np.concatenate([line.points for line in lines])
-    assert measured.x is not None
-    assert measured.y is not None
-    try:
-        table = table_of(path.read_text(encoding="utf-8-sig"), path)
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError.at(path, f"cannot be read: {error}") from error
-    points = np.stack([table.numbers(name) for name in measured.columns or (measured.x, measured.y)], axis=1)
-    if not np.isfinite(points).all():
-        raise CaseError.at(path, "has a value that is no finite number")
-    return points
+    """The measured points (n, 2); raises CaseError."""
+    if measured.crack is None:
+        assert measured.x is not None
+        assert measured.y is not None
+        return read_points(path, measured.columns or (measured.x, measured.y))
+    cracks = read_paths(path, measured.columns).cracks
+    line = cracks.get(measured.crack, cracks.get("") if len(cracks) == 1 else None)
+    if line is None:
+        names = ", ".join(map(quoted, cracks))
+        raise CaseError.at(
+            path, f"has no crack {quoted(measured.crack)}{did_you_mean(measured.crack, cracks)}; it has {names}"
+        )
+    return line.points
 
 
 def _texts(file: FitFile, place: Floats) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ import pytest
 
 from crackgrow import cli, open_run
 from crackgrow.errors import CaseError, SolveError
-from crackgrow.study.fit import FitPlan, _fit_of, _scale, least_squares_of, missed, plan_fit
+from crackgrow.study.fit import FitPlan, _fit_of, _measured, _scale, least_squares_of, missed, plan_fit
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep_file import FitFile, Measured
 from crackgrow.study.values import Range
@@ -86,6 +86,31 @@ def test_what_a_run_misses_of_a_path_is_the_way_to_its_nearest_point(run: Path) 
     beside = 0.5 * (points[1] + points[0]) + 1e-5 * across
     found = missed(run, beside[None], Measured("a.csv", crack="flaw"))
     np.testing.assert_allclose(found, -1e-5 * across, atol=1e-12)
+
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("", "a.csv:1: is empty; wanted: a CSV with columns F and u"),
+    ("F,w\n1,2\n", "a.csv:1: has no column 'u'; it has F, w, columns are separated by commas"),
+    ("F,u,u\n1,2,3\n", "a.csv:1: has several columns 'u'"),
+    ("F,u\n1,2\n2,much\n", "a.csv:3: u: 'much' is not a number; wanted: a number such as 0.25"),
+    ("F,u\n1,\n", "a.csv:2: u: '' is not a number"),
+    ("F,u\n1,nan\n", "a.csv:2: u: 'nan' is not finite"),
+    ("F,u\n1;2\n", "a.csv:2: has 1 values, the header has 2; columns are separated by commas"),
+])  # fmt: skip
+def test_a_measured_curve_that_cannot_be_read_is_told_with_its_row_and_column(
+    text: str, words: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(CaseError) as caught:
+        _measured(tmp_path / "a.csv", Measured("a.csv", "F", "u"))
+    assert words in str(caught.value)
+
+
+def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("crack,x,y\nflaw,0,0\nflaw,1,1\nother,5,5\nother,6,6\n")
+    np.testing.assert_array_equal(_measured(tmp_path / "a.csv", Measured("a.csv", crack="other")), [[5, 5], [6, 6]])
+    with pytest.raises(CaseError, match="has no crack 'joint'; it has 'flaw', 'other'"):
+        _measured(tmp_path / "a.csv", Measured("a.csv", crack="joint"))
 
 
 @pytest.mark.parametrize(("change", "words"), [
