@@ -65,6 +65,7 @@ class Fit:
     n_points: int
     n_runs: int
     at_end: tuple[str, ...]  # keys that were found at an end of their range
+    converged: bool
 
     def __str__(self) -> str:
         lines = [
@@ -72,10 +73,13 @@ class Fit:
             for key, value, half, unit in zip(self.keys, self.values, self.half_widths, self.units, strict=True)
         ]
         errors = np.array(self.standard_errors)
-        correlation = np.array(self.covariance) / np.outer(errors, errors)
-        for i, j in zip(*np.triu_indices(len(self.keys), 1), strict=True):
-            lines.append(f"correlation of {self.keys[i]} and {self.keys[j]}: {correlation[i, j]:.2f}")
+        pairs = zip(*np.triu_indices(len(self.keys), 1), strict=True)
+        for i, j in pairs if errors.all() else ():  # errors are 0 where nothing is missed
+            correlation = self.covariance[i][j] / (errors[i] * errors[j])
+            lines.append(f"correlation of {self.keys[i]} and {self.keys[j]}: {correlation:.2f}")
         lines += [f"{key} is at an end of its range: give it a wider one" for key in self.at_end]
+        if not self.converged:
+            lines.append(f"not converged in {counted(MOST_ROUNDS, 'round')}: narrow the ranges, or fit fewer keys")
         return "\n".join([*lines, f"residuals of {self.rms:.3g}, {counted(self.n_runs, 'run')}"])
 
 
@@ -88,8 +92,10 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
     file = read_fit_file(path)
     case = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).load()
     points = _measured(file.base_folder / file.measured.file, file.measured)
-    if len(points) <= len(file.parameters):
-        raise CaseError.at(path, f"{counted(len(points), 'measured point')}; wanted: more than keys")
+    n_keys = len(file.parameters)
+    if len(points) <= n_keys:
+        has, wanted = counted(len(points), "measured point"), f"{n_keys + 1} or more, of {counted(n_keys, 'key')}"
+        raise CaseError.at(file.base_folder / file.measured.file, f"has {has}; wanted: {wanted}")
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     return FitPlan(file, case.title, folder, short_names(tuple(file.parameters)), points)
 
@@ -111,8 +117,8 @@ def fit(
     """
     runs = _Runs(plan, Workers(workers, scheduler, memory, timeout), resume, show)
     with locked(runs.study(())):
-        place, residual, jacobian = least_squares_of(runs.residuals, len(plan.names), _scale(plan))
-        found = _fit_of(plan, place, residual, jacobian, len(runs.runs))
+        place, residual, jacobian, converged = least_squares_of(runs.residuals, len(plan.names), _scale(plan))
+        found = _fit_of(plan, place, residual, jacobian, len(runs.runs), converged)
         write_text(plan.folder / "fit.json", json.dumps(asdict(found), indent=2) + "\n")
         from crackgrow.study.pictures import draw_fit  # here: it loads matplotlib
 
@@ -124,8 +130,8 @@ def fit(
 
 def least_squares_of(
     residuals: Callable[[Floats], list[Floats]], n: int, scale: float
-) -> tuple[Floats, Floats, Floats]:
-    """The place (n,) in the unit cube with the least squares, its residuals (m,), and their derivatives (m, n).
+) -> tuple[Floats, Floats, Floats, bool]:
+    """The place (n,) in the unit cube of the least squares, residuals (m,), derivatives (m, n), and if it converged.
 
     `residuals` are those of several places (k, n) at once; scale: of what was measured, in their unit.
     """
@@ -140,7 +146,7 @@ def least_squares_of(
         lambda place: residuals(place[None])[0] / scale, np.full(n, 0.5), lambda place: jacobian(place) / scale,
         bounds=(0.0, 1.0), xtol=NEAR, ftol=NEAR**2, gtol=NEAR**4, max_nfev=MOST_ROUNDS,
     )  # fmt: skip
-    return found.x, found.fun * scale, jacobian(found.x)
+    return found.x, found.fun * scale, jacobian(found.x), found.status > 0
 
 
 def _scale(plan: FitPlan) -> float:
@@ -149,7 +155,7 @@ def _scale(plan: FitPlan) -> float:
     return float(np.ptp(points, axis=0).max() or np.abs(points).max() or 1.0)
 
 
-def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_runs: int) -> Fit:
+def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_runs: int, converged: bool) -> Fit:
     """What least squares tell of the keys; raises SolveError where they do not tell them apart."""
     from scipy.special import fdtri, stdtrit
 
@@ -177,6 +183,7 @@ def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_
         n_points=n,
         n_runs=n_runs,
         at_end=tuple(key for key, is_at in zip(plan.file.parameters, ends.tolist(), strict=True) if is_at),
+        converged=converged,
     )
 
 

@@ -40,13 +40,13 @@ def test_a_straight_line_is_that_of_linear_regression_with_its_intervals(unit: f
     def residuals(places: np.ndarray) -> list[np.ndarray]:
         return [unit * (-5.0 + 10.0 * a + 0.5 * 40.0**b * x) - y for a, b in places]
 
-    place, misfit, _ = least_squares_of(residuals, 2, _scale(plan))
+    place, misfit, *_ = least_squares_of(residuals, 2, _scale(plan))
     best, cov = np.polyfit(x, y / unit, 1, cov=True)
     np.testing.assert_allclose(misfit, unit * np.polyval(best, x) - y, atol=2e-3 * unit)
     found = np.array([-5.0 + 10.0 * place[0], 0.5 * 40.0 ** place[1]])
     np.testing.assert_allclose(found, best[::-1], rtol=1e-3)
     exact = unit * np.stack([np.full(12, 10.0), found[1] * np.log(40.0) * x], axis=1)  # of places in the unit square
-    told = _fit_of(plan, place, unit * np.polyval(best, x) - y, exact, 7)
+    told = _fit_of(plan, place, unit * np.polyval(best, x) - y, exact, 7, True)
     np.testing.assert_allclose(told.covariance, cov[::-1, ::-1], rtol=5e-3)
     np.testing.assert_allclose(told.half_widths, 2.2281 * np.sqrt(np.diag(cov))[::-1], rtol=5e-3)  # Student, 10 degrees
     assert told.region == pytest.approx(2.0 * 4.1028, rel=1e-4)  # F(2, 10)
@@ -57,12 +57,27 @@ def test_keys_that_a_curve_does_not_tell_apart_are_told_and_so_is_the_end_of_a_r
     one = Range(0.0, 1.0, "mm", None, log=False)
     plan = plan_of(np.zeros((9, 2)), a=one, b=one)
     with pytest.raises(SolveError, match="does not tell the keys apart a, b"):
-        _fit_of(plan, np.full(2, 0.5), np.ones(9), np.ones((9, 2)), 1)
+        _fit_of(plan, np.full(2, 0.5), np.ones(9), np.ones((9, 2)), 1, True)
     alone = replace(plan, file=replace(plan.file, parameters={"a": one}))
     with pytest.raises(SolveError, match="does not depend on the key a"):
-        _fit_of(alone, np.full(1, 0.5), np.ones(9), np.zeros((9, 1)), 1)
-    words = str(_fit_of(alone, np.zeros(1), np.ones(9), np.ones((9, 1)), 1))
+        _fit_of(alone, np.full(1, 0.5), np.ones(9), np.zeros((9, 1)), 1, True)
+    words = str(_fit_of(alone, np.zeros(1), np.ones(9), np.ones((9, 1)), 1, True))
     assert words.startswith("a = 0 +- 0.82 mm (95 %)\na is at an end of its range")  # t(8) sqrt(9/8) / 3
+
+
+def test_points_without_misfit_have_no_correlation(recwarn: pytest.WarningsRecorder) -> None:
+    one = Range(0.0, 1.0, "", None, log=False)
+    found = _fit_of(plan_of(np.zeros((9, 2)), a=one, b=one), np.full(2, 0.5), np.zeros(9), np.eye(9, 2), 1, True)
+    assert str(found) == "a = 0.5 +- 0 (95 %)\nb = 0.5 +- 0 (95 %)\nresiduals of 0, 1 run"
+    assert not recwarn.list
+
+
+def test_a_fit_that_has_not_converged_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("crackgrow.study.fit.MOST_ROUNDS", 2)
+    bent = least_squares_of(lambda places: [np.array([k**9, k**9 - 0.1]) for (k,) in places], 1, 1.0)
+    assert bent[3] is False
+    found = _fit_of(plan_of(np.zeros((2, 2)), a=Range(0.0, 1.0, "", None, log=False)), *bent[:3], 9, bent[3])
+    assert (found.converged, "\nnot converged in 2 rounds: narrow the ranges" in str(found)) == (False, True)
 
 
 @pytest.fixture(scope="module")
@@ -119,12 +134,15 @@ def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
     ({"parameters": "{" + ", ".join(f"{key}: {{from: 1, to: 2}}" for key in "abcd") + "}"}, "at most 3"),
     ({"measured": f"{{file: {JOINT}, x: load_factor}}"}, "measured: wanted: x and y, of a curve, or crack"),
     ({"measured": f"{{file: {JOINT}, x: a, y: b, crack: c}}"}, "measured: wanted: x and y, of a curve, or crack"),
+    ({"measured": "{file: one.csv, x: load_factor, y: load_displacement}"},
+     "one.csv: has 1 measured point; wanted: 2 or more, of 1 key"),
     ({"measured": "{file: none.csv, crack: flaw}"}, "measured.file: there is no file"),
     ({"design": "grid"}, "design: unknown key"),
 ])  # fmt: skip
 def test_a_fit_file_that_is_wrong_is_refused(change: dict[str, Any], words: str, tmp_path: Path) -> None:
     told = {"base": CASES / "rough_joint_sheared.yaml", "parameters": f"{{{FRICTION}: {{from: 0.6, to: 1.2}}}}",
             "measured": f"{{file: {JOINT}, x: load_factor, y: supports.1.force_x}}"} | change  # fmt: skip
+    (tmp_path / "one.csv").write_text("load_factor,load_displacement\n1,2\n")
     file = tmp_path / "fit.yaml"
     file.write_text("".join(f"{key}: {value}\n" for key, value in told.items()))
     with pytest.raises(CaseError) as caught:
