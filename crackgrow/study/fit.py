@@ -18,8 +18,9 @@ from typing import Any, Final
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.model import Case
 from crackgrow.case.report import did_you_mean, quoted
-from crackgrow.errors import CaseError, SolveError
+from crackgrow.errors import CaseError, Fault, SolveError
 from crackgrow.results.atomic import write_text
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.units import counted
@@ -90,7 +91,7 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
     """
     path = Path(path)
     file = read_fit_file(path)
-    case = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).load()
+    case = _case_in_middle(file)
     points = _measured(file.base_folder / file.measured.file, file.measured)
     n_keys = len(file.parameters)
     if len(points) <= n_keys:
@@ -98,6 +99,23 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
         raise CaseError.at(file.base_folder / file.measured.file, f"has {has}; wanted: {wanted}")
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     return FitPlan(file, case.title, folder, short_names(tuple(file.parameters)), points)
+
+
+def _case_in_middle(file: FitFile) -> Case:
+    """The case in the middle of all ranges, if it is one at their ends too; else raises CaseError."""
+    case, wrong = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).tried()
+    faults: dict[str, Fault] = {}  # the first one of each range
+    for index, key in enumerate(file.parameters):
+        for part in (0.0, 1.0, 0.5):
+            texts = _texts(file, np.where(np.arange(len(file.parameters)) == index, part, 0.5))
+            for fault in _case_file(file, texts).tried()[1]:
+                if fault.source == f"--set {key}" or not wrong:
+                    message = f"at {texts[index]}: {fault.message if fault.key == key else fault}"
+                    faults.setdefault(key, Fault(str(file.path), None, f"parameters.{key}", message))
+    if faults or case is None:
+        others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]
+        raise CaseError([*faults.values(), *others])
+    return case
 
 
 def fit(

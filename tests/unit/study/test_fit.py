@@ -136,6 +136,11 @@ def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
     ({"measured": f"{{file: {JOINT}, x: a, y: b, crack: c}}"}, "measured: wanted: x and y, of a curve, or crack"),
     ({"measured": "{file: one.csv, x: load_factor, y: load_displacement}"},
      "one.csv: has 1 measured point; wanted: 2 or more, of 1 key"),
+    ({"parameters": f"{{{FRICTION}: {{from: -1.2, to: 2}}}}"},
+     f"fit.yaml: parameters.{FRICTION}: at -1.2: '-1.2' is out of range; wanted: a number >= 0"),
+    ({"parameters": f"{{{FRICTION}: {{from: 2 mm, to: 1 mm}}}}"}, f"fit.yaml: parameters.{FRICTION}: at 2 mm: '2 mm'"),
+    ({"parameters": "{supports.7.contact.friction: {from: 1, to: 2}}"},
+     "fit.yaml: parameters.supports.7.contact.friction: at 1: "),
     ({"measured": "{file: none.csv, crack: flaw}"}, "measured.file: there is no file"),
     ({"design": "grid"}, "design: unknown key"),
 ])  # fmt: skip
