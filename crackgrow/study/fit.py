@@ -10,6 +10,7 @@ s^2, the covariance of the keys is s^2 (J' J)^-1, and the region that holds them
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -22,6 +23,7 @@ from crackgrow.case.model import Case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.errors import CaseError, Fault, SolveError
 from crackgrow.results.atomic import write_text
+from crackgrow.results.declarations import FILES
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.units import counted
 from crackgrow.run.loop import for_each
@@ -37,6 +39,7 @@ STEP: Final = 0.02  # of the range of a key: over less than that what cells and 
 NEAR: Final = 1e-3  # of its range: a key that is found to this is found, and one so near to an end of it is at the end
 MOST_ROUNDS: Final = 20
 CONFIDENCE: Final = 0.95
+TABLES: Final = ("steps.csv", "history.csv")  # that a curve may be measured in
 ALIKE: Final = 1e-6  # singular values of the Jacobian in this ratio: it does not tell keys apart
 
 
@@ -92,6 +95,7 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
     path = Path(path)
     file = read_fit_file(path)
     case = _case_in_middle(file)
+    _check_measured(file, case)
     points = _measured(file.base_folder / file.measured.file, file.measured)
     n_keys = len(file.parameters)
     if len(points) <= n_keys:
@@ -116,6 +120,26 @@ def _case_in_middle(file: FitFile) -> Case:
         others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]
         raise CaseError([*faults.values(), *others])
     return case
+
+
+def _check_measured(file: FitFile, case: Case) -> None:
+    """Refuse a crack that the case lacks and columns that none of its tables has together; raises CaseError."""
+    measured, cracks = file.measured, [crack.name for crack in case.cracks]
+    if measured.crack is not None:
+        starts = case.growth is not None and case.growth.initiation.at != "tips"
+        if measured.crack not in cracks and not starts:  # a run gives those that start their names
+            what = f"the case has no crack {quoted(measured.crack)}{did_you_mean(measured.crack, cracks)}"
+            raise CaseError.at(file.path, f"{what}; it has {', '.join(cracks) or 'none'}", "measured.crack")
+        return
+    asked = {re.sub("^.*[.]", "*.", name) for name in (measured.x, measured.y) if name is not None}
+    tables = TABLES if case.output.points else TABLES[:1]
+    columns = {
+        name: [re.sub("^[A-Z]+[.]", "*.", column.name) for column in FILES[name].columns if column.kind is not str]
+        for name in tables
+    }
+    if not any(asked <= set(names) for names in columns.values()):
+        there = "; ".join(f"{name} has {', '.join(names)}" for name, names in columns.items())
+        raise CaseError.at(file.path, f"no table has numbers of {measured.x} and {measured.y}; {there}", "measured")
 
 
 def fit(
@@ -251,14 +275,19 @@ class _Runs:
 def run_line(folder: Path, measured: Measured) -> Floats:
     """What a run has in place of the measured points: its curve or its path (n, 2); raises SolveError where x falls."""
     if measured.crack is not None:
-        return read_paths(folder).cracks[measured.crack].points
+        cracks = read_paths(folder).cracks
+        if measured.crack not in cracks:
+            raise SolveError(f"the run in {folder} has no crack {measured.crack}; it has {', '.join(cracks)}")
+        return cracks[measured.crack].points
     assert measured.x is not None  # the file was checked
     assert measured.y is not None
     run = RunFolder(folder)
     in_steps = {measured.x, measured.y} <= set(run.table("steps").columns)
     table = run.table("steps" if in_steps or not run.has("history.csv") else "history")
+    for name in sorted({measured.x, measured.y} - set(table.columns)):
+        raise SolveError(f"the run in {folder} has no column {name}; {table.path.name} has {', '.join(table.columns)}")
     line = np.stack([table.numbers(name) for name in (measured.x, measured.y)], axis=1)
-    if (np.diff(line[:, 0]) < 0.0).any():
+    if not (np.diff(line[:, 0]) >= 0.0).all():
         raise SolveError(f"{measured.x} of the run in {folder} does not rise; measure over what does")
     return line
 
@@ -279,7 +308,12 @@ def missed(folder: Path, points: Floats, measured: Measured) -> Floats:
     if least < first - NEAR * (most - least) or most > last + NEAR * (most - least):
         what = f"{measured.x} of the run in {folder} goes from {first:g} to {last:g}"
         raise SolveError(f"{what}, and was measured from {least:g} to {most:g}; let the run go as far")
-    return np.asarray(np.interp(points[:, 0], *line.T) - points[:, 1])
+    there = np.interp(points[:, 0], *line.T)
+    for x in points[~np.isfinite(there), 0]:
+        raise SolveError(
+            f"{measured.y} of the run in {folder} is nan at {measured.x} = {x:g}; measure what has numbers"
+        )
+    return np.asarray(there - points[:, 1])
 
 
 def _measured(path: Path, measured: Measured) -> Floats:

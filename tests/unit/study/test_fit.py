@@ -94,6 +94,18 @@ def test_what_a_run_misses_of_a_curve_is_the_difference_between_its_rows(run: Pa
         missed(run, points + np.array([1.0, 0.0]), Measured("a.csv", *LENGTHS))
 
 
+def test_what_a_run_lacks_is_told(run: Path) -> None:
+    points = np.stack([open_run(run).steps["crack_length"], np.zeros(4)], axis=1)
+    with pytest.raises(SolveError, match=r"cycles of the run in .* is nan at crack_length = "):
+        missed(run, points, Measured("a.csv", "crack_length", "cycles"))
+    with pytest.raises(SolveError, match=r"cycles of the run in .* does not rise"):
+        missed(run, points, Measured("a.csv", "cycles", "crack_length"))
+    with pytest.raises(SolveError, match=r"has no column left.force_x; steps.csv has step, "):
+        missed(run, points, Measured("a.csv", "load_factor", "left.force_x"))
+    with pytest.raises(SolveError, match=r"has no crack started_1; it has flaw"):
+        missed(run, points, Measured("a.csv", crack="started_1"))
+
+
 def test_what_a_run_misses_of_a_path_is_the_way_to_its_nearest_point(run: Path) -> None:
     points = read_paths(run).cracks["flaw"].points
     along = (points[1] - points[0]) / np.hypot(*(points[1] - points[0]))
@@ -141,6 +153,11 @@ def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
     ({"parameters": f"{{{FRICTION}: {{from: 2 mm, to: 1 mm}}}}"}, f"fit.yaml: parameters.{FRICTION}: at 2 mm: '2 mm'"),
     ({"parameters": "{supports.7.contact.friction: {from: 1, to: 2}}"},
      "fit.yaml: parameters.supports.7.contact.friction: at 1: "),
+    ({"measured": f"{{file: {JOINT}, crack: flow}}"}, "fit.yaml: measured.crack: the case has no crack 'flow'; it has"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor, y: nonsense}}"},
+     "fit.yaml: measured: no table has numbers of load_factor and nonsense; steps.csv has step, n_dofs"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor, y: a.force}}"}, "history.csv has step, increment, load_factor"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor, y: contact_status}}"}, "no table has numbers of load_factor and"),
     ({"measured": "{file: none.csv, crack: flaw}"}, "measured.file: there is no file"),
     ({"design": "grid"}, "design: unknown key"),
 ])  # fmt: skip
