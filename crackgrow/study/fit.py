@@ -88,7 +88,7 @@ class Fit:
 
 
 def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
-    """Read a fit file, its case in the middle of the ranges, and what was measured; raises CaseError, FolderError.
+    """Read a fit file, its case in the middle of the ranges, and what was measured; raises CaseError.
 
     folder: of the results; default outputs/<name of the file>
     """
@@ -113,8 +113,9 @@ def _case_in_middle(file: FitFile) -> Case:
         for part in (0.0, 1.0, 0.5):
             texts = _texts(file, np.where(np.arange(len(file.parameters)) == index, part, 0.5))
             for fault in _case_file(file, texts).tried()[1]:
-                if fault.source == f"--set {key}" or not wrong:
-                    message = f"at {texts[index]}: {fault.message if fault.key == key else fault}"
+                own = fault.source == f"--set {key}"
+                if own or not wrong:
+                    message = f"at {texts[index]}: {fault.message if own else fault}"
                     faults.setdefault(key, Fault(str(file.path), None, f"parameters.{key}", message))
     if faults or case is None:
         others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]

@@ -158,8 +158,9 @@ def _check_width(line: int, cells: list[str], header: list[str]) -> None:
 def _named(line: int, header: list[str], name: str) -> int:
     """Number of the one column of a name."""
     if header.count(name) != 1:
-        has = f"has {'several columns' if name in header else 'no column'} {quoted(name)}"
-        raise _WrongError(line, "", f"{has}{did_you_mean(name, header)}; it has {_listed(header)}, {SEPARATED}")
+        there = "several columns" if name in header else "no column"
+        near = "" if name in header else did_you_mean(name, header)
+        raise _WrongError(line, "", f"has {there} {quoted(name)}{near}; it has {_listed(header)}; {SEPARATED}")
     return header.index(name)
 
 

@@ -117,8 +117,8 @@ def test_what_a_run_misses_of_a_path_is_the_way_to_its_nearest_point(run: Path) 
 
 @pytest.mark.parametrize(("text", "words"), [
     ("", "a.csv:1: is empty; wanted: a CSV with columns F and u"),
-    ("F,w\n1,2\n", "a.csv:1: has no column 'u'; it has F, w, columns are separated by commas"),
-    ("F,u,u\n1,2,3\n", "a.csv:1: has several columns 'u'"),
+    ("F,w\n1,2\n", "a.csv:1: has no column 'u'; it has F, w; columns are separated by commas"),
+    ("F,u,u\n1,2,3\n", "a.csv:1: has several columns 'u'; it has F, u, u"),
     ("F,u\n1,2\n2,much\n", "a.csv:3: u: 'much' is not a number; wanted: a number such as 0.25"),
     ("F,u\n1,\n", "a.csv:2: u: '' is not a number"),
     ("F,u\n1,nan\n", "a.csv:2: u: 'nan' is not finite"),
@@ -152,7 +152,9 @@ def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
      f"fit.yaml: parameters.{FRICTION}: at -1.2: '-1.2' is out of range; wanted: a number >= 0"),
     ({"parameters": f"{{{FRICTION}: {{from: 2 mm, to: 1 mm}}}}"}, f"fit.yaml: parameters.{FRICTION}: at 2 mm: '2 mm'"),
     ({"parameters": "{supports.7.contact.friction: {from: 1, to: 2}}"},
-     "fit.yaml: parameters.supports.7.contact.friction: at 1: "),
+     "fit.yaml: parameters.supports.7.contact.friction: at 1: supports is a list of "),
+    ({"parameters": "{materials.rock.density: {from: 1, to: 2}}"},
+     "fit.yaml: parameters.materials.rock.density: at 1: "),
     ({"measured": f"{{file: {JOINT}, crack: flow}}"}, "fit.yaml: measured.crack: the case has no crack 'flow'; it has"),
     ({"measured": f"{{file: {JOINT}, x: load_factor, y: nonsense}}"},
      "fit.yaml: measured: no table has numbers of load_factor and nonsense; steps.csv has step, n_dofs"),
