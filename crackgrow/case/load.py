@@ -98,7 +98,8 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
             report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
         raise report.error()
     if "base" in root.entries and "parameters" in root.entries:
-        report.fault((), f"this is a sweep file, not a case: `crackgrow sweep {report.source}` runs it", root.place)
+        kind = "fit" if "measured" in root.entries else "sweep"
+        report.fault((), f"this is a {kind} file, not a case: `crackgrow {kind} {report.source}` runs it", root.place)
         raise report.error()
     folders: dict[str, FilePath] = {}
     root = with_base(root, path, report, folders)

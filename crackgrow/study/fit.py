@@ -10,6 +10,7 @@ s^2, the covariance of the keys is s^2 (J' J)^-1, and the region that holds them
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -18,12 +19,15 @@ from typing import Any, Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.errors import CaseError, SolveError
+from crackgrow.case.model import Case
+from crackgrow.case.report import did_you_mean, quoted
+from crackgrow.errors import CaseError, Fault, SolveError
 from crackgrow.results.atomic import write_text
-from crackgrow.results.folder import RunFolder, table_of
+from crackgrow.results.declarations import FILES
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.units import counted
 from crackgrow.run.loop import for_each
-from crackgrow.study.path_files import read_paths
+from crackgrow.study.path_files import read_paths, read_points
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
 from crackgrow.study.runs import Row, Values, locked, run_study
 from crackgrow.study.sweep import short_names
@@ -35,6 +39,7 @@ STEP: Final = 0.02  # of the range of a key: over less than that what cells and 
 NEAR: Final = 1e-3  # of its range: a key that is found to this is found, and one so near to an end of it is at the end
 MOST_ROUNDS: Final = 20
 CONFIDENCE: Final = 0.95
+TABLES: Final = ("steps.csv", "history.csv")  # that a curve may be measured in
 ALIKE: Final = 1e-6  # singular values of the Jacobian in this ratio: it does not tell keys apart
 
 
@@ -64,6 +69,7 @@ class Fit:
     n_points: int
     n_runs: int
     at_end: tuple[str, ...]  # keys that were found at an end of their range
+    converged: bool
 
     def __str__(self) -> str:
         lines = [
@@ -71,26 +77,70 @@ class Fit:
             for key, value, half, unit in zip(self.keys, self.values, self.half_widths, self.units, strict=True)
         ]
         errors = np.array(self.standard_errors)
-        correlation = np.array(self.covariance) / np.outer(errors, errors)
-        for i, j in zip(*np.triu_indices(len(self.keys), 1), strict=True):
-            lines.append(f"correlation of {self.keys[i]} and {self.keys[j]}: {correlation[i, j]:.2f}")
+        pairs = zip(*np.triu_indices(len(self.keys), 1), strict=True)
+        for i, j in pairs if errors.all() else ():  # errors are 0 where nothing is missed
+            correlation = self.covariance[i][j] / (errors[i] * errors[j])
+            lines.append(f"correlation of {self.keys[i]} and {self.keys[j]}: {correlation:.2f}")
         lines += [f"{key} is at an end of its range: give it a wider one" for key in self.at_end]
+        if not self.converged:
+            lines.append(f"not converged in {counted(MOST_ROUNDS, 'round')}: narrow the ranges, or fit fewer keys")
         return "\n".join([*lines, f"residuals of {self.rms:.3g}, {counted(self.n_runs, 'run')}"])
 
 
 def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
-    """Read a fit file, its case in the middle of the ranges, and what was measured; raises CaseError, FolderError.
+    """Read a fit file, its case in the middle of the ranges, and what was measured; raises CaseError.
 
     folder: of the results; default outputs/<name of the file>
     """
     path = Path(path)
     file = read_fit_file(path)
-    case = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).load()
+    case = _case_in_middle(file)
+    _check_measured(file, case)
     points = _measured(file.base_folder / file.measured.file, file.measured)
-    if len(points) <= len(file.parameters):
-        raise CaseError.at(path, f"{counted(len(points), 'measured point')}; wanted: more than keys")
+    n_keys = len(file.parameters)
+    if len(points) <= n_keys:
+        has, wanted = counted(len(points), "measured point"), f"{n_keys + 1} or more, of {counted(n_keys, 'key')}"
+        raise CaseError.at(file.base_folder / file.measured.file, f"has {has}; wanted: {wanted}")
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     return FitPlan(file, case.title, folder, short_names(tuple(file.parameters)), points)
+
+
+def _case_in_middle(file: FitFile) -> Case:
+    """The case in the middle of all ranges, if it is one at their ends too; else raises CaseError."""
+    case, wrong = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).tried()
+    faults: dict[str, Fault] = {}  # the first one of each range
+    for index, key in enumerate(file.parameters):
+        for part in (0.0, 1.0, 0.5):
+            texts = _texts(file, np.where(np.arange(len(file.parameters)) == index, part, 0.5))
+            for fault in _case_file(file, texts).tried()[1]:
+                own = fault.source == f"--set {key}"
+                if own or not wrong:
+                    message = f"at {texts[index]}: {fault.message if own else fault}"
+                    faults.setdefault(key, Fault(str(file.path), None, f"parameters.{key}", message))
+    if faults or case is None:
+        others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]
+        raise CaseError([*faults.values(), *others])
+    return case
+
+
+def _check_measured(file: FitFile, case: Case) -> None:
+    """Refuse a crack that the case lacks and columns that none of its tables has together; raises CaseError."""
+    measured, cracks = file.measured, [crack.name for crack in case.cracks]
+    if measured.crack is not None:
+        starts = case.growth is not None and case.growth.initiation.at != "tips"
+        if measured.crack not in cracks and not starts:  # a run gives those that start their names
+            what = f"the case has no crack {quoted(measured.crack)}{did_you_mean(measured.crack, cracks)}"
+            raise CaseError.at(file.path, f"{what}; it has {', '.join(cracks) or 'none'}", "measured.crack")
+        return
+    asked = {re.sub("^.*[.]", "*.", name) for name in (measured.x, measured.y) if name is not None}
+    tables = TABLES if case.output.points else TABLES[:1]
+    columns = {
+        name: [re.sub("^[A-Z]+[.]", "*.", column.name) for column in FILES[name].columns if column.kind is not str]
+        for name in tables
+    }
+    if not any(asked <= set(names) for names in columns.values()):
+        there = "; ".join(f"{name} has {', '.join(names)}" for name, names in columns.items())
+        raise CaseError.at(file.path, f"no table has numbers of {measured.x} and {measured.y}; {there}", "measured")
 
 
 def fit(
@@ -110,8 +160,8 @@ def fit(
     """
     runs = _Runs(plan, Workers(workers, scheduler, memory, timeout), resume, show)
     with locked(runs.study(())):
-        place, residual, jacobian = least_squares_of(runs.residuals, len(plan.names))
-        found = _fit_of(plan, place, residual, jacobian, len(runs.runs))
+        place, residual, jacobian, converged = least_squares_of(runs.residuals, len(plan.names), _scale(plan))
+        found = _fit_of(plan, place, residual, jacobian, len(runs.runs), converged)
         write_text(plan.folder / "fit.json", json.dumps(asdict(found), indent=2) + "\n")
         from crackgrow.study.pictures import draw_fit  # here: it loads matplotlib
 
@@ -121,10 +171,12 @@ def fit(
     return found
 
 
-def least_squares_of(residuals: Callable[[Floats], list[Floats]], n: int) -> tuple[Floats, Floats, Floats]:
-    """The place (n,) in the unit cube with the least squares, its residuals (m,), and their derivatives (m, n).
+def least_squares_of(
+    residuals: Callable[[Floats], list[Floats]], n: int, scale: float
+) -> tuple[Floats, Floats, Floats, bool]:
+    """The place (n,) in the unit cube of the least squares, residuals (m,), derivatives (m, n), and if it converged.
 
-    `residuals` are those of several places (k, n) at once.
+    `residuals` are those of several places (k, n) at once; scale: of what was measured, in their unit.
     """
     from scipy.optimize import least_squares  # here: other studies need none of it
 
@@ -134,13 +186,19 @@ def least_squares_of(residuals: Callable[[Floats], list[Floats]], n: int) -> tup
         return np.stack([(other - here) / step for other, step in zip(there, np.diag(steps), strict=True)], axis=1)
 
     found = least_squares(
-        lambda place: residuals(place[None])[0], np.full(n, 0.5), jacobian, bounds=(0.0, 1.0), xtol=NEAR, ftol=NEAR**2,
-        max_nfev=MOST_ROUNDS,
+        lambda place: residuals(place[None])[0] / scale, np.full(n, 0.5), lambda place: jacobian(place) / scale,
+        bounds=(0.0, 1.0), xtol=NEAR, ftol=NEAR**2, gtol=NEAR**4, max_nfev=MOST_ROUNDS,
     )  # fmt: skip
-    return found.x, found.fun, jacobian(found.x)
+    return found.x, found.fun * scale, jacobian(found.x), found.status > 0
 
 
-def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_runs: int) -> Fit:
+def _scale(plan: FitPlan) -> float:
+    """The range of the measured y, or its size where that is constant; the size of a measured path."""
+    points = plan.points[:, int(plan.file.measured.crack is None) :]
+    return float(np.ptp(points, axis=0).max() or np.abs(points).max() or 1.0)
+
+
+def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_runs: int, converged: bool) -> Fit:
     """What least squares tell of the keys; raises SolveError where they do not tell them apart."""
     from scipy.special import fdtri, stdtrit
 
@@ -168,6 +226,7 @@ def _fit_of(plan: FitPlan, place: Floats, residual: Floats, jacobian: Floats, n_
         n_points=n,
         n_runs=n_runs,
         at_end=tuple(key for key, is_at in zip(plan.file.parameters, ends.tolist(), strict=True) if is_at),
+        converged=converged,
     )
 
 
@@ -217,14 +276,19 @@ class _Runs:
 def run_line(folder: Path, measured: Measured) -> Floats:
     """What a run has in place of the measured points: its curve or its path (n, 2); raises SolveError where x falls."""
     if measured.crack is not None:
-        return read_paths(folder).cracks[measured.crack].points
+        cracks = read_paths(folder).cracks
+        if measured.crack not in cracks:
+            raise SolveError(f"the run in {folder} has no crack {measured.crack}; it has {', '.join(cracks)}")
+        return cracks[measured.crack].points
     assert measured.x is not None  # the file was checked
     assert measured.y is not None
     run = RunFolder(folder)
     in_steps = {measured.x, measured.y} <= set(run.table("steps").columns)
     table = run.table("steps" if in_steps or not run.has("history.csv") else "history")
+    for name in sorted({measured.x, measured.y} - set(table.columns)):
+        raise SolveError(f"the run in {folder} has no column {name}; {table.path.name} has {', '.join(table.columns)}")
     line = np.stack([table.numbers(name) for name in (measured.x, measured.y)], axis=1)
-    if (np.diff(line[:, 0]) < 0.0).any():
+    if not (np.diff(line[:, 0]) >= 0.0).all():
         raise SolveError(f"{measured.x} of the run in {folder} does not rise; measure over what does")
     return line
 
@@ -245,24 +309,28 @@ def missed(folder: Path, points: Floats, measured: Measured) -> Floats:
     if least < first - NEAR * (most - least) or most > last + NEAR * (most - least):
         what = f"{measured.x} of the run in {folder} goes from {first:g} to {last:g}"
         raise SolveError(f"{what}, and was measured from {least:g} to {most:g}; let the run go as far")
-    return np.asarray(np.interp(points[:, 0], *line.T) - points[:, 1])
+    there = np.interp(points[:, 0], *line.T)
+    for x in points[~np.isfinite(there), 0]:
+        raise SolveError(
+            f"{measured.y} of the run in {folder} is nan at {measured.x} = {x:g}; measure what has numbers"
+        )
+    return np.asarray(there - points[:, 1])
 
 
 def _measured(path: Path, measured: Measured) -> Floats:
-    """The measured points (n, 2); raises CaseError, FolderError."""
-    if measured.crack is not None:
-        lines = read_paths(path, measured.columns).cracks.values()
-        return np.concatenate([line.points for line in lines])
-    assert measured.x is not None
-    assert measured.y is not None
-    try:
-        table = table_of(path.read_text(encoding="utf-8-sig"), path)
-    except (OSError, UnicodeDecodeError) as error:
-        raise CaseError.at(path, f"cannot be read: {error}") from error
-    points = np.stack([table.numbers(name) for name in measured.columns or (measured.x, measured.y)], axis=1)
-    if not np.isfinite(points).all():
-        raise CaseError.at(path, "has a value that is no finite number")
-    return points
+    """The measured points (n, 2); raises CaseError."""
+    if measured.crack is None:
+        assert measured.x is not None
+        assert measured.y is not None
+        return read_points(path, measured.columns or (measured.x, measured.y))
+    cracks = read_paths(path, measured.columns).cracks
+    line = cracks.get(measured.crack, cracks.get("") if len(cracks) == 1 else None)
+    if line is None:
+        names = ", ".join(map(quoted, cracks))
+        raise CaseError.at(
+            path, f"has no crack {quoted(measured.crack)}{did_you_mean(measured.crack, cracks)}; it has {names}"
+        )
+    return line.points
 
 
 def _texts(file: FitFile, place: Floats) -> tuple[str, ...]:

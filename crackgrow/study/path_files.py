@@ -5,10 +5,10 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 import yaml
@@ -22,9 +22,11 @@ from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.results.folder import CASE, FolderError, RunFolder
 
 Tip = Literal["start", "end"]
+Read = TypeVar("Read")
 
 MOST_VERTICES = 2000  # of one crack: comparing takes time and memory in the product of two of them
 FORMAT = "a CSV of crack paths has columns x and y (in m, or x_mm and y_mm), and may have crack, vertex and step"
+SEPARATED = "columns are separated by commas, or all by semicolons or tabs"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -82,7 +84,7 @@ def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> Path
         if not path.is_file():
             near = did_you_mean(path.name, [entry.name for entry in path.parent.glob("*")])
             raise CaseError.at(path, f"no such folder or file{near}; compared are result folders and CSV files")
-        return PathSet(str(source), _read_csv(path, columns), "", None)
+        return PathSet(str(source), _read_csv(path, lambda rows: _cracks(rows, columns)), "", None)
     run = RunFolder(path)
     if not run.has("paths.csv"):
         inner = sorted(found.parent.name for found in path.glob("*/paths.csv"))
@@ -90,7 +92,8 @@ def read_paths(source: str | Path, columns: Sequence[str] | None = None) -> Path
         raise CaseError.at(path, f"is no result folder: it has no paths.csv{hint}")
     steps = run.found_summary.get("steps_done")
     status = f"{run.status}, {steps} steps" if run.status and steps is not None else ""
-    return PathSet(str(source), _read_csv(path / "paths.csv", None), status, _settings(run) if run.has(CASE) else None)
+    cracks = _read_csv(path / "paths.csv", lambda rows: _cracks(rows, None))
+    return PathSet(str(source), cracks, status, _settings(run) if run.has(CASE) else None)
 
 
 def _settings(run: RunFolder) -> dict[str, str]:
@@ -113,18 +116,56 @@ class _WrongError(Exception):
     """What is wrong in a CSV file: its line, key and a message."""
 
 
-def _read_csv(path: Path, columns: Sequence[str] | None) -> dict[str, PathLine]:
-    """The cracks of a CSV file, in order of their first rows; raises CaseError with its first fault and that line."""
+def read_points(path: Path, columns: tuple[str, str]) -> Floats:
+    """The numbers (n, 2) of two columns of a CSV file; raises CaseError with its first fault and that line."""
+    return _read_csv(path, lambda rows: _points(rows, columns))
+
+
+def _read_csv(path: Path, read: Callable[[list[tuple[int, list[str]]]], Read]) -> Read:
+    """What is read of the rows of a CSV file; raises CaseError with its first fault and that line."""
     try:
-        return _cracks(_rows(path.read_text(encoding="utf-8-sig")), columns)
+        return read(_rows(path.read_text(encoding="utf-8-sig")))
     except _WrongError as wrong:
         raise CaseError([Fault(str(path), *wrong.args)]) from None
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError.at(path, f"cannot be read: {_reason(error)}") from error
 
 
+def _points(rows: list[tuple[int, list[str]]], columns: tuple[str, str]) -> Floats:
+    """The numbers (n, 2) of two columns; raises _WrongError."""
+    if not rows:
+        raise _WrongError(1, "", f"is empty; wanted: a CSV with columns {' and '.join(columns)}")
+    (head, header), *body = rows
+    places = [_named(head, header, name) for name in columns]
+    points = np.empty((len(body), 2))
+    for row, (line, cells) in enumerate(body):
+        _check_width(line, cells, header)
+        for axis, (name, index) in enumerate(zip(columns, places, strict=True)):
+            try:
+                points[row, axis] = parse_number(cells[index])
+            except QuantityError as error:
+                message = f"{quoted(cells[index])} {error}; wanted: a number such as 0.25, {SEPARATED}"
+                raise _WrongError(line, clean(name), message) from None
+    return points
+
+
+def _check_width(line: int, cells: list[str], header: list[str]) -> None:
+    """Refuse a row that has more or fewer values than the header."""
+    if len(cells) != len(header):
+        raise _WrongError(line, "", f"has {len(cells)} values, the header has {len(header)}; {SEPARATED}")
+
+
+def _named(line: int, header: list[str], name: str) -> int:
+    """Number of the one column of a name."""
+    if header.count(name) != 1:
+        there = "several columns" if name in header else "no column"
+        near = "" if name in header else did_you_mean(name, header)
+        raise _WrongError(line, "", f"has {there} {quoted(name)}{near}; it has {_listed(header)}; {SEPARATED}")
+    return header.index(name)
+
+
 def _cracks(rows: list[tuple[int, list[str]]], columns: Sequence[str] | None) -> dict[str, PathLine]:
-    """The cracks of rows with their lines; raises _WrongError."""
+    """The cracks of rows, in order of their first ones; raises _WrongError."""
     if not rows:
         raise _WrongError(1, "", f"is empty; {FORMAT}")
     (head, header), *body = rows
@@ -133,8 +174,7 @@ def _cracks(rows: list[tuple[int, list[str]]], columns: Sequence[str] | None) ->
         raise _WrongError(head, "", "has no cracks, only a header")
     cracks: dict[str, list[tuple[float, ...]]] = {}
     for line, cells in body:
-        if len(cells) != len(header):
-            raise _WrongError(line, "", f"has {len(cells)} values, the header has {len(header)}")
+        _check_width(line, cells, header)
         named = dict(zip(header, cells, strict=True))
         crack = cracks.setdefault(named.get("crack", ""), [])
         x, y = (_metres(line, header[index], cells[index], unit) for index, unit in places)
@@ -170,11 +210,7 @@ def _coordinate(line: int, header: list[str], axis: int, columns: Sequence[str] 
     """Number and length unit of the column of x (axis 0) or y (axis 1); a fault where there is none, or several."""
     if columns is not None:
         name = columns[axis]
-        if header.count(name) != 1:
-            raise _WrongError(
-                line, "", f"has no column {quoted(name)}{did_you_mean(name, header)}; it has {_listed(header)}"
-            )
-        return header.index(name), next((word for word in _words(name) if word in UNITS["length"]), "m")
+        return _named(line, header, name), next((word for word in _words(name) if word in UNITS["length"]), "m")
     letter = "xy"[axis]
     named = {index: words for index, name in enumerate(header) if (words := _words(name))[0] == letter}
     known = {index: words for index, words in named.items() if len(words) == 1 or words[1] in UNITS["length"]}

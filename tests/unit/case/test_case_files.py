@@ -112,6 +112,9 @@ def test_aliases_stand_for_values_of_their_own(tmp_path: Path):
 
 def test_a_file_of_the_other_kind_is_told_in_a_line():
     assert fault_of(CASES / "sweeps" / "angle_friction.yaml").message.startswith("this is a sweep file, not a case:")
+    assert fault_of(CASES / "fits" / "rough_joint.yaml").message.startswith(
+        "this is a fit file, not a case: `crackgrow fit"
+    )
     with pytest.raises(CaseError, match="this is a case, not a sweep file"):
         read_sweep_file(FILE)
 

@@ -12,7 +12,7 @@ import pytest
 
 from crackgrow import cli, open_run
 from crackgrow.errors import CaseError, SolveError
-from crackgrow.study.fit import FitPlan, _fit_of, least_squares_of, missed, plan_fit
+from crackgrow.study.fit import FitPlan, _fit_of, _measured, _scale, least_squares_of, missed, plan_fit
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.sweep_file import FitFile, Measured
 from crackgrow.study.values import Range
@@ -29,22 +29,24 @@ def plan_of(points: np.ndarray, **ranges: Range) -> FitPlan:
     return FitPlan(file, "", Path("out"), tuple(ranges), points)
 
 
-def test_a_straight_line_is_that_of_linear_regression_with_its_intervals() -> None:
-    """Of y = a + b x with s^2 = SSR/(n - 2): var(b) = s^2 / sum (x - mean)^2, and the covariance of numpy's polyfit."""
+@pytest.mark.parametrize("unit", [1.0, 1e-6, 1e9])
+def test_a_straight_line_is_that_of_linear_regression_with_its_intervals(unit: float) -> None:
+    """In any unit of y = a + b x, s^2 = SSR/(n - 2): var(b) = s^2 / sum (x - mean)^2, the covariance of polyfit."""
     rng, x = np.random.default_rng(1), np.linspace(0.0, 2.0, 12)
-    y = 1.0 + 3.0 * x + rng.normal(0.0, 0.2, 12)
+    y = unit * (1.0 + 3.0 * x + rng.normal(0.0, 0.2, 12))
     a, b = Range(-5.0, 5.0, "", None, log=False), Range(0.5, 20.0, "", None, log=True)
     plan = plan_of(np.stack([x, y], axis=1), a=a, b=b)
 
     def residuals(places: np.ndarray) -> list[np.ndarray]:
-        return [(-5.0 + 10.0 * a) + 0.5 * 40.0**b * x - y for a, b in places]
+        return [unit * (-5.0 + 10.0 * a + 0.5 * 40.0**b * x) - y for a, b in places]
 
-    place, _, _ = least_squares_of(residuals, 2)
-    best, cov = np.polyfit(x, y, 1, cov=True)
+    place, misfit, *_ = least_squares_of(residuals, 2, _scale(plan))
+    best, cov = np.polyfit(x, y / unit, 1, cov=True)
+    np.testing.assert_allclose(misfit, unit * np.polyval(best, x) - y, atol=2e-3 * unit)
     found = np.array([-5.0 + 10.0 * place[0], 0.5 * 40.0 ** place[1]])
     np.testing.assert_allclose(found, best[::-1], rtol=1e-3)
-    exact = np.stack([np.full(12, 10.0), found[1] * np.log(40.0) * x], axis=1)  # of places in the unit square
-    told = _fit_of(plan, place, np.polyval(best, x) - y, exact, 7)
+    exact = unit * np.stack([np.full(12, 10.0), found[1] * np.log(40.0) * x], axis=1)  # of places in the unit square
+    told = _fit_of(plan, place, unit * np.polyval(best, x) - y, exact, 7, True)
     np.testing.assert_allclose(told.covariance, cov[::-1, ::-1], rtol=5e-3)
     np.testing.assert_allclose(told.half_widths, 2.2281 * np.sqrt(np.diag(cov))[::-1], rtol=5e-3)  # Student, 10 degrees
     assert told.region == pytest.approx(2.0 * 4.1028, rel=1e-4)  # F(2, 10)
@@ -55,12 +57,27 @@ def test_keys_that_a_curve_does_not_tell_apart_are_told_and_so_is_the_end_of_a_r
     one = Range(0.0, 1.0, "mm", None, log=False)
     plan = plan_of(np.zeros((9, 2)), a=one, b=one)
     with pytest.raises(SolveError, match="does not tell the keys apart a, b"):
-        _fit_of(plan, np.full(2, 0.5), np.ones(9), np.ones((9, 2)), 1)
+        _fit_of(plan, np.full(2, 0.5), np.ones(9), np.ones((9, 2)), 1, True)
     alone = replace(plan, file=replace(plan.file, parameters={"a": one}))
     with pytest.raises(SolveError, match="does not depend on the key a"):
-        _fit_of(alone, np.full(1, 0.5), np.ones(9), np.zeros((9, 1)), 1)
-    words = str(_fit_of(alone, np.zeros(1), np.ones(9), np.ones((9, 1)), 1))
+        _fit_of(alone, np.full(1, 0.5), np.ones(9), np.zeros((9, 1)), 1, True)
+    words = str(_fit_of(alone, np.zeros(1), np.ones(9), np.ones((9, 1)), 1, True))
     assert words.startswith("a = 0 +- 0.82 mm (95 %)\na is at an end of its range")  # t(8) sqrt(9/8) / 3
+
+
+def test_points_without_misfit_have_no_correlation(recwarn: pytest.WarningsRecorder) -> None:
+    one = Range(0.0, 1.0, "", None, log=False)
+    found = _fit_of(plan_of(np.zeros((9, 2)), a=one, b=one), np.full(2, 0.5), np.zeros(9), np.eye(9, 2), 1, True)
+    assert str(found) == "a = 0.5 +- 0 (95 %)\nb = 0.5 +- 0 (95 %)\nresiduals of 0, 1 run"
+    assert not recwarn.list
+
+
+def test_a_fit_that_has_not_converged_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("crackgrow.study.fit.MOST_ROUNDS", 2)
+    bent = least_squares_of(lambda places: [np.array([k**9, k**9 - 0.1]) for (k,) in places], 1, 1.0)
+    assert bent[3] is False
+    found = _fit_of(plan_of(np.zeros((2, 2)), a=Range(0.0, 1.0, "", None, log=False)), *bent[:3], 9, bent[3])
+    assert (found.converged, "\nnot converged in 2 rounds: narrow the ranges" in str(found)) == (False, True)
 
 
 @pytest.fixture(scope="module")
@@ -77,6 +94,18 @@ def test_what_a_run_misses_of_a_curve_is_the_difference_between_its_rows(run: Pa
         missed(run, points + np.array([1.0, 0.0]), Measured("a.csv", *LENGTHS))
 
 
+def test_what_a_run_lacks_is_told(run: Path) -> None:
+    points = np.stack([open_run(run).steps["crack_length"], np.zeros(4)], axis=1)
+    with pytest.raises(SolveError, match=r"cycles of the run in .* is nan at crack_length = "):
+        missed(run, points, Measured("a.csv", "crack_length", "cycles"))
+    with pytest.raises(SolveError, match=r"cycles of the run in .* does not rise"):
+        missed(run, points, Measured("a.csv", "cycles", "crack_length"))
+    with pytest.raises(SolveError, match=r"has no column left.force_x; steps.csv has step, "):
+        missed(run, points, Measured("a.csv", "load_factor", "left.force_x"))
+    with pytest.raises(SolveError, match=r"has no crack started_1; it has flaw"):
+        missed(run, points, Measured("a.csv", crack="started_1"))
+
+
 def test_what_a_run_misses_of_a_path_is_the_way_to_its_nearest_point(run: Path) -> None:
     points = read_paths(run).cracks["flaw"].points
     along = (points[1] - points[0]) / np.hypot(*(points[1] - points[0]))
@@ -86,18 +115,58 @@ def test_what_a_run_misses_of_a_path_is_the_way_to_its_nearest_point(run: Path) 
     np.testing.assert_allclose(found, -1e-5 * across, atol=1e-12)
 
 
+@pytest.mark.parametrize(("text", "words"), [
+    ("", "a.csv:1: is empty; wanted: a CSV with columns F and u"),
+    ("F,w\n1,2\n", "a.csv:1: has no column 'u'; it has F, w; columns are separated by commas"),
+    ("F,u,u\n1,2,3\n", "a.csv:1: has several columns 'u'; it has F, u, u"),
+    ("F,u\n1,2\n2,much\n", "a.csv:3: u: 'much' is not a number; wanted: a number such as 0.25"),
+    ("F,u\n1,\n", "a.csv:2: u: '' is not a number"),
+    ("F,u\n1,nan\n", "a.csv:2: u: 'nan' is not finite"),
+    ("F,u\n1;2\n", "a.csv:2: has 1 values, the header has 2; columns are separated by commas"),
+])  # fmt: skip
+def test_a_measured_curve_that_cannot_be_read_is_told_with_its_row_and_column(
+    text: str, words: str, tmp_path: Path
+) -> None:
+    (tmp_path / "a.csv").write_text(text)
+    with pytest.raises(CaseError) as caught:
+        _measured(tmp_path / "a.csv", Measured("a.csv", "F", "u"))
+    assert words in str(caught.value)
+
+
+def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("crack,x,y\nflaw,0,0\nflaw,1,1\nother,5,5\nother,6,6\n")
+    np.testing.assert_array_equal(_measured(tmp_path / "a.csv", Measured("a.csv", crack="other")), [[5, 5], [6, 6]])
+    with pytest.raises(CaseError, match="has no crack 'joint'; it has 'flaw', 'other'"):
+        _measured(tmp_path / "a.csv", Measured("a.csv", crack="joint"))
+
+
 @pytest.mark.parametrize(("change", "words"), [
     ({"parameters": "{a: [1, 2]}"}, "parameters.a: wanted: a range {from, to} to search in"),
     ({"parameters": "{a: {from: 1, to: 2, n: 3}}"}, "without n"),
     ({"parameters": "{" + ", ".join(f"{key}: {{from: 1, to: 2}}" for key in "abcd") + "}"}, "at most 3"),
     ({"measured": f"{{file: {JOINT}, x: load_factor}}"}, "measured: wanted: x and y, of a curve, or crack"),
     ({"measured": f"{{file: {JOINT}, x: a, y: b, crack: c}}"}, "measured: wanted: x and y, of a curve, or crack"),
+    ({"measured": "{file: one.csv, x: load_factor, y: load_displacement}"},
+     "one.csv: has 1 measured point; wanted: 2 or more, of 1 key"),
+    ({"parameters": f"{{{FRICTION}: {{from: -1.2, to: 2}}}}"},
+     f"fit.yaml: parameters.{FRICTION}: at -1.2: '-1.2' is out of range; wanted: a number >= 0"),
+    ({"parameters": f"{{{FRICTION}: {{from: 2 mm, to: 1 mm}}}}"}, f"fit.yaml: parameters.{FRICTION}: at 2 mm: '2 mm'"),
+    ({"parameters": "{supports.7.contact.friction: {from: 1, to: 2}}"},
+     "fit.yaml: parameters.supports.7.contact.friction: at 1: supports is a list of "),
+    ({"parameters": "{materials.rock.density: {from: 1, to: 2}}"},
+     "fit.yaml: parameters.materials.rock.density: at 1: "),
+    ({"measured": f"{{file: {JOINT}, crack: flow}}"}, "fit.yaml: measured.crack: the case has no crack 'flow'; it has"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor, y: nonsense}}"},
+     "fit.yaml: measured: no table has numbers of load_factor and nonsense; steps.csv has step, n_dofs"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor, y: a.force}}"}, "history.csv has step, increment, load_factor"),
+    ({"measured": f"{{file: {JOINT}, x: load_factor, y: contact_status}}"}, "no table has numbers of load_factor and"),
     ({"measured": "{file: none.csv, crack: flaw}"}, "measured.file: there is no file"),
     ({"design": "grid"}, "design: unknown key"),
 ])  # fmt: skip
 def test_a_fit_file_that_is_wrong_is_refused(change: dict[str, Any], words: str, tmp_path: Path) -> None:
     told = {"base": CASES / "rough_joint_sheared.yaml", "parameters": f"{{{FRICTION}: {{from: 0.6, to: 1.2}}}}",
             "measured": f"{{file: {JOINT}, x: load_factor, y: supports.1.force_x}}"} | change  # fmt: skip
+    (tmp_path / "one.csv").write_text("load_factor,load_displacement\n1,2\n")
     file = tmp_path / "fit.yaml"
     file.write_text("".join(f"{key}: {value}\n" for key, value in told.items()))
     with pytest.raises(CaseError) as caught:
