@@ -225,7 +225,7 @@ def refined(
     unknown = math.isinf(errors.estimate(goal))
     stuck = not unknown and before is not None and errors.estimate(goal) > STUCK * before.estimate(goal)
     levels = [grading.level(crack) for crack in range(len(cracks))]
-    for crack, share in enumerate((_shares(errors, goal, cracks, before is not None) / target).tolist()):
+    for crack, share in enumerate((_shares(errors, goal, cracks, widely=before is not None) / target).tolist()):
         if share > 1.0 or unknown:
             levels[crack] += 1 if stuck or unknown else math.ceil(math.log2(min(share, 2.0**MOST_AT_ONCE)))
     none = all(level == grading.level(crack) for crack, level in enumerate(levels))
@@ -235,10 +235,8 @@ def refined(
 def coarsened(errors: Errors, target: float, goal: Goal, cracks: Sequence[Floats], changes: Changes) -> Grading:
     """The grading that the next step begins with; contact status changes at some places by now."""
     grading = errors.grading
-    levels, shares = (
-        [grading.level(crack) for crack in range(len(cracks))],
-        _shares(errors, goal, cracks, widely=True) / target,
-    )
+    levels = [grading.level(crack) for crack in range(len(cracks))]
+    shares = _shares(errors, goal, cracks, widely=True) / target
     rest_too = grading.rest > 0 and bool(2.0 * np.fmax.reduce(shares, initial=math.nan) < ROOM)
     for crack, share in enumerate((shares * 2.0**rest_too).tolist()):
         if share < ROOM:  # neither where it is not known

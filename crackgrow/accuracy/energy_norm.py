@@ -18,16 +18,15 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.approximation.basis import arrays_of, gathered, most_functions
-from crackgrow.approximation.mls import mls
+from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.quadrature.elements import ElementPoints, element_points
-from crackgrow.ragged import distinct, starts_of
+from crackgrow.ragged import starts_of
 from crackgrow.solid.elasticity import PlaneElasticity, energy_components
-from crackgrow.solid.recovery import stress_at
+from crackgrow.solid.recovery import stress_of
 
 N_MONOMIALS = 6
 """1, x, y, x^2, x y, y^2."""
@@ -62,18 +61,23 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Estimate for displacements `u` (n_dofs,) m in bodies of `materials`, in-situ stress included."""
     at, patches = element_points(cover, N_POINTS), cover.patches
-    body = cover.elements.body[at.element]
-    stress = energy_components(materials, stress_at(cover, materials, u, at.points, at.element), body)
-    scale = cover.lattice.support / patches.half  # of the polynomials' arguments, which are of order 1
+    basis, body = basis_at(cover, at.points, at.element), cover.elements.body[at.element]
+    gradient = basis.fields(u)[1:].transpose(1, 2, 0)
+    stress = stress_of(materials, gradient, body, cover.lattice.to_metres(at.points))
+    stress = energy_components(materials, stress, body)
+    norm = float(at.weights @ np.sum(stress**2, axis=1))
+    pairs = patches.of_element.taken(at.element)  # of a point and a patch over it
+    point, phi = pairs.row, np.maximum(basis.values[0, basis.functions < len(patches.nodes)], 0.0)
     # no fits on crumbs, whose stress is uniform
-    weights = np.where(patches.in_crumb[at.element], 0.0, at.weights)
-    samples = at.points, at.element, weights, stress, *_singular_stress(cover, materials, at, singular)
-    sums = np.zeros((len(patches.nodes), N_MONOMIALS, N_MONOMIALS + 3))
-    _add_moments(arrays_of(cover), scale, samples, sums)
-    elements = np.zeros(cover.elements.n)
-    _add_squares(arrays_of(cover), scale, samples, _solved(sums), elements)
+    weights = phi * np.where(patches.in_crumb[at.element], 0.0, at.weights)[point]
+    scale = cover.lattice.support / patches.half  # of the polynomials' arguments, which are of order 1
+    near = _singular_stress(cover, materials, at, singular)
+    samples = point, pairs.values, weights, at.points, patches.nodes, scale, stress, *near
+    sums, elements = np.zeros((len(patches.nodes), N_MONOMIALS, N_MONOMIALS + 3)), np.zeros(cover.elements.n)
+    _add_moments(samples, sums)
+    _add_squares(samples, at.element, _solved(sums), elements)
     area = cover.lattice.spacing**2
-    return ErrorEstimate(area * elements, math.sqrt(area * float(at.weights @ np.sum(stress**2, axis=1))))
+    return ErrorEstimate(area * elements, math.sqrt(area * norm))
 
 
 def _singular_stress(
@@ -84,12 +88,12 @@ def _singular_stress(
     Returns the patches in which each tip's is told apart (n_tips, n_patches), start (n + 1,), tips (q,), and stresses
     (q, 3) in the components of the energy.
     """
-    of_element = cover.patches.of_element
+    patch, element_of = cover.patches.of_element.values, cover.patches.of_element.row
     acts = np.array([tip.patches for tip in singular], dtype=bool).reshape(-1, len(cover.patches.nodes))
     point, number, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros((0, 3))]
     for n, tip in enumerate(singular):
-        sees = np.zeros(of_element.n, dtype=bool)
-        sees[distinct(of_element.row[acts[n][of_element.values]])] = True
+        sees = np.zeros(cover.elements.n, dtype=bool)
+        sees[element_of[acts[n][patch]]] = True
         mine = np.flatnonzero(sees[at.element])
         element = at.element[mine]
         stress = tip.at(at.points[mine], element)
@@ -103,61 +107,47 @@ def _singular_stress(
 
 
 @kernel
-def _regular_stress(i: int, patch: int, stress: Floats, acts: Bools, start: Ints, tip: Ints, singular: Floats) -> Any:
-    """Give the stress at a point less the singular stress that is told apart in a patch."""
-    a, b, c = stress[i, 0], stress[i, 1], stress[i, 2]
+def _at_pair(pair: int, samples: Any, m: Floats, s: Floats) -> None:
+    """Put the monomials of a pair into m (6,), and its stress less what is told apart in its patch into s (3,)."""
+    point, patch, _, points, nodes, scale, stress, acts, start, tip, singular = samples
+    i, p = point[pair], patch[pair]
+    x, y = (points[i, 0] - nodes[p, 0]) * scale[p], (points[i, 1] - nodes[p, 1]) * scale[p]
+    m[0], m[1], m[2], m[3], m[4], m[5] = 1.0, x, y, x * x, x * y, y * y
+    for component in range(3):
+        s[component] = stress[i, component]
     for at in range(start[i], start[i + 1]):
-        if acts[tip[at], patch]:
-            a, b, c = a - singular[at, 0], b - singular[at, 1], c - singular[at, 2]
-    return a, b, c
+        if acts[tip[at], p]:
+            for component in range(3):
+                s[component] -= singular[at, component]
 
 
 @kernel
-def _add_moments(arrays: Any, scale: Floats, samples: Any, sums: Floats) -> None:
+def _add_moments(samples: Any, sums: Floats) -> None:
     """Add integrals of phi_i, times monomials round the node, times these and the stress, to `sums` (patches, 6, 9)."""
-    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
-    points, elements, weights, stress, acts, start, tip, singular = samples
-    most, k, m = most_functions(patch_at, pair_at, carrier_at), 0, np.ones(6)
-    f, work, at, per = np.empty((3, most)), np.empty((5, most)), np.empty((2, most)), np.empty(most)
-    for i in range(len(points)):
-        e, x, y = elements[i], points[i, 0], points[i, 1]
-        if i == 0 or e != elements[i - 1]:
-            k = gathered(e, at, per, nodes, half, patch_at, patch)
-        mls(x, y, at, per, k, False, f, work)
-        for j in range(k):
-            p = patch[patch_at[e] + j]
-            weight, dx, dy = weights[i] * max(f[0, j], 0.0), (x - nodes[p, 0]) * scale[p], (y - nodes[p, 1]) * scale[p]
-            a, b, c = _regular_stress(i, p, stress, acts, start, tip, singular)
-            m[1], m[2], m[3], m[4], m[5] = dx, dy, dx * dx, dx * dy, dy * dy
-            for row in range(6):
-                part = weight * m[row]
-                for column in range(6):
-                    sums[p, row, column] += part * m[column]
-                sums[p, row, 6] += part * a
-                sums[p, row, 7] += part * b
-                sums[p, row, 8] += part * c
+    patch, weights, m, s = samples[1], samples[2], np.empty(6), np.empty(3)
+    for pair in range(len(patch)):
+        _at_pair(pair, samples, m, s)
+        for row in range(6):
+            part = weights[pair] * m[row]
+            for column in range(6):
+                sums[patch[pair], row, column] += part * m[column]
+            for column in range(3):
+                sums[patch[pair], row, 6 + column] += part * s[column]
 
 
 @kernel
-def _add_squares(arrays: Any, scale: Floats, samples: Any, fits: Floats, found: Floats) -> None:
-    """Add the integrals of sum_i phi_i |P_i - s|^2 over each element to `found` (elements,), in squared spacings."""
-    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
-    points, elements, weights, stress, acts, start, tip, singular = samples
-    most, k, m = most_functions(patch_at, pair_at, carrier_at), 0, np.ones(6)
-    f, work, at, per = np.empty((3, most)), np.empty((5, most)), np.empty((2, most)), np.empty(most)
-    for i in range(len(points)):
-        e, x, y = elements[i], points[i, 0], points[i, 1]
-        if i == 0 or e != elements[i - 1]:
-            k = gathered(e, at, per, nodes, half, patch_at, patch)
-        mls(x, y, at, per, k, False, f, work)
-        for j in range(k):
-            p = patch[patch_at[e] + j]
-            dx, dy = (x - nodes[p, 0]) * scale[p], (y - nodes[p, 1]) * scale[p]
-            a, b, c = _regular_stress(i, p, stress, acts, start, tip, singular)
-            m[1], m[2], m[3], m[4], m[5] = dx, dy, dx * dx, dx * dy, dy * dy
-            for row in range(6):
-                a, b, c = a - m[row] * fits[p, row, 0], b - m[row] * fits[p, row, 1], c - m[row] * fits[p, row, 2]
-            found[e] += weights[i] * max(f[0, j], 0.0) * (a * a + b * b + c * c)
+def _add_squares(samples: Any, elements: Ints, fits: Floats, found: Floats) -> None:
+    """Add the integrals of sum_i phi_i |P_i - s|^2 over each element to `found` (elements,), in squared spacings.
+
+    elements: of the points (n,)
+    """
+    point, patch, weights, m, s = samples[0], samples[1], samples[2], np.empty(6), np.empty(3)
+    for pair in range(len(patch)):
+        _at_pair(pair, samples, m, s)
+        for row in range(6):
+            for component in range(3):
+                s[component] -= m[row] * fits[patch[pair], row, component]
+        found[elements[point[pair]]] += weights[pair] * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
 
 
 def _solved(sums: Floats) -> Floats:

@@ -189,7 +189,7 @@ def least_squares_of(
         lambda place: residuals(place[None])[0] / scale, np.full(n, 0.5), lambda place: jacobian(place) / scale,
         bounds=(0.0, 1.0), xtol=NEAR, ftol=NEAR**2, gtol=NEAR**4, max_nfev=MOST_ROUNDS,
     )  # fmt: skip
-    return found.x, found.fun * scale, jacobian(found.x), found.status > 0
+    return found.x, found.fun * scale, found.jac * scale, found.status > 0
 
 
 def _scale(plan: FitPlan) -> float:
