@@ -38,14 +38,13 @@ class Basis:
     @property
     def rows(self) -> csr_array:
         """The values (n, n_functions)."""
-        return self._rows(self.values[0])
-
-    def _rows(self, values: Floats) -> csr_array:
-        return csr_array((values, self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
+        return csr_array((self.values[0], self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
 
     def fields(self, u: Floats) -> Floats:
         """The displacement, and its derivatives by x and by y if they are there (1 or 3, n, 2), of `u` (n_dofs,) m."""
-        return np.stack([self._rows(values) @ u.reshape(-1, 2) for values in self.values])
+        found = np.zeros((len(self.values), len(self.start) - 1, 2))
+        _add_fields(self.start, self.functions, self.values, u, found)
+        return found
 
     @property
     def columns(self) -> tuple[Ints, Ints]:
@@ -55,10 +54,9 @@ class Basis:
     def summed(self, weights: Floats) -> tuple[Ints, Floats]:
         """These functions (k,), and sums (k, c) over points and both derivatives of these times `weights` (2, n, c)."""
         functions, column = self.columns
-        shape = (len(self.start) - 1, len(functions))
-        tables = (csr_array((values, column, self.start), shape=shape) for values in self.values[1:])
-        by_x, by_y = (table.T @ each for table, each in zip(tables, weights, strict=True))
-        return functions, np.asarray(by_x + by_y)
+        total = np.zeros((len(functions), weights.shape[2]))
+        _add_sums(self.start, column, self.values, np.ascontiguousarray(weights), total)
+        return functions, total
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:
@@ -78,6 +76,25 @@ def of_component(rows: csr_array, component: int) -> csr_array:
     """Rows (m, n_dofs) that give of one displacement component what `rows` (m, n_functions) give of a scalar field."""
     m, n = rows.shape
     return csr_array((rows.data, 2 * rows.indices + component, rows.indptr), shape=(m, 2 * n))
+
+
+@kernel
+def _add_fields(start: Ints, function: Ints, values: Floats, u: Floats, total: Floats) -> None:
+    """Add the fields (., n, 2) of `u` (n_dofs,) at points whose functions begin at `start` (n + 1,)."""
+    for k in range(len(values)):
+        for i in range(len(start) - 1):
+            for q in range(start[i], start[i + 1]):
+                total[k, i, 0] += values[k, q] * u[2 * function[q]]
+                total[k, i, 1] += values[k, q] * u[2 * function[q] + 1]
+
+
+@kernel
+def _add_sums(start: Ints, row: Ints, values: Floats, weights: Floats, total: Floats) -> None:
+    """Add the sums of `Basis.summed` to the rows of `total` (k, c) that are those of the functions."""
+    for i in range(len(start) - 1):
+        for q in range(start[i], start[i + 1]):
+            for c in range(total.shape[1]):
+                total[row[q], c] += values[1, q] * weights[0, i, c] + values[2, q] * weights[1, i, c]
 
 
 def arrays_of(cover: Cover) -> tuple[Any, ...]:

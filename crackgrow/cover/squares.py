@@ -66,9 +66,8 @@ class Squares:
         """The square (m,) that holds the quantum right above each of `places` (m, 2); -1 for none."""
         last = np.searchsorted(self.codes, _codes(np.maximum(places, 0)), side="right") - 1
         found = self.curve[np.maximum(last, 0)]
-        above = places - self.low[found]
-        inside = ((above >= 0) & (above < self.size[found, None])).all(axis=1)
-        return np.where(inside, found, -1)
+        (x, y), side = (places - self.low[found]).T, self.size[found]
+        return np.where((x >= 0) & (x < side) & (y >= 0) & (y < side), found, -1)
 
     def around(self, points: Floats) -> Ints:
         """The squares (n, 4) that touch points (n, 2), lattice coordinates: below left, above left, below, above right.
@@ -86,7 +85,7 @@ class Squares:
         first = np.searchsorted(self.codes, begin)
         counts = np.searchsorted(self.codes, begin + size * size) - first
         larger = self.size[self.curve[np.minimum(first, self.n - 1)]] > size
-        counts[(low < 0).any(axis=1) | larger] = 0
+        counts[(low[:, 0] < 0) | (low[:, 1] < 0) | larger] = 0
         return Ragged(starts_of(counts), self.curve[spans(first, counts)])
 
 
@@ -108,8 +107,9 @@ def quarters_of(low: Ints, size: Ints) -> tuple[Ints, Ints]:
 
 def _codes(places: Ints) -> Ints:
     """Places (n,) on the Morton curve of corners (n, 2), below 2^31: the bits of both coordinates in turn."""
-    spread = places.astype(np.int64)  # with a zero between every two bits
+    spread = places.T.astype(np.int64, order="C")  # with a zero between every two bits
     for shift, mask in _HALVINGS:
-        spread = (spread | (spread << shift)) & mask
-    x, y = spread.T
+        spread |= spread << shift
+        spread &= mask
+    x, y = spread
     return np.asarray(2 * x + y)

@@ -150,4 +150,5 @@ def _halved(cover: Cover, ends: Floats, acting: Ragged) -> tuple[Ints, Floats, F
 
 def _norm(vectors: Floats) -> Floats:
     """Lengths (...) of vectors (..., 2)."""
-    return np.asarray(np.hypot(vectors[..., 0], vectors[..., 1]))
+    x, y = vectors[..., 0], vectors[..., 1]
+    return np.asarray(np.sqrt(x * x + y * y))

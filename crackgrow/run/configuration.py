@@ -26,6 +26,7 @@ from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
 from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
+from crackgrow.ragged import distinct
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
@@ -374,7 +375,7 @@ def _unheld(cover: Cover, contact: ContactSystem, outcome: ContactOutcome) -> li
 def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
     """Physical patches next to the contact points."""
     elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
-    return np.unique(cover.patches.of_element.taken(elements[elements >= 0]).values)
+    return distinct(cover.patches.of_element.taken(elements[elements >= 0]).values)
 
 
 @contextmanager

@@ -10,14 +10,11 @@ nothing. Left to the factorization it would be held, or not, by the order of the
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
-from scipy.linalg.lapack import dpstrf
-from scipy.sparse import csc_array, csr_array, tril
-from scipy.sparse.csgraph import connected_components
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.compiled import dependent_of, kernel
+from crackgrow.geometry.arrangement import connected
 from crackgrow.linear import DEPENDENT, SymmetricMatrix
 from crackgrow.ragged import numbered, starts_of
 
@@ -40,26 +37,44 @@ def with_dependent_held(matrix: SymmetricMatrix) -> SymmetricMatrix:
     if not is_small.any():
         return matrix
     between = np.flatnonzero(is_small[first] & is_small[second])
-    shape, component = (len(between), 2, 2), np.arange(2)
-    row = np.broadcast_to(2 * first[between, None, None] + component[:, None], shape)
-    column = np.broadcast_to(2 * second[between, None, None] + component, shape)
-    kept = small.ravel()[row] & small.ravel()[column] & (column <= row)
-    some, places = numbered(np.concatenate([row[kept], column[kept]]), small.size)
-    lower = csr_array((matrix.block[between][kept], np.split(places, 2)), shape=(len(some), len(some)))
-    block = csc_array(lower + tril(lower, -1).T)
-    held = some[_dependent(block, 1.0 / np.sqrt(np.maximum(diagonal[some], np.finfo(float).tiny)))]
+    functions, place = numbered(np.concatenate([first[between], second[between]]), len(each))
+    row, column = np.split(place, 2)
+    label = connected(len(functions), row, column)
+    group = np.argsort(label, kind="stable")
+    limits = starts_of(np.bincount(label))
+    of_block = np.argsort(label[row], kind="stable")
+    found = _dependent(
+        limits, group, starts_of(np.bincount(label[row])), row[of_block], column[of_block],
+        matrix.block[between[of_block]], small[functions],
+    )  # fmt: skip
+    held = 2 * functions[found // 2] + found % 2
     return matrix.with_diagonal(held, diagonal[held]) if len(held) else matrix
 
 
-def _dependent(block: csc_array, scale: Floats) -> Ints:
-    """Which unknowns of a symmetric matrix (k, k) depend on others, times `scale` (k,) from both sides."""
-    _, label = connected_components(block, directed=False)
-    order = np.argsort(label, kind="stable")
-    ordered, scale = block[order][:, order], scale[order]
-    found = []
-    for start, end in pairwise(starts_of(np.bincount(label)).tolist()):
-        if end - start > 1:
-            own = ordered[start:end, start:end].toarray() * np.outer(scale[start:end], scale[start:end])
-            _, pivots, rank, _ = dpstrf(own, tol=DEPENDENT, lower=1)
-            found.append(order[start:end][pivots[rank:] - 1])
-    return np.sort(np.concatenate([np.empty(0, dtype=np.int64), *found]))
+@kernel
+def _dependent(limits: Ints, group: Ints, at: Ints, row: Ints, column: Ints, block: Floats, small: Bools) -> Ints:
+    """Give the small unknowns that depend on others of their group, each group scaled to a unit diagonal.
+
+    Group g has the functions group[limits[g]:limits[g + 1]], and the blocks (q, 2, 2) from at[g] on, at `row` and
+    `column`; `small` (functions, 2) are its unknowns that take part.
+    """
+    found, number, n_found = np.empty(small.size, np.int64), np.full(small.shape, -1), 0
+    for g in range(len(limits) - 1):
+        unknowns = [(f, c) for f in group[limits[g] : limits[g + 1]] for c in range(2) if small[f, c]]
+        for k, (f, c) in enumerate(unknowns):
+            number[f, c] = k
+        own = np.zeros((len(unknowns), len(unknowns)))
+        for q in range(at[g], at[g + 1]):
+            for c in range(2):
+                for d in range(2):
+                    i, j = number[row[q], c], number[column[q], d]
+                    if i >= 0 and j >= 0:
+                        own[min(i, j), max(i, j)] = block[q, c, d]
+        scale = 1.0 / np.sqrt(np.maximum(np.diag(own), np.finfo(np.float64).tiny))
+        for i in range(len(own)):
+            for j in range(i, len(own)):
+                own[i, j] *= scale[i] * scale[j]
+        for k in dependent_of(own, DEPENDENT):
+            found[n_found] = 2 * unknowns[k][0] + unknowns[k][1]
+            n_found += 1
+    return np.sort(found[:n_found])

@@ -19,6 +19,7 @@ from crackgrow.errors import FreePieceError
 from crackgrow.geometry.arrangement import connected
 from crackgrow.geometry.tolerance import ROUND_OFF
 from crackgrow.linear import SymmetricMatrix
+from crackgrow.ragged import distinct
 
 HOLDS_NOTHING = 1e-8
 """Singular values below this, of constraints on the three rigid motions scaled by the piece's size, hold nothing."""
@@ -191,7 +192,7 @@ def _pieces(cover: Cover) -> tuple[list[Ints], list[Ints]]:
     label = connected(cover.elements.n, edges.left[passable], edges.right[passable])
     order = np.argsort(label, kind="stable")
     elements = np.split(order, np.cumsum(np.bincount(label))[:-1])
-    return [np.unique(cover.patches.of_element.taken(some).values) for some in elements], elements
+    return [distinct(cover.patches.of_element.taken(some).values) for some in elements], elements
 
 
 def rigid_motions(cover: Cover, functions: Ints) -> csc_array:

@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
 from crackgrow.arrays import Floats, Ints
@@ -21,7 +20,6 @@ from crackgrow.cover.cover import Cover
 from crackgrow.linear import SymmetricMatrix
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import rim_points
-from crackgrow.ragged import Ragged
 from crackgrow.solid.elasticity import PlaneElasticity
 
 
@@ -32,23 +30,39 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> Sym
     moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
-    start, column = _pattern(on, cover.n_functions)
+    start, column = _pattern(on.start, on.values, cover.n_functions)
     block = np.zeros((len(column), 2, 2))
     _integrate(arrays_of(cover), (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
     return SymmetricMatrix(start, column, block)
 
 
-def _pattern(on: Ragged, n: int) -> tuple[Ints, Ints]:
-    """The lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
+@kernel
+def _pattern(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
+    """Give the lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
 
-    Functions are coupled that act on one element.
+    Functions are coupled that act on one element: element e has those of `function` from at[e] on.
     """
-    acts = csr_array((np.ones(len(on.values), dtype=np.int32), on.values, on.start), shape=(on.n, n))
-    coupled = acts.T.tocsr() @ acts
-    coupled.sort_indices()
-    both = Ragged(coupled.indptr.astype(np.int64), coupled.indices.astype(np.int64))
-    lower = both.kept(both.values <= both.row)
-    return lower.start, lower.values
+    held_start, held = np.zeros(n + 2, np.int64), np.empty(len(function), np.int64)  # elements of functions
+    for f in function:
+        held_start[f + 2] += 1
+    held_start = np.cumsum(held_start)
+    for e in range(len(at) - 1):
+        for f in function[at[e] : at[e + 1]]:
+            held[held_start[f + 1]] = e
+            held_start[f + 1] += 1
+    start, column, met = np.zeros(n + 1, np.int64), np.empty(32 * n, np.int64), np.full(n, -1)
+    for row in range(n):
+        end = start[row]
+        if end + row + 1 > len(column):
+            column = np.append(column, np.empty(len(column) + n, np.int64))
+        for e in held[held_start[row] : held_start[row + 1]]:
+            for other in function[at[e] : at[e + 1]]:
+                if other <= row and met[other] < row:
+                    met[other], column[end] = row, other
+                    end += 1
+        column[start[row] : end].sort()
+        start[row + 1] = end
+    return start, column[: start[n]].copy()
 
 
 @kernel
