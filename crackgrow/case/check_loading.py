@@ -11,7 +11,15 @@ from crackgrow.case.shapes import Resolved
 
 KEY = ("loading", "stages")
 
-LOADS = ("traction", "far_field", "gravity", "pressure", "stress", "force")  # the key that holds the size of a load
+LOADS = (
+    "traction",
+    "far_field",
+    "gravity",
+    "pressure",
+    "volume",
+    "stress",
+    "force",
+)  # the key that holds the size of a load
 
 
 def check_stages(scene: Scene) -> None:
@@ -42,7 +50,7 @@ def _check_loads(scene: Scene, key: Path, stage: Resolved) -> None:
         if name not in known:
             hint = f"{', '.join(known) or 'none has a name'}{did_you_mean(name, known)}"
             scene.report.fault((*key, name), f"no load is called {quoted(name)}; names of loads: {hint}")
-        elif len({load["held"] for load in loads if load.get("name") == name}) > 1:
+        elif len({load.get("held") for load in loads if load.get("name") == name}) > 1:
             message = "some of the loads of this name are held and others not: with which factor do they begin?"
             scene.report.fault((*key, name), message)
 
@@ -154,7 +162,7 @@ def _check_critical(scene: Scene) -> None:
 
 def _has_scaled(scene: Scene) -> bool:
     """Whether there is a load that is neither held nor zero, or a prescribed displacement that is not zero."""
-    return any(not load["held"] and _size(load) > 0 for load in scene.resolved["loads"]) or any(
+    return any(not load.get("held", False) and _size(load) > 0 for load in scene.resolved["loads"]) or any(
         isinstance(value, str) or value != 0
         for support in scene.resolved["supports"]
         for value in support.get("displacement", {}).values()

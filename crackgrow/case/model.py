@@ -259,12 +259,31 @@ class Gravity(Loaded):
     acceleration: tuple[float, float]  # m/s^2
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class FluidPressure(Loaded):
-    """Pressure of a fluid on both faces of a crack or of an interface."""
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class Fluid(Loaded):
+    """A fluid between faces."""
 
     surface: SurfaceName  # a crack, or an interface with all of its lines
+    connected: bool = False  # whether it enters cracks that touch
+    beyond: tuple[SurfaceName, ...] = ()  # other cracks that it has entered
+
+    def fills(self, name: SurfaceName) -> bool:
+        """Whether it is between the faces of a crack or of a line of an interface."""
+        return name.is_of(self.surface) or name in self.beyond
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class FluidPressure(Fluid):
+    """Pressure of a fluid on both faces of cracks or of an interface."""
+
     pressure: Component  # Pa, positive pushes the faces apart
+
+
+@dataclass(frozen=True, slots=True, eq=False, kw_only=True)
+class FluidVolume(Fluid):
+    """Volume of a fluid between the faces of cracks, at the pressure that it takes."""
+
+    volume: float  # m^2, per metre of thickness
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -285,7 +304,7 @@ class PointForce(Loaded):
 
 
 Support = PointSupport | EdgeSupport | ContactSupport
-Load = EdgeTraction | EdgePressure | FarField | Gravity | FluidPressure | InSituStress | PointForce
+Load = EdgeTraction | EdgePressure | FarField | Gravity | FluidPressure | FluidVolume | InSituStress | PointForce
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -353,6 +353,7 @@ def _quantity(kind: str) -> Schema:
         "stress": "in units.stress",
         "toughness": "in units.stress sqrt(m), where units.length is m",
         "stiffness": "in units.stress / units.length",
+        "area": "in units.length^2",
     }
     bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
     units = "|".join(re.escape(unit) for unit in UNITS[kind])

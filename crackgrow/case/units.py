@@ -31,6 +31,7 @@ _TABLE: dict[str, dict[str, str | Fraction]] = {
         "ksi sqrt(in)": 1000 * PSI * Fraction(math.sqrt(INCH)),
     },
     "force": {"N/m": "1", "kN/m": "1e3", "MN/m": "1e6", "N/mm": "1e3", "kN/mm": "1e6"},
+    "area": {f"{length}^2": Fraction(one) ** 2 for length, one in _LENGTHS.items()},
     "velocity": {
         **{f"{length}/s": one for length, one in _LENGTHS.items()},
         "nm/s": "1e-9",
@@ -117,6 +118,7 @@ class Units:
             "stress": self.stress,
             "toughness": f"{self.stress} sqrt({'in' if self.stress in IMPERIAL else 'm'})",
             "stiffness": f"{self.stress}/{self.length}",
+            "area": f"{self.length}^2",
         }
         return chosen.get(kind) or next(iter(UNITS[kind]))
 

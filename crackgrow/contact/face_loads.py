@@ -1,20 +1,31 @@
-"""Loads on crack faces: the pressure of a fluid, and the share of in-situ stress that a cut sets free."""
+"""Loads on crack faces: a fluid by its pressure or by its volume, and the share of in-situ stress that a cut sets free.
+
+The mean opening of faces is the work that a unit force does on them as a pressure. So the volume of a fluid is a linear
+constraint, and the force that holds it the pressure. Faces that are shut hold no volume, whatever the pressure: the
+fluid is a little compressible, and its pressure is told where all faces touch, too.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from crackgrow.arrays import Floats
 from crackgrow.case.formula import component_at
-from crackgrow.case.model import Component, FluidPressure, InSituStress, Load
+from crackgrow.case.model import Component, FluidPressure, FluidVolume, InSituStress, Load
 from crackgrow.contact.faces import integration_points
 from crackgrow.contact.jump import jump_matrix
 from crackgrow.cover.cover import Cover
+from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.quadrature.subdivision import subdivided
 from crackgrow.solid.in_situ import InSitu
+from crackgrow.solid.supports import Constraints
 from crackgrow.vectors import across
+
+STORAGE = 1e-5
+"""Compliance of a fluid, over 1/E' of the rock: of the pressure in an open crack it takes less than 1e-5."""
 
 
 def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[Load]) -> Floats:
@@ -26,7 +37,7 @@ def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[
     f = np.zeros((cover.n_functions, 2))
     for index, surface in enumerate(cover.surfaces):
         fluids = [load for load in loads if isinstance(load, FluidPressure)]
-        pressures = [load.pressure for load in fluids if surface.name.is_of(load.surface)]
+        pressures = [load.pressure for load in fluids if load.fills(surface.name)]
         stress = InSitu()
         for load in loads if surface.name.is_crack else ():
             if isinstance(load, InSituStress) and load.body == crack_bodies[index]:
@@ -38,6 +49,31 @@ def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[
         push = across(stress.at(places), points.normal) + _sum_at(pressures, places)[:, None] * points.normal
         f += jump_matrix(cover, points).T @ (lengths[:, None] * cover.lattice.spacing * push)
     return f.ravel()
+
+
+def volumes(cover: Cover, moduli: Sequence[float], loads: Sequence[Load]) -> list[Constraints]:
+    """The constraints of all volumes of fluid: mean opening + compliance times force = volume over length of the faces.
+
+    `moduli` (cracks,) E' Pa are those of the rock that the cracks lie in.
+    """
+    found, none = [], np.full(1, -1)
+    for number, load in enumerate(loads):
+        if isinstance(load, FluidVolume):
+            wetted = [modulus for modulus, crack in zip(moduli, cover.cracks, strict=True) if load.fills(crack.name)]
+            length = wetted_length(cover, load)
+            push = face_load_vector(cover, [], [FluidPressure(surface=load.surface, beyond=load.beyond, pressure=1.0)])
+            row = csr_array((push / length)[None])
+            compliance = np.array([STORAGE / min(wetted)])
+            found.append(
+                Constraints(row, np.array([load.volume / length]), none, none, none, none + 1 + number, compliance)
+            )
+    return found
+
+
+def wetted_length(cover: Cover, load: FluidVolume) -> float:
+    """The length (m) of all cracks that a volume of fluid fills."""
+    lines = [crack.points for crack in cover.cracks if load.fills(crack.name)]
+    return cover.lattice.spacing * sum(float(arc_lengths(points)[-1]) for points in lines)
 
 
 def _sum_at(pressures: Sequence[Component], places: Floats) -> Floats:

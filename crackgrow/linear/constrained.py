@@ -1,4 +1,7 @@
-"""The linear solve K u + C' m = f, C u = g: a stiffness, positive semidefinite, with linear constraints.
+"""The linear solve K u + C' m = f, C u - B m = g: a stiffness, positive semidefinite, with linear constraints.
+
+B is a diagonal, zero for rigid constraints. Compliant ones are few and act on many unknowns: they are no part of the
+factorization, but come by Woodbury's identity (Hager 1989), with what each of their forces does alone.
 
 One factorization serves many loads. The forces that its solution leaves unbalanced are solved for in turn, until they
 are round-off.
@@ -25,14 +28,30 @@ INCONSISTENT = 1e-6
 
 
 class ConstrainedSystem:
-    """K with constraints C u = g, factorized once for many loads."""
+    """K with constraints C u - B m = g, factorized once for many loads."""
 
-    def __init__(self, stiffness: SymmetricMatrix, constraints: csr_array, boxes: tuple[Ints, Ints]) -> None:
-        """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`."""
+    def __init__(
+        self,
+        stiffness: SymmetricMatrix,
+        constraints: csr_array,
+        boxes: tuple[Ints, Ints],
+        compliance: Floats | None = None,
+    ) -> None:
+        """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`.
+
+        `compliance` (m,) is the diagonal of B, of which what is not zero comes last; None where all of it is.
+        """
         self.stiffness = stiffness
         self.constraints = constraints
         self._share = abs(constraints)
-        self._factorization = Factorization(stiffness, constraints, boxes)
+        self._compliance = np.zeros(constraints.shape[0]) if compliance is None else compliance
+        self._n_rigid = int(np.sum(self._compliance == 0.0))
+        self._factorization = Factorization(stiffness, constraints[: self._n_rigid], boxes)
+        self._compliant = csr_array(constraints[self._n_rigid :])
+        self._alone = self._factorization.solve(
+            self._compliant.T.toarray(), np.zeros((self._n_rigid, self._compliant.shape[0]))
+        )
+        self._stiff = np.linalg.inv(self._compliant @ self._alone[0] + np.diag(self._compliance[self._n_rigid :]))
 
     def release(self) -> None:
         """Let go of the factors: nothing is solved any more."""
@@ -51,7 +70,7 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            found = self._factorization.solve(columns[:, block], wanted[:, block])
+            found = self._solved(columns[:, block], wanted[:, block])
             u[:, block], multipliers[:, block] = self._corrected(found, columns[:, block], wanted[:, block])
         given_in = wanted.any(axis=0)
         if given_in.any():
@@ -61,14 +80,27 @@ class ConstrainedSystem:
     def _check_agreement(self, wanted: Floats) -> None:
         """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
         nothing = np.zeros((self.constraints.shape[1], wanted.shape[1]))
-        u, _ = self._corrected(self._factorization.solve(nothing, wanted), nothing, wanted)
-        left = np.abs(self.constraints @ u - wanted)
+        u, multipliers = self._corrected(self._solved(nothing, wanted), nothing, wanted)
+        left = np.abs(self.constraints @ u - self._compliance[:, None] * multipliers - wanted)
         if np.any(left > INCONSISTENT * (np.abs(wanted) + self._share @ np.abs(u))):
             raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
 
     def compliance(self, rows: csr_array) -> Floats:
         """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; symmetric to the last bit."""
-        return self._factorization.compliance(rows)
+        found = self._factorization.compliance(rows)
+        if len(self._stiff):
+            seen = rows @ self._alone[0]
+            less = seen @ self._stiff @ seen.T
+            found -= 0.5 * (less + less.T)
+        return found
+
+    def _solved(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
+        """What `solve` gives for loads (n, k) and wanted (m, k), unrefined."""
+        u, rigid = self._factorization.solve(loads, wanted[: self._n_rigid])
+        if not len(self._stiff):
+            return u, rigid
+        forces = self._stiff @ (self._compliant @ u - wanted[self._n_rigid :])
+        return u - self._alone[0] @ forces, np.concatenate([rigid - self._alone[1] @ forces, forces])
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -95,7 +127,7 @@ class ConstrainedSystem:
                 break
             last = error
             residual = loads - self.stiffness @ u - self.constraints.T @ multipliers
-            du, dm = self._factorization.solve(residual, wanted - self.constraints @ u)
+            du, dm = self._solved(residual, wanted - self.constraints @ u + self._compliance[:, None] * multipliers)
             u, multipliers = u + du, multipliers + dm
         return u, multipliers
 
@@ -103,7 +135,11 @@ class ConstrainedSystem:
         """The largest residual of both equations, row by row relative to the absolute terms (Oettli, Prager 1964)."""
         forces = loads - self.stiffness @ u - self.constraints.T @ multipliers
         forces_of = np.abs(loads) + self.stiffness.sizes(u) + self._share.T @ np.abs(multipliers)
-        moved, moved_of = wanted - self.constraints @ u, np.abs(wanted) + self._share @ np.abs(u)
+        given = self._compliance * multipliers
+        moved, moved_of = (
+            wanted - self.constraints @ u + given,
+            np.abs(wanted) + self._share @ np.abs(u) + np.abs(given),
+        )
         residual, terms = np.append(forces, moved), np.append(forces_of, moved_of)
         return float(np.max(np.abs(residual[terms > 0.0]) / terms[terms > 0.0], initial=0.0))
 

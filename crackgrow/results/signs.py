@@ -123,8 +123,11 @@ class Sheet:
             way = reach * _unit(load.force)
             self.arrow(load.point - way, load.point)
             self.label(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", LOAD)
-        elif isinstance(load, model.FluidPressure):  # off both faces of a crack or an interface
-            self.title = f"pressure in {load.surface}"
+        elif isinstance(load, model.FluidPressure | model.FluidVolume):  # off both faces of a crack or an interface
+            if isinstance(load, model.FluidVolume):
+                self.title, words = f"volume in {load.surface}", f"V = {load.volume:g} m²"
+            else:
+                self.title, words = f"pressure in {load.surface}", f"p = {component_text(load.pressure)}{held}"
             lines = [crack.points for crack in case.cracks if crack.surface == load.surface]
             lines = lines or [
                 line for pair in case.interfaces if pair.surface.is_of(load.surface) for line in pair.lines
@@ -136,7 +139,7 @@ class Sheet:
                     self.arrow(place, place - across)
                     self.arrow(place, place + across)
             place = np.concatenate(lines).mean(axis=0) - [0.0, 0.06 * size]
-            self.label(place, f"p = {component_text(load.pressure)}{held}", LOAD)
+            self.label(place, words, LOAD)
 
     def _traction(self, load: model.EdgeTraction | model.EdgePressure, held: str) -> None:
         """Arrows along an edge that push on it or pull at it, or, where they only shear it, run beside it."""

@@ -154,7 +154,9 @@ def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
 GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
     "tips": lambda of: [_row(FILES["tips.csv"], (tip, of), _place(tip.point)) for tip in of.tips],
     "contact": contact_rows,
-    "reactions": lambda of: [(int(of.step), one.where, *one.force, float(of.load_factor)) for one in of.reactions],
+    "reactions": lambda of: [
+        (int(of.step), one.where, *one.force, one.pressure, float(of.load_factor)) for one in of.reactions
+    ],
     "history": history_rows,
     "steps": lambda of: [step_row(of)],
     "events": lambda of: event_rows(of.events),

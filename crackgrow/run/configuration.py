@@ -320,7 +320,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)
-        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover))
+        system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), held.compliance)
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing)
     solver = case.numerics.contact.solver

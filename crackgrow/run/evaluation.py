@@ -10,7 +10,7 @@ import numpy as np
 
 from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
-from crackgrow.case.model import CriticalLoad
+from crackgrow.case.model import CriticalLoad, FluidVolume
 from crackgrow.case.toughness import averaging_radius
 from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
@@ -28,6 +28,7 @@ from crackgrow.fracture.tip_stress import TipField, fields_of
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
+from crackgrow.run.state_values import volume_pressure
 from crackgrow.run.warning_causes import WarningCause
 
 
@@ -218,6 +219,9 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
     scene, cover, outcome = state.scene, state.cover, state.outcome
     faces, law = state.configuration.faces, state.configuration.contact.law
     pointwise = scene.laws[crack].elastic and scene.case.numerics.contact.discretization == "gauss"
+    fluids = enumerate(scene.case.loads)
+    volumes = [n for n, load in fluids if isinstance(load, FluidVolume) and load.fills(cover.cracks[crack].name)]
+    injected = sum(volume_pressure(state, number) for number in volumes)
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
         if pointwise:
@@ -228,6 +232,6 @@ def _tractions(state: LoadState, crack: int) -> FaceTraction:
         if scene.has_fluid(crack):
             places = cover.lattice.to_metres(points_at(cover, crack, s).points)
             normal = normal - scene.fluid_pressure(crack, state.factor, places)
-        return normal, tangential
+        return normal - injected, tangential
 
     return traction

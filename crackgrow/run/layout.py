@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import shapely
 
+from crackgrow.case.model import FluidVolume
 from crackgrow.contact.faces import ContactFaces, gauss_faces
 from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.cover import Cover, build_cover
@@ -15,7 +16,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PART
 from crackgrow.run.scene import Scene
 from crackgrow.run.size_field import size_field
-from crackgrow.solid.supports import Constraints, constraints, n_constraints, tied
+from crackgrow.solid.supports import Constraints, constraints, joined_constraints, n_constraints, ties
 
 
 def cover_of(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Cover:
@@ -68,20 +69,24 @@ def contact_faces(scene: Scene, cover: Cover) -> ContactFaces:
 
 
 def constraints_of(scene: Scene, cover: Cover) -> Constraints:
-    """The supports, and bonded interfaces: no gap and no slip there, averaged at mortar nodes."""
-    held, faces = constraints(cover, scene.case.supports), _bonded_faces(scene, cover)
-    if not len(faces.surface):
-        return held
+    """The supports, bonded interfaces (no gap and no slip, averaged at mortar nodes), and volumes of fluid."""
     from scipy.sparse import csr_array, vstack  # here: who counts conditions alone needs neither it nor the basis
 
+    from crackgrow.contact.face_loads import volumes
     from crackgrow.contact.jump import contact_operators
 
-    return tied(held, csr_array(vstack(contact_operators(cover, faces), format="csr")), np.tile(faces.surface, 2))
+    parts, faces = [constraints(cover, scene.case.supports)], _bonded_faces(scene, cover)
+    if len(faces.surface):
+        rows = csr_array(vstack(contact_operators(cover, faces), format="csr"))
+        parts.append(ties(rows, np.tile(faces.surface, 2)))
+    moduli = [scene.materials[body].young_prime for body in scene.crack_bodies]
+    return joined_constraints([*parts, *volumes(cover, moduli, scene.case.loads)])
 
 
 def n_constraints_of(scene: Scene, cover: Cover) -> int:
     """How many rows `constraints_of` has."""
-    return n_constraints(cover, scene.case.supports) + 2 * len(_bonded_faces(scene, cover).surface)
+    n_volumes = sum(isinstance(load, FluidVolume) for load in scene.case.loads)
+    return n_constraints(cover, scene.case.supports) + 2 * len(_bonded_faces(scene, cover).surface) + n_volumes
 
 
 def _bonded_faces(scene: Scene, cover: Cover) -> ContactFaces:

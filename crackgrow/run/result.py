@@ -118,10 +118,11 @@ class CrackFaces:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Reaction:
-    """The force that a support or a contact surface carries."""
+    """The force that a support or a contact surface carries, or the pressure that a volume of fluid takes."""
 
-    where: str  # "supports.0", "body.edge" of a foundation, "first/second" of an interface
+    where: str  # "supports.0", "body.edge" of a foundation, "first/second" of an interface, "loads.0" of a volume
     force: tuple[float, float]  # N per metre of thickness, on the rock; of an interface on its first body
+    pressure: float = float("nan")  # Pa, of a volume
 
 
 @dataclass(frozen=True, slots=True, eq=False)

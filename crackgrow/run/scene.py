@@ -21,6 +21,7 @@ from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.sites import Site
+from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.surface_laws import SurfaceLaw, surface_law
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
@@ -110,7 +111,7 @@ class Scene:
 
     def _fluids(self, crack: int) -> list[model.FluidPressure]:
         surface = self.case.cracks[crack].surface
-        return [load for load in self.case.loads if isinstance(load, model.FluidPressure) and load.surface == surface]
+        return [load for load in self.case.loads if isinstance(load, model.FluidPressure) and load.fills(surface)]
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
@@ -138,24 +139,42 @@ class Scene:
         return stress
 
     def with_cracks(self, growing: Sequence[GrowingCrack]) -> Scene:
-        """The scene with what has started since the case was made: a new crack has the fluid of the one it is on."""
+        """The scene with what has started since the case was made, and fluids in all cracks that they reach."""
         case, n = self.case, len(self.case.cracks)
         new = growing[n:]
+        loads = self._with_fluids_beyond(growing)
         if not new:
-            return self
-        loads = list(case.loads)
-        for growing_crack in new:
-            on = None if growing_crack.parent is None else growing[growing_crack.parent].crack.surface
-            fluids = [load for load in loads if isinstance(load, model.FluidPressure) and load.surface == on]
-            loads += [replace(load, surface=growing_crack.crack.surface) for load in fluids]
+            return self if loads is case.loads else replace(self, case=replace(case, loads=loads))
         cracks = [growing_crack.crack for growing_crack in new]
         laws = [surface_law(case, crack.contact, crack.body) for crack in cracks]
         return replace(
             self,
-            case=replace(case, cracks=(*case.cracks, *cracks), loads=tuple(loads)),
+            case=replace(case, cracks=(*case.cracks, *cracks), loads=loads),
             crack_bodies=(*self.crack_bodies, *(body_index(case.bodies, crack.body) for crack in cracks)),
             laws=(*self.laws[:n], *laws, *self.laws[n:]),
         )
+
+    def _with_fluids_beyond(self, growing: Sequence[GrowingCrack]) -> tuple[model.Load, ...]:
+        """The loads with each fluid in the cracks that it reaches: what starts on its crack, and where it is connected
+        what touches. Cracks with a fluid of their own keep that.
+        """
+        loads = self.case.loads
+        fluids = [load for load in loads if isinstance(load, model.FluidPressure | model.FluidVolume)]
+        if not any(load.connected for load in fluids) and len(growing) == len(self.case.cracks):
+            return loads
+        names, own = [each.crack.surface for each in growing], [load.surface for load in fluids]
+        started = [(each.parent, number) for number, each in enumerate(growing) if each.parent is not None]
+        lines = np.array([shapely.LineString(self.lattice.to_lattice(each.crack.points)) for each in growing])
+        touching = shapely.STRtree(lines).query(lines, "dwithin", distance=ON_LINE).T.tolist()
+        found: dict[int, model.Load] = {}
+        for load in fluids:
+            filled = [number for number, name in enumerate(names) if name == load.surface]
+            for number in filled:  # it grows on the way
+                for one, other in (*started, *(touching if load.connected else ())):
+                    if one == number and other not in filled and names[other] not in own:
+                        filled.append(other)
+            found[id(load)] = replace(load, beyond=tuple(names[number] for number in filled[1:]))
+        return tuple(found.get(id(load), load) for load in loads)
 
     def with_grading(self, grading: Grading) -> Scene:
         """The scene on other cells, with the rock that is gone."""
@@ -230,7 +249,7 @@ def without(case: model.Case, gone: set[str]) -> model.Case:
     """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
 
     def is_left(load: model.Load) -> bool:
-        if isinstance(load, model.FluidPressure):
+        if isinstance(load, model.Fluid):
             return not load.surface.bounds(gone)
         return (load.region.body if isinstance(load, model.EdgeLoad) else load.body) not in gone
 

@@ -39,7 +39,7 @@ MOST_NAMED = 6
 LEAST_SUPPORT = 2.0
 """Half width of a patch, in spacings, below which rock that hardly changes its volume locks."""
 
-Fluid = model.FluidPressure | model.EdgePressure
+Fluid = model.FluidPressure | model.FluidVolume | model.EdgePressure
 
 
 def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
@@ -235,23 +235,25 @@ def dry_joints(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     lines = [(line.name, shapely.LineString(line.points)) for line, law in surfaces if not law.bonded]
     wet: list[tuple[str, Fluid, shapely.Geometry]] = []
     for load in fluids:
-        if isinstance(load, model.FluidPressure):
-            wet += [(name.words, load, line) for name, line in lines if name.is_of(load.surface)]
+        if isinstance(load, model.Fluid):
+            wet += [(name.words, load, line) for name, line in lines if load.fills(name)]
         else:
             edges = shapely.MultiLineString(list(cover.edges_on(load.region).points))
             wet.append((f"edge {load.region.edge} of body '{load.region.body}'", load, edges))
-    given = [load.surface for load in fluids if isinstance(load, model.FluidPressure)]
+    given = [load for load in fluids if isinstance(load, model.Fluid)]
     for name, line in lines:
-        if any(name.is_of(other) for other in given):
+        if any(load.fills(name) for load in given):
             continue
         for words, load, fluid in wet:
-            dry = line if isinstance(load, model.FluidPressure) else line.boundary
+            dry = line if isinstance(load, model.Fluid) else line.boundary
             if shapely.dwithin(dry, fluid, ON_LINE) and _presses(scene, load, fluid, dry):
                 yield WarningCause.DRY.at(f"{name.words} at {words}", dry=name.words, fluid=words)
 
 
 def _presses(scene: Scene, load: Fluid, fluid: shapely.Geometry, dry: shapely.Geometry) -> bool:
     """Whether a fluid presses where something dry meets it, beside round-off of what it does elsewhere."""
+    if isinstance(load, model.FluidVolume):
+        return True
     meeting = shapely.get_coordinates(shapely.shortest_line(fluid, dry))[:1]
     along = shapely.get_coordinates(shapely.segmentize(fluid, 0.1 * fluid.length))
     pressure = np.abs(component_at(load.pressure, scene.lattice.to_metres(np.concatenate([meeting, along]))))

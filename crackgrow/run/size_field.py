@@ -220,9 +220,7 @@ def _changes_of_status(scene: Scene, cracks: Sequence[CrackGeometry]) -> Feature
 def _pressures(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
     """Places on faces where a pressure of a fluid varies over less than the crack's length."""
     for number, crack in enumerate(cracks):
-        surface = scene.case.cracks[number].surface if number < len(scene.case.cracks) else None
-        loads = [load for load in scene.case.loads if isinstance(load, FluidPressure) and load.surface == surface]
-        for load in loads:
+        for load in (load for load in scene.case.loads if isinstance(load, FluidPressure) and load.fills(crack.name)):
             line = shapely.LineString(crack.points)
             s = np.linspace(0.0, line.length, SAMPLES)
             places = shapely.get_coordinates(shapely.line_interpolate_point(line, s))

@@ -22,8 +22,9 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import ContactSupport, FacePoint, PointPair, RockPoint
+from crackgrow.case.model import ContactSupport, FacePoint, FluidVolume, PointPair, RockPoint
 from crackgrow.contact.coulomb import OPEN
+from crackgrow.contact.face_loads import wetted_length
 from crackgrow.contact.faces import joined, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome
@@ -104,7 +105,20 @@ def reactions(state: LoadState) -> tuple[Reaction, ...]:
     Those of rock that is gone are zero.
     """
     at_start = state.scene.at_start
-    return (*_of_supports(state), *_on_surfaces(state, (*at_start.interfaces, *at_start.foundations)))
+    loads = enumerate(state.scene.case.loads)
+    volumes = [(f"loads.{n}", volume_pressure(state, n)) for n, load in loads if isinstance(load, FluidVolume)]
+    return (
+        *_of_supports(state),
+        *_on_surfaces(state, (*at_start.interfaces, *at_start.foundations)),
+        *(Reaction(where, (0.0, 0.0), pressure) for where, pressure in volumes),
+    )
+
+
+def volume_pressure(state: LoadState, number: int) -> float:
+    """The pressure (Pa) that the volume of fluid of a load takes: the force that holds it over the length wetted."""
+    load, held = state.scene.case.loads[number], state.configuration.held
+    assert isinstance(load, FluidVolume)
+    return -float(state.outcome.multipliers[held.load == number][0]) / wetted_length(state.cover, load)
 
 
 def _of_supports(state: LoadState) -> Iterator[Reaction]:
@@ -256,6 +270,9 @@ def _values(state: LoadState) -> Iterator[tuple[str, float]]:
             names, values = ("convergence",), [_convergence(state, point)]
         yield from ((f"{point.name}.{name}", float(value)) for name, value in zip(names, values, strict=True))
     for reaction in reactions(state):
+        if np.isfinite(reaction.pressure):
+            yield f"{reaction.where}.pressure", reaction.pressure
+            continue
         yield f"{reaction.where}.force_x", reaction.force[0]
         yield f"{reaction.where}.force_y", reaction.force[1]
 

@@ -7,7 +7,7 @@ along an edge the average weighted with the multiplier's hat function.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -34,13 +34,15 @@ CLOSE = 0.25
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Constraints:
-    """Linear conditions C u = g on the displacement."""
+    """Linear conditions C u - B m = g on the displacement, m the forces by which they are held."""
 
     matrix: csr_array  # (m, n_dofs) C
     given: Floats  # (m,) m, g
     support: Ints  # (m,) number of the support that a row belongs to, -1 for none
     component: Ints  # (m,) 0: x, 1: y
     surface: Ints  # (m,) number of the bonded surface that a row belongs to, -1 for none
+    load: Ints  # (m,) number of the load whose volume of fluid a row gives, -1 for none
+    compliance: Floats  # (m,) m/(N/m), B: zero but for volumes
 
 
 def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
@@ -55,7 +57,7 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
     prescribing = _prescribing(cover, supports)
     if not prescribing:
         none = np.empty(0, dtype=np.int64)
-        return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none)
+        return Constraints(csr_array((0, cover.n_dofs)), np.empty(0), none, none, none, none, np.empty(0))
     averages = _averages(cover, [support for _, support in prescribing])
     values = _averaged_values(cover, averages)
     first = np.cumsum([0, *(average.n for average in averages)])
@@ -70,7 +72,8 @@ def constraints(cover: Cover, supports: Sequence[Support]) -> Constraints:
                 axes.append(np.full(average.n, component))
     matrix = csr_array(vstack(rows, format="csr"))
     given_at, owners, axis = (np.concatenate(lists) for lists in (given, owner, axes))
-    return Constraints(matrix, given_at, owners, axis, np.full(len(axis), -1))
+    none = np.full(len(axis), -1)
+    return Constraints(matrix, given_at, owners, axis, none, none, np.zeros(len(axis)))
 
 
 def n_constraints(cover: Cover, supports: Sequence[Support]) -> int:
@@ -90,18 +93,20 @@ def _prescribing(cover: Cover, supports: Sequence[Support]) -> list[tuple[int, P
     ]
 
 
-def tied(constraints: Constraints, rows: csr_array, surface: Ints) -> Constraints:
-    """The constraints with further `rows` (k, n_dofs), of bonded surfaces (k,), that are held at zero."""
+def joined_constraints(parts: Sequence[Constraints]) -> Constraints:
+    """The rows of several sets as one set."""
     from scipy.sparse import csr_array, vstack  # as above
 
-    none = np.full(len(surface), -1)
-    return Constraints(
-        csr_array(vstack([constraints.matrix, rows], format="csr")),
-        np.concatenate([constraints.given, np.zeros(len(surface))]),
-        np.concatenate([constraints.support, none]),
-        np.concatenate([constraints.component, none]),
-        np.concatenate([constraints.surface, surface]),
-    )
+    if len(parts) == 1:
+        return parts[0]
+    arrays = (np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(Constraints)[1:])
+    return Constraints(csr_array(vstack([part.matrix for part in parts], format="csr")), *arrays)
+
+
+def ties(rows: csr_array, surface: Ints) -> Constraints:
+    """Rows (k, n_dofs) of bonded surfaces (k,) that are held at zero."""
+    none, zero = np.full(len(surface), -1), np.zeros(len(surface))
+    return Constraints(rows, zero, none, none, surface, none, zero)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
