@@ -51,28 +51,25 @@ def face_load_vector(cover: Cover, crack_bodies: Sequence[str], loads: Sequence[
     return f.ravel()
 
 
-def volumes(cover: Cover, moduli: Sequence[float], loads: Sequence[Load]) -> list[Constraints]:
+def volumes(cover: Cover, modulus: float, loads: Sequence[Load]) -> list[Constraints]:
     """The constraints of all volumes of fluid: mean opening + compliance times force = volume over length of the faces.
 
-    `moduli` (cracks,) E' Pa are those of the rock that the cracks lie in.
+    `modulus` is E' (Pa) of the softest rock.
     """
-    found, none = [], np.full(1, -1)
+    found, none, compliance = [], np.full(1, -1), np.array([STORAGE / modulus])
     for number, load in enumerate(loads):
         if isinstance(load, FluidVolume):
-            wetted = [modulus for modulus, crack in zip(moduli, cover.cracks, strict=True) if load.fills(crack.name)]
             length = wetted_length(cover, load)
-            push = face_load_vector(cover, [], [FluidPressure(surface=load.surface, beyond=load.beyond, pressure=1.0)])
-            row = csr_array((push / length)[None])
-            compliance = np.array([STORAGE / min(wetted)])
-            found.append(
-                Constraints(row, np.array([load.volume / length]), none, none, none, none + 1 + number, compliance)
-            )
+            pressed = FluidPressure(surface=load.surface, beyond=load.beyond, pressure=1.0)
+            row = csr_array((face_load_vector(cover, [], [pressed]) / length)[None])
+            given = np.array([load.volume / length])
+            found.append(Constraints(row, given, none, none, none, np.array([number]), compliance))
     return found
 
 
 def wetted_length(cover: Cover, load: FluidVolume) -> float:
-    """The length (m) of all cracks that a volume of fluid fills."""
-    lines = [crack.points for crack in cover.cracks if load.fills(crack.name)]
+    """The length (m) of all that a volume of fluid fills."""
+    lines = [surface.line.points for surface in cover.surfaces if load.fills(surface.name)]
     return cover.lattice.spacing * sum(float(arc_lengths(points)[-1]) for points in lines)
 
 

@@ -79,8 +79,8 @@ def constraints_of(scene: Scene, cover: Cover) -> Constraints:
     if len(faces.surface):
         rows = csr_array(vstack(contact_operators(cover, faces), format="csr"))
         parts.append(ties(rows, np.tile(faces.surface, 2)))
-    moduli = [scene.materials[body].young_prime for body in scene.crack_bodies]
-    return joined_constraints([*parts, *volumes(cover, moduli, scene.case.loads)])
+    modulus = min(material.young_prime for material in scene.materials)
+    return joined_constraints([*parts, *volumes(cover, modulus, scene.case.loads)])
 
 
 def n_constraints_of(scene: Scene, cover: Cover) -> int:

@@ -162,18 +162,25 @@ class Scene:
         fluids = [load for load in loads if isinstance(load, model.FluidPressure | model.FluidVolume)]
         if not any(load.connected for load in fluids) and len(growing) == len(self.case.cracks):
             return loads
-        names, own = [each.crack.surface for each in growing], [load.surface for load in fluids]
-        started = [(each.parent, number) for number, each in enumerate(growing) if each.parent is not None]
-        lines = np.array([shapely.LineString(self.lattice.to_lattice(each.crack.points)) for each in growing])
+        parted = [
+            line
+            for line, law in zip(self.interfaces, self.laws[len(self.case.cracks) :], strict=False)
+            if not law.bonded
+        ]
+        names = [*(each.crack.surface for each in growing), *(line.name for line in parted)]
+        points = [*(self.lattice.to_lattice(each.crack.points) for each in growing), *(line.points for line in parted)]
+        lines = np.array([shapely.LineString(line) for line in points])
         touching = shapely.STRtree(lines).query(lines, "dwithin", distance=ON_LINE).T.tolist()
+        started = [(each.parent, number) for number, each in enumerate(growing) if each.parent is not None]
+        own = {number for number, name in enumerate(names) if any(name.is_of(load.surface) for load in fluids)}
         found: dict[int, model.Load] = {}
         for load in fluids:
-            filled = [number for number, name in enumerate(names) if name == load.surface]
+            filled = [number for number in own if names[number].is_of(load.surface)]
             for number in filled:  # it grows on the way
                 for one, other in (*started, *(touching if load.connected else ())):
-                    if one == number and other not in filled and names[other] not in own:
+                    if one == number and other not in own and other not in filled:
                         filled.append(other)
-            found[id(load)] = replace(load, beyond=tuple(names[number] for number in filled[1:]))
+            found[id(load)] = replace(load, beyond=tuple(names[number] for number in filled if number not in own))
         return tuple(found.get(id(load), load) for load in loads)
 
     def with_grading(self, grading: Grading) -> Scene:
@@ -231,6 +238,7 @@ def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Sc
     spacing = 2.0 * numerics.spacing if grading.nested else numerics.spacing
     lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), spacing, numerics.support, offset)
     scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), grading=grading)
+    scene = scene.with_cracks([GrowingCrack.given(crack) for crack in case.cracks])
     return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, model.Stages) else scene
 
 

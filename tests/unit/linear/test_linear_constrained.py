@@ -9,6 +9,7 @@ import pytest
 from scipy.sparse import csc_array, csr_array, diags_array
 
 from crackgrow.errors import SolveError
+from crackgrow.linear import ConstrainedSystem
 from crackgrow.linear.factorization import Factorization
 from tests.symmetric_matrices import dense_system, one_front, symmetric, whole
 
@@ -117,6 +118,22 @@ def test_constraints_that_take_all_loads_do_not_contradict(given: float, seed: i
     loads = constraints.T @ (1e7 * np.random.default_rng(seed).normal(size=4))
     u, _ = dense_system(definite(45), constraints).solve(loads, given * np.array([1.0, 2.0, 0.0, 3.0]))
     assert np.abs(u).max() < 1e-7
+
+
+@pytest.mark.parametrize("n_rigid", [0, 2])
+def test_compliant_constraints_give_way_by_their_forces(n_rigid: int) -> None:
+    """C u - B m = g, as the whole system solved densely, for loads, for what is given and for the compliance."""
+    rng = np.random.default_rng(3)
+    matrix, rows_of = definite(7), rng.normal(size=(n_rigid + 2, N))
+    compliance = np.append(np.zeros(n_rigid), [1e-3, 10.0])
+    system = ConstrainedSystem(symmetric(matrix), csr_array(rows_of), one_front(N // 2), compliance)
+    whole = np.block([[matrix.toarray(), rows_of.T], [rows_of, -np.diag(compliance)]])
+    loads, given = rng.normal(size=(N, 3)), rng.normal(size=(n_rigid + 2, 3))
+    exact = np.linalg.solve(whole, np.vstack([loads, given]))
+    np.testing.assert_allclose(np.vstack(system.solve(loads, given)), exact, atol=1e-12 * np.abs(exact).max())
+    seen = rng.normal(size=(4, N))
+    of_seen = seen @ np.linalg.inv(whole)[:N, :N] @ seen.T
+    np.testing.assert_allclose(system.compliance(csr_array(seen)), of_seen, atol=1e-12 * np.abs(of_seen).max())
 
 
 @pytest.mark.parametrize("size", [0.0, 5e-324, 1e-310, 1e-290])

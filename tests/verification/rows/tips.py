@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
+import yaml
 from scipy.special import ellipe, ellipk
 
 import crackgrow
@@ -455,4 +456,50 @@ def _along() -> Iterator[Row]:
     yield Row("13_curved, half circle alone", "T, both tips", partial(half_circle, "T"), 0.0, "symmetry", 1e-6)
 
 
-ROWS = [*_open(), *_closed(), *_many(), *_places(), *_along()]
+def injected(load: str, *settings: str) -> StepResult:
+    """A level crack of 10 mm in the middle of a wide plate of young 20 GPa, poisson 0.25, pressed by 2 and 6 MPa."""
+    scene = plate([[-5, 0], [5, 0]], 500.0, 0.0, 0.0, 0.3)
+    scene["loads"] = [{"far_field": [-2, -6, 0], "held": True}, {"crack": "flaw", **yaml.safe_load(load)}]
+    scene["numerics"] = {"accuracy": "standard"}
+    return solve_case(case_of(scene, *settings)).result
+
+
+def _injected() -> Iterator[Row]:
+    """A volume V opens a plane crack by p - S = V E'/(2 pi a^2), with K = (p - S) sqrt(pi a) (Sneddon 1946)."""
+    half, beyond, K = 5e-3, 0.1e-6 * (20e9 / (1.0 - 0.25**2)) / (2.0 * math.pi * 5e-3**2), 1e6
+    plane = "infinite plate: Sneddon 1946"
+    found = cache(partial(injected, "{volume: 0.1}"))
+    yield Row(
+        "volume in a crack",
+        "pressure of a volume [Pa]",
+        lambda: found().reactions[-1].pressure - 6e6,
+        beyond,
+        plane,
+        1e-3,
+    )
+    yield Row(
+        "volume in a crack",
+        "K_I of a volume [Pa sqrt(m)]",
+        lambda: found().tips[0].K_I,
+        beyond * math.sqrt(math.pi * half),
+        plane,
+        1e-3,
+    )
+    strength = "bodies.rock.strength={tension: 8, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}"
+    growth = "growth={steps: 0, increment: 1, criterion: max_hoop_stress}"
+    breaking = cache(partial(injected, "{volume: 0.1}", strength, growth, "loading=critical"))
+    p = K / math.sqrt(math.pi * half)
+    yield Row(
+        "volume in a crack",
+        "pressure of break-out [Pa]",
+        lambda: breaking().reactions[-1].pressure - 6e6,
+        p,
+        plane,
+        1e-3,
+    )
+    yield Row(
+        "volume in a crack", "volume of break-out [0.1 mm^2]", lambda: breaking().load_factor, p / beyond, plane, 1e-3
+    )
+
+
+ROWS = [*_open(), *_closed(), *_many(), *_places(), *_along(), *_injected()]
