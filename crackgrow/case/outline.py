@@ -12,7 +12,7 @@ import shapely
 from crackgrow.case.check_regions import knows_body
 from crackgrow.case.layout import Scene
 from crackgrow.case.regions import Along, Edge, EdgeRegion, edge_of
-from crackgrow.case.report import Path
+from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.touching import divided, lies_on
 
@@ -20,7 +20,7 @@ Run = tuple[Resolved, float, float]
 """What is held along an edge, and from where to where (m) as it was drawn."""
 
 
-def settle_outlines(scene: Scene) -> None:
+def settle_outlines(scene: Scene) -> Faults:
     """Put supports of edges in the place of `outline`, and loads of single bodies in that of `far_field`.
 
     The first takes the place of the item, others come last: the numbers of other items stay.
@@ -35,7 +35,7 @@ def settle_outlines(scene: Scene) -> None:
                 continue
             outer = {name: _outer_sides(scene, scene.bodies[name]) for name in names}
             if not any(outer.values()):
-                scene.report.fault((key, index), f"other bodies lie all round {', '.join(names)}: there is no outline")
+                yield (key, index), f"other bodies lie all round {', '.join(names)}: there is no outline"
             number = index
             for name, parts in outer.items():
                 body = scene.bodies[name]

@@ -12,11 +12,9 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, quoted
-from crackgrow.case.scalars import Context, refuse
+from crackgrow.case.scalars import Context, Measured, Numeric, Schema, Schemas, Takes, units_of
 from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
-from crackgrow.case.units import UNITS, QuantityError, is_number, parse_quantity
+from crackgrow.case.units import UNITS, QuantityError, parse_quantity
 
 Measure = Literal["x", "y", "distance", "angle"]  # what tells a place on an edge
 FULL_CIRCLE = 360.0  # degrees
@@ -175,28 +173,30 @@ class Along:
     angle: float | None  # degrees
 
 
-@dataclass(frozen=True, slots=True)
-class LengthOrAngle:
+class PlaceOnEdge(Numeric):
     """A length or an angle, a bare number in the length unit of the case or in degrees."""
 
     def describe(self) -> str:
         return "a length, or an angle on an arc"
 
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return an Along."""
-        units = f"{' | '.join((*UNITS['length'], *UNITS['angle']))}; a bare number means {context.units.length} or deg"
-        wanted = f"{self.describe()} ({units})"
-        if not isinstance(node, Scalar) or node.is_null:
-            return refuse(node, wanted, path, context)
-        text = node.text.strip()
-        if not node.plain and is_number(text):
-            return context.refused(path, f'"{text}" in quotes is a text; write {self.describe()} without quotes')
-        values: dict[str, float | None] = {}
+    def takes(self) -> Takes:
+        return Takes("length, or angle on an arc", f"{units_of('length')}; on an arc {units_of('angle')}")
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return {"anyOf": [Measured(kind).schema(schemas) for kind in ("length", "angle")]}
+
+    def hint(self, context: Context) -> str:
+        named = " | ".join((*UNITS["length"], *UNITS["angle"]))
+        return f" ({named}; a bare number means {context.units.length} or deg)"
+
+    def parse(self, text: str, context: Context) -> Along:
+        """The place; raises QuantityError."""
+        values: list[float | None] = []
         for kind in ("length", "angle"):
             try:
-                values[kind] = parse_quantity(text, kind, context.units)
-            except QuantityError as error:
-                values[kind], reason = None, error
-        if values["length"] is None and values["angle"] is None:
-            return context.refused(path, f"{quoted(text)} {reason}; wanted: {wanted}")
-        return Along(values["length"], values["angle"])
+                values.append(parse_quantity(text, kind, context.units))
+            except QuantityError:
+                if values == [None]:
+                    raise
+                values.append(None)
+        return Along(*values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path as FilePath
@@ -14,6 +14,8 @@ import yaml
 from crackgrow.errors import CaseError, Fault
 
 Path = tuple[str | int, ...]
+Faults = Iterator[tuple[Path, str]]
+"""What a check finds: the key of each fault, and what is wrong."""
 
 SHOWN_LENGTH = 60  # longer texts are cut in messages
 SIMILARITY = 0.55  # least likeness of a "did you mean", between 0 and 1

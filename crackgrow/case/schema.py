@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
-from crackgrow.case.scalars import INVALID, Choice, Context, Measured, Schema, Schemas, Takes, refuse
+from crackgrow.case.scalars import INVALID, Context, Measured, Numeric, Schema, Schemas, Takes, Words, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
 SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
@@ -40,7 +40,7 @@ class Field:
 
     def schema(self, schemas: Schemas) -> Schema:
         """What the key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
-        measured = isinstance(getattr(self.spec, "spec", self.spec), Measured)
+        measured = isinstance(getattr(self.spec, "spec", None) or self.spec, Measured)
         found: Schema = {"description": f"{self.doc}: {self.spec.describe()}" if measured else self.doc}
         if self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same):
             found["default"] = self.default
@@ -190,7 +190,7 @@ class Mapping:
 
     def _is_short(self, node: Node) -> bool:
         """Whether a node stands for the value of the `short` key."""
-        if isinstance(self.fields[self.short].spec, Measured | Choice):
+        if isinstance(self.fields[self.short].spec, Numeric | Words):
             return isinstance(node, Scalar) and not node.is_null
         return isinstance(node, Listing)
 
@@ -232,10 +232,7 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
 
 
 def _default(wanted: Field) -> object:
-    if wanted.default is BY_PARTS:
-        parts: Mapping = getattr(wanted.spec, "spec", wanted.spec)
-        return parts.defaults()
-    return deepcopy(wanted.default)
+    return wanted.spec.defaults() if wanted.default is BY_PARTS else deepcopy(wanted.default)
 
 
 @dataclass(frozen=True, slots=True)
