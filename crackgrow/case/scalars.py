@@ -226,7 +226,8 @@ class Measured(Numeric):
             sign = {"pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
         elif (">=", 0) in self.bounds:
             sign = {"pattern": rf"^(?!\s*-{_NOT_ZERO})"}
-        return {"title": self.describe().partition(" ")[2], "allOf": [whole], **limits, **sign}
+        bounded = {"title": f"{self.kind} {self.limits}", "allOf": [whole], **limits, **sign}
+        return schemas.named(" ".join([self.kind, *map(str, limits)]), lambda: bounded)
 
     def parse(self, text: str, context: Context) -> float:
         """The number, whole where it is to be; raises QuantityError."""
