@@ -19,9 +19,9 @@ from crackgrow.case import map_file, mesh_file
 from crackgrow.case.curves import curve_points
 from crackgrow.case.layout import named
 from crackgrow.case.map_file import Feature, attribute, features_of
-from crackgrow.case.mesh_file import ContentError, PlaneMesh, listed, read_mesh
+from crackgrow.case.mesh_file import ContentError, PlaneMesh, read_mesh
 from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, clean, quoted
+from crackgrow.case.report import Path, clean, listed, quoted
 from crackgrow.case.scalars import Context, Schema, Schemas, Takes, refuse
 from crackgrow.case.shapes import Resolved
 from crackgrow.case.units import UNITS, QuantityError

@@ -115,7 +115,9 @@ def with_base(
             report.fault(("set",), "there is no `base` whose keys it could set", root.entries["set"].place)
             del root.entries["set"]
         return root
-    _check_keys(root, report)
+    for key in [key for key in root.entries if key not in ("base", "set", *BESIDE)]:
+        message = f"beside `base` stand {', '.join(BESIDE)} and `set`; what differs is written as set: {{{key}: ...}}"
+        report.fault((key,), message, root.entries[key].place)
     file = _base_of(root.entries["base"].node, path, report, (*above, path))
     if file is None:
         return None
@@ -130,15 +132,6 @@ def with_base(
         return None
     _change(node, root, report)
     return node
-
-
-def _check_keys(root: Table, report: Report) -> None:
-    for key, entry in root.entries.items():
-        if key not in ("base", "set", *BESIDE):
-            message = (
-                f"beside `base` stand {', '.join(BESIDE)} and `set`; what differs is written as set: {{{key}: ...}}"
-            )
-            report.fault((key,), message, entry.place)
 
 
 def _base_of(node: Node, path: FilePath, report: Report, files: tuple[FilePath, ...]) -> FilePath | None:

@@ -18,6 +18,7 @@ Faults = Iterator[tuple[Path, str]]
 """What a check finds: the key of each fault, and what is wrong."""
 
 SHOWN_LENGTH = 60  # longer texts are cut in messages
+SHOWN_WORDS = 12  # of a longer list the rest is left out in messages
 SIMILARITY = 0.55  # least likeness of a "did you mean", between 0 and 1
 
 
@@ -38,6 +39,13 @@ def clean(text: str) -> str:
 def quoted(text: str) -> str:
     """Show a text from the file inside a message."""
     return f"'{clean(text)}'"
+
+
+def listed(words: Iterable[str]) -> str:
+    """Words, each once; of many the first ones and the last."""
+    each = [clean(word) or "''" for word in dict.fromkeys(words)]
+    shown = each if len(each) <= SHOWN_WORDS else [*each[:SHOWN_WORDS], "...", each[-1]]
+    return ", ".join(shown) or "none"
 
 
 def dotted(path: Path) -> str:

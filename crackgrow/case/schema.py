@@ -196,31 +196,26 @@ class Mapping:
 
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""
-        guesses = set()
+        guesses: set[str] = set()
         unknown = [(key, entry) for key, entry in node.entries.items() if key not in self.fields]
         if len(unknown) > SHOWN_UNKNOWN:
             context.report.fault(path, f"{len(unknown)} unknown keys; allowed: {', '.join(self.offered())}")
-        else:
-            for key, entry in unknown:
-                free = [known for known in self.offered() if known not in node.entries]
-                hint = self._plural(key) or explained(key, free) or self._inner_key(key) or did_you_mean(key, free)
-                hint = hint or did_you_mean(key, self.offered())
-                message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
-                context.report.fault((*path, key), message, entry.place)
-                guesses.add(nearest(key, free) or "")
+            return guesses
+        for key, entry in unknown:
+            free = [known for known in self.offered() if known not in node.entries]
+            meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
+            if not meant and not explained(key, free):
+                meant = [f"{outer}.{key}" for outer, its in self.fields.items() if key in _offered_inside(its.spec)]
+            hint = f"; did you mean '{meant[0]}'?" if meant else did_you_mean(key, free)
+            hint = hint or did_you_mean(key, self.offered())
+            message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
+            context.report.fault((*path, key), message, entry.place)
+            guesses.add(nearest(key, free) or "")
         return guesses
 
-    def _plural(self, key: str) -> str:
-        """Return "; did you mean 'supports'?" for a key that lacks the s of one of the mapping, or has one too many."""
-        meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
-        return f"; did you mean '{meant[0]}'?" if meant else ""
 
-    def _inner_key(self, key: str) -> str:
-        """Return "; did you mean 'numerics.spacing'?" for a key of a mapping inside, or nothing."""
-        for outer, field in self.fields.items():
-            if isinstance(field.spec, Mapping) and key in field.spec.offered():
-                return f"; did you mean '{outer}.{key}'?"
-        return ""
+def _offered_inside(spec: Any) -> list[str]:
+    return spec.offered() if isinstance(spec, Mapping) else []
 
 
 def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
