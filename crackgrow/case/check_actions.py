@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body, lines_of
+from crackgrow.case.check_regions import knows, lines_of
 from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
@@ -215,7 +215,7 @@ def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
     if region := scene.regions.get((*key, "on")):
         return sampled(ends_of(scene.bodies[region.body], region))
     if "gravity" in load or "stress" in load:
-        body = scene.bodies.get(load["body"]) if knows_body(scene, (*key, "body"), load["body"]) else None
+        body = scene.bodies.get(load["body"]) if knows(scene, (*key, "body"), "body", load["body"]) else None
         if body is None or "stress" not in load:
             return None
         low, high = body.corners.min(axis=0), body.corners.max(axis=0)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from crackgrow.case.accuracy import target_of
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows
 from crackgrow.case.checks import contact_laws
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.report import Faults, Path, did_you_mean, quoted
@@ -77,7 +77,7 @@ def _excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, float]
             yield at, f"body '{name}' is gone already"
         elif key[-1] == 0:
             yield at, "no stage before this one loads the rock: leave the body out of the case, or put a stage before"
-        elif knows_body(scene, at, name) and cracks:
+        elif knows(scene, at, "body", name) and cracks:
             yield at, f"crack '{cracks[0]}' lies in body '{name}'; rock that is taken out can have no cracks"
         gone[name] = 0.0
     if names and not named(scene.resolved, "bodies").keys() - gone.keys():

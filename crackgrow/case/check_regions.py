@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import shapely
@@ -22,7 +22,7 @@ def check_regions(scene: Scene) -> Faults:
     for kind in ("supports", "loads"):
         for index, item in scene.listed(kind):
             key = (kind, index, "on")
-            if "on" in item and scene.report.sound(*key) and knows_body(scene, (*key, "body"), item["on"]["body"]):
+            if "on" in item and scene.report.sound(*key) and knows(scene, (*key, "body"), "body", item["on"]["body"]):
                 yield from _region(scene, key, item["on"])
 
 
@@ -44,21 +44,12 @@ def settle_bodies(scene: Scene) -> Faults:
                 scene.report.doubt((*key, "body"))  # that there is none is told elsewhere
 
 
-def knows_body(scene: Scene, key: Path, name: str) -> bool:
-    """Whether there is a body of this name; reports it at the key if not, but for a case without bodies."""
-    names = list(named(scene.resolved, "bodies"))
-    return _knows(scene, key, f"body {quoted(name)}", name, names) if names else False
-
-
-def knows_crack(scene: Scene, key: Path, name: str) -> bool:
-    """Whether there is a crack of this name; reports it at the key if not."""
-    return _knows(scene, key, f"crack {quoted(name)}", name, list(named(scene.resolved, "cracks")))
-
-
-def _knows(scene: Scene, key: Path, what: str, name: str, names: list[str]) -> bool:
-    if name not in names:
-        message = f"no {what}; the case has: {', '.join(names) or 'none'}{did_you_mean(name, names)}"
-        scene.report.fault(key, message)
+def knows(scene: Scene, key: Path, thing: Literal["body", "crack"], name: str) -> bool:
+    """Whether there is a body or a crack of this name; reports it at the key if not, but for a case without bodies."""
+    names = list(named(scene.resolved, {"body": "bodies", "crack": "cracks"}[thing]))
+    if name not in names and (names or thing == "crack"):
+        hint = f"{', '.join(names) or 'none'}{did_you_mean(name, names)}"
+        scene.report.fault(key, f"no {thing} {quoted(name)}; the case has: {hint}")
     return name in names
 
 
@@ -157,7 +148,7 @@ def _place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved)
     where, point = scene.exact_point(np.array(at)), Point(at)
     distances = {name: float(body.polygon.distance(point)) for name, body in scene.bodies.items()}
     if "body" in item:
-        if not knows_body(scene, (*key[:-1], "body"), item["body"]):
+        if not knows(scene, (*key[:-1], "body"), "body", item["body"]):
             return
         distances = {item["body"]: distances[item["body"]]}
     nearest = min(distances, key=lambda name: distances[name])
@@ -181,13 +172,13 @@ def _place_in_rock(scene: Scene, key: Path, at: Sequence[float], item: Resolved)
 def lines_of(scene: Scene, key: Path, item: Resolved) -> tuple[Floats, ...]:
     """The lines (n, 2) m of the crack, or the interface, that an item names; reports one that there is not."""
     if "crack" in item:
-        known = knows_crack(scene, (*key, "crack"), item["crack"])
+        known = knows(scene, (*key, "crack"), "crack", item["crack"])
         line = scene.cracks.get(item["crack"], np.empty((0, 2)))
         return (line,) if known and len(line) > 1 else ()
     first, second = item["interface"]
     if not scene.report.sound("interfaces"):  # one with a fault may be the one that is meant
         return ()
-    are_bodies = [knows_body(scene, (*key, "interface", end), name) for end, name in enumerate(item["interface"])]
+    are_bodies = [knows(scene, (*key, "interface", end), "body", name) for end, name in enumerate(item["interface"])]
     if not all(are_bodies):
         return ()
     given = [set(its["between"]) for _, its in scene.items("interfaces", "between")]

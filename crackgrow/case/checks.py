@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows
 from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.model import STEEPEST, CoulombContact
@@ -178,7 +178,7 @@ def check_interfaces(scene: Scene) -> Faults:
         key = ("interfaces", index, "between")
         if scene.report.sound(*key):
             pair = interface["between"]
-            known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+            known = [knows(scene, (*key, k), "body", name) for k, name in enumerate(pair)]
             if all(known):
                 clear += 1
                 yield from _pair(scene, key, pair, seen)

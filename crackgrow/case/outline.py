@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows
 from crackgrow.case.layout import Scene
 from crackgrow.case.regions import Along, Edge, EdgeRegion, edge_of
 from crackgrow.case.report import Faults, Path
@@ -30,7 +30,7 @@ def settle_outlines(scene: Scene) -> Faults:
             if word not in item or not scene.report.sound(key, index):
                 continue
             names = [item["body"]] if "body" in item else list(scene.bodies)
-            if not scene.complete or not all(knows_body(scene, (key, index, "body"), name) for name in names):
+            if not scene.complete or not all(knows(scene, (key, index, "body"), "body", name) for name in names):
                 scene.report.doubt((key, index))  # the faults of bodies are told
                 continue
             outer = {name: _outer_sides(scene, scene.bodies[name]) for name in names}

@@ -13,7 +13,7 @@ import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.scalars import Context, Measured, Numeric, Schema, Schemas, Takes, units_of
-from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
+from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.units import UNITS, QuantityError, parse_quantity
 
 Measure = Literal["x", "y", "distance", "angle"]  # what tells a place on an edge
@@ -60,13 +60,23 @@ class Edge:
 
 
 def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
-    """Return the edge of a body; raises KeyError if there is none of that name."""
-    first_side = 0
-    for ring in body.rings:
-        if name in ring.edge_names:
-            return _edge(ring, name, first_side, tolerance)
-        first_side += len(ring.points)
-    raise KeyError(name)
+    """Return the edge of a body that has one of that name."""
+    number = next(k for k, ring in enumerate(body.rings) if name in ring.edge_names)
+    ring, first_side = body.rings[number], sum(len(ring.points) for ring in body.rings[:number])
+    n = len(ring.points)
+    ends = ring.sides
+    given = np.stack([ring.given, np.roll(ring.given, -1, axis=0)], axis=1)[ring.drawn]
+    ids = np.arange(n)
+    if ring.backwards:
+        ends, given, ids = ends[::-1, ::-1], given[::-1, ::-1], ids[::-1]
+    has_name = np.array(ring.edge_names)[ids] == name
+    starts = np.flatnonzero(has_name & ~np.roll(has_name, 1))
+    order = np.roll(np.arange(n), -int(starts[0])) if len(starts) else np.arange(n)
+    order = order[has_name[order]]
+    drawn = ring.drawn[ids[order]]
+    first_parts = np.append(True, drawn[1:] != drawn[:-1])
+    measure, reach = _measure(ends[order], given[order][first_parts], ring.is_arc, tolerance)
+    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
 def region_of(body: BodyShape, on: Resolved, tolerance: float) -> EdgeRegion:
@@ -89,23 +99,6 @@ def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
     """Return both ends `(k, 2, 2) float` in m of the region's part of every side."""
     start, end = np.moveaxis(body.sides[region.sides], 1, 0)
     return np.asarray(start[:, None] + region.limits[:, :, None] * (end - start)[:, None], dtype=float)
-
-
-def _edge(ring: DrawnRing, name: str, first_side: int, tolerance: float) -> Edge:
-    n = len(ring.points)
-    ends = ring.sides
-    given = np.stack([ring.given, np.roll(ring.given, -1, axis=0)], axis=1)[ring.drawn]
-    ids = np.arange(n)
-    if ring.backwards:
-        ends, given, ids = ends[::-1, ::-1], given[::-1, ::-1], ids[::-1]
-    has_name = np.array(ring.edge_names)[ids] == name
-    starts = np.flatnonzero(has_name & ~np.roll(has_name, 1))
-    order = np.roll(np.arange(n), -int(starts[0])) if len(starts) else np.arange(n)
-    order = order[has_name[order]]
-    drawn = ring.drawn[ids[order]]
-    first_parts = np.append(True, drawn[1:] != drawn[:-1])
-    measure, reach = _measure(ends[order], given[order][first_parts], ring.is_arc, tolerance)
-    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
 def _measure(ends: Floats, given: Floats, is_arc: bool, tolerance: float) -> tuple[Measure, tuple[float, float]]:
