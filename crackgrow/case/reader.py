@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path as FilePath
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import yaml
 
@@ -16,7 +15,8 @@ MAX_BYTES = 2**19  # its text takes two or three seconds to read
 MAX_COPIES = 100_000  # of values that stand for aliases
 
 _CORE = "tag:yaml.org,2002:"
-_SCALAR_TAGS = {"int", "float", "bool", "null"}
+NO_TAG = ""
+_SCALAR_TAGS = {NO_TAG, "int", "float", "bool", "null"}
 
 
 @dataclass(slots=True)
@@ -156,10 +156,19 @@ def has_half_pair(text: str) -> bool:
     return any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
+class _Loader(yaml.SafeLoader):
+    """Leaves plain scalars without a tag: whether 5 is a number, the key that takes it decides."""
+
+    def resolve(self, kind: type[yaml.Node], value: Any, implicit: Any) -> str:
+        if kind is yaml.ScalarNode and implicit[0]:
+            return NO_TAG
+        return str(super().resolve(kind, value, implicit))  # type: ignore[no-untyped-call]
+
+
 class _Builder:
     """Makes nodes of those that PyYAML composes; each alias gets a value of its own, as an override may change it."""
 
-    loader: yaml.SafeLoader
+    loader: _Loader
 
     def __init__(self, report: Report, start: Place) -> None:
         self.report = report
@@ -172,7 +181,7 @@ class _Builder:
         return self.start if self.start.line is None else Place(self.start.source, line + 1)
 
     def document(self, text: str, path: Path) -> Node | None:
-        self.loader = yaml.SafeLoader(text)
+        self.loader = _Loader(text)
         try:
             composed = self.loader.get_single_node()
         except RecursionError:
@@ -201,13 +210,9 @@ class _Builder:
         return Listing([self.node(its, (*path, k), depth + 1) for k, its in enumerate(given.value)], place)
 
     def scalar(self, given: yaml.ScalarNode, path: Path, place: Place) -> Node:
-        resolve: Callable[..., str] = self.loader.resolve
-        usual = resolve(yaml.ScalarNode, given.value, (True, False))  # the tag of a plain one without any
-        plain = given.style is None and given.tag == usual
-        if not plain and given.tag != _CORE + "str":
-            if given.tag.removeprefix(_CORE) not in _SCALAR_TAGS:
-                return self.refused_tag(given.tag, path, place)
-            plain = True
+        plain = given.tag != _CORE + "str"
+        if plain and given.tag.removeprefix(_CORE) not in _SCALAR_TAGS:
+            return self.refused_tag(given.tag, path, place)
         if has_half_pair(given.value):
             self.report.fault(path, f"{quoted(given.value)} holds half of a surrogate pair, which is no text", place)
             return Broken(place)
