@@ -121,13 +121,11 @@ def with_base(
     file = _base_of(root.entries["base"].node, path, report, (*above, path))
     if file is None:
         return None
-    found = Report(str(file))
-    node = read_file(file, found)
+    node = read_file(file, report)
     if isinstance(node, Table):
-        node = with_base(node, file, found, folders, (*above, path))
+        node = with_base(node, file, report, folders, (*above, path))
     elif node is not None:
-        found.fault((), "the file holds no mapping; a case is written as key: value", node.place)
-    report.take(found)
+        report.fault((), "the file holds no mapping; a case is written as key: value", node.place)
     if not isinstance(node, Table):
         return None
     _change(node, root, report)

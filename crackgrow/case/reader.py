@@ -85,23 +85,24 @@ def read_file(file: str | FilePath, report: Report) -> Node | None:
         elif path.stat().st_size > MAX_BYTES:
             problem = f"is larger than {MAX_BYTES // 2**10} KiB; a case file is small"
         else:
-            return _decode_and_parse(path.read_bytes(), report)
+            return _decode_and_parse(path.read_bytes(), report, str(file))
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    report.fault((), problem, Place(report.source, None))
+    report.fault((), problem, Place(str(file), None))
     return None
 
 
-def _decode_and_parse(data: bytes, report: Report) -> Node | None:
+def _decode_and_parse(data: bytes, report: Report, source: str) -> Node | None:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        report.fault((), "is not a text in UTF-8", Place(report.source, line))
+        report.fault((), "is not a text in UTF-8", Place(source, line))
         return None
-    node = parse(text, report, Place(report.source, 1))
-    if node is None and not report.faults:
-        report.fault((), "the file is empty")
+    n_faults = len(report.faults)
+    node = parse(text, report, Place(source, 1))
+    if node is None and len(report.faults) == n_faults:
+        report.fault((), "the file is empty", Place(source, 1))
     return node
 
 

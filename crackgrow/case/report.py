@@ -109,12 +109,6 @@ class Report:
         self.faults.append(Fault(where.source, where.line, dotted(path), message))
         self.doubt(path)
 
-    def take(self, other: Report) -> None:
-        """Add the faults of another file."""
-        self.faults.extend(other.faults)
-        self.faulty |= other.faulty
-        self.above_faulty |= other.above_faulty
-
     def doubt(self, path: Path) -> None:
         """Mark a key as faulty; its fault is reported elsewhere, such as a misspelling of it."""
         self.faulty.add(path)
