@@ -37,32 +37,23 @@ def one_thread() -> None:
 @contextlib.contextmanager
 def single_threaded() -> Iterator[None]:
     """As `one_thread` where numpy is loaded, until the end of the block: then the user's threads are back."""
+    global _users
     if _settled:
         yield
         return
-    _begin()
-    try:
-        yield
-    finally:
-        _end()
-
-
-def _begin() -> None:
-    global _users
     with _guard:
         if _users == 0:
             from threadpoolctl import threadpool_limits
 
             _limits.enter_context(threadpool_limits(limits=1, user_api="blas"))
         _users += 1
-
-
-def _end() -> None:
-    global _users
-    with _guard:
-        _users -= 1
-        if _users == 0:
-            _limits.close()
+    try:
+        yield
+    finally:
+        with _guard:
+            _users -= 1
+            if _users == 0:
+                _limits.close()
 
 
 def warm_up() -> None:

@@ -9,12 +9,12 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.check_regions import knows_body, lines_of
+from crackgrow.case.check_regions import knows, lines_of
 from crackgrow.case.formula import CoordinateFormula, component_of
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
-from crackgrow.case.report import Path
+from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
@@ -27,18 +27,22 @@ ALIKE = 1e-6
 """Of the largest displacement of both supports: two that differ by less are one."""
 
 
-def check_supports(scene: Scene) -> None:
+def check_supports(scene: Scene) -> Faults:
     """Report supports given twice, formulas without value and rigid motions left free."""
-    _check_points(scene)
-    _check_formulas(scene)
+    yield from _held_twice(scene)
+    for index, support in scene.items("supports", "displacement"):
+        if (places := _places(scene, index)) is not None:
+            yield from _without_value(scene, ("supports", index, "displacement"), support["displacement"], places)
     settled = all(("supports", index, "on") in scene.regions for index, _ in scene.items("supports", "on"))
-    if scene.complete and scene.report.sound("supports") and settled:
-        for body in scene.bodies.values():
-            if not _is_in_contact(scene, body):
-                _check_held(scene, body)
+    if not (scene.complete and scene.report.sound("supports") and settled):
+        return
+    foundations = [item["on"]["body"] for _, item in scene.items("supports", "contact")]
+    for body in scene.bodies.values():  # where others or a foundation hold it too, only the solution tells how
+        if body.name not in foundations and not any(body.name in pair for pair in scene.shared):
+            yield from _free_motions(scene, body)
 
 
-def _check_points(scene: Scene) -> None:
+def _held_twice(scene: Scene) -> Faults:
     """Report a component that is held twice at a point."""
     seen: list[tuple[int, str, Floats, set[str]]] = []
     for index, support in scene.listed("supports"):
@@ -50,28 +54,21 @@ def _check_points(scene: Scene) -> None:
             twice = sorted(held & components)
             if twice and its_body == body and math.dist(point, at) <= scene.tolerance:
                 message = f"{' and '.join(twice)} at {scene.point(point)} is prescribed already by supports.{other}"
-                scene.report.fault(("supports", index, "displacement"), message)
+                yield ("supports", index, "displacement"), message
                 break
         seen.append((index, body, point, components))
 
 
-def _check_formulas(scene: Scene) -> None:
-    """Report displacements that have no finite value at the point, or at places along the sides of the region."""
-    for index, support in scene.items("supports", "displacement"):
-        if (places := _places(scene, index)) is not None:
-            check_formula(scene, ("supports", index, "displacement"), support["displacement"], places)
-
-
-def check_formula(scene: Scene, key: Path, value: Any, points: Floats) -> None:
+def _without_value(scene: Scene, key: Path, value: Any, points: Floats) -> Faults:
     """Report a formula, or those of several components, without a finite value at one of some points (n, 2) m."""
     parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for part, component in parts:
-        check_formula(scene, (*key, part), component, points)
+        yield from _without_value(scene, (*key, part), component, points)
     formula = component_of(value) if isinstance(value, str) else None
     if isinstance(formula, CoordinateFormula):
         _, nowhere = formula.values(points)
         if nowhere is not None:
-            scene.report.fault(key, f"has no finite value at {scene.point(nowhere)}")
+            yield key, f"has no finite value at {scene.point(nowhere)}"
 
 
 def sampled(ends: Floats, parts: Floats = SAMPLES) -> Floats:
@@ -79,13 +76,7 @@ def sampled(ends: Floats, parts: Floats = SAMPLES) -> Floats:
     return np.asarray(ends[:, :1] + parts[:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
 
 
-def _is_in_contact(scene: Scene, body: BodyShape) -> bool:
-    """Whether other bodies or a foundation hold the body too; only the solution tells how."""
-    foundations = [item["on"]["body"] for _, item in scene.items("supports", "contact")]
-    return body.name in foundations or any(body.name in pair for pair in scene.shared)
-
-
-def _check_held(scene: Scene, body: BodyShape) -> None:
+def _free_motions(scene: Scene, body: BodyShape) -> Faults:
     """Report the rigid motions that the supports leave free.
 
     A motion (a, b, w) displaces x by a - w (y - c_y) / R and y by b + w (x - c_x) / R, about the body's centre c, with
@@ -105,8 +96,7 @@ def _check_held(scene: Scene, body: BodyShape) -> None:
         about = body.center + R * np.array([-b, a])
         free.append(f"rotation about {scene.point(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
     if free:
-        message = f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
-        scene.report.fault(("supports",), message)
+        yield ("supports",), f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
 
 
 def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
@@ -118,7 +108,7 @@ def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
     return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
 
 
-def check_foundations(scene: Scene) -> None:
+def check_foundations(scene: Scene) -> Faults:
     """Report foundations under a boundary that two bodies share, and two foundations in one place."""
     seen: list[tuple[int, EdgeRegion]] = []
     for index, _ in scene.items("supports", "contact"):
@@ -129,11 +119,10 @@ def check_foundations(scene: Scene) -> None:
         for pair in scene.shared:
             if region.body in pair and _lies_on(scene, region, pair):
                 other = pair[1 - pair.index(region.body)]
-                message = f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
-                scene.report.fault(key, message)
+                yield key, f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
         for earlier, its_region in seen:
             if len(_shared(scene, region, its_region)):
-                scene.report.fault(key, f"lies partly on the foundation of supports.{earlier}")
+                yield key, f"lies partly on the foundation of supports.{earlier}"
         seen.append((index, region))
 
 
@@ -146,23 +135,22 @@ def _lies_on(scene: Scene, region: EdgeRegion, pair: tuple[str, str]) -> bool:
     return bool(np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance))
 
 
-def check_agreement(scene: Scene) -> None:
+def check_agreement(scene: Scene) -> Faults:
     """Report components of a displacement that another support prescribes otherwise at a place of both.
 
     Edges that meet at a corner have no part in common: what a corner alone would have to do two ways, no edge is held
     to. Points on a held edge are warned of (`run.scene_warnings`).
     """
-    earlier: list[int] = []
-    for index, _ in scene.items("supports", "displacement"):
-        for other in earlier:
-            mine, its = (scene.regions.get(("supports", each, "on")) for each in (index, other))
+    held = [index for index, _ in scene.items("supports", "displacement")]
+    regions = [(index, scene.regions.get(("supports", index, "on"))) for index in held]
+    for number, (index, mine) in enumerate(regions):
+        for other, its in regions[:number]:
             places = np.empty((0, 2)) if mine is None or its is None else _shared(scene, mine, its)
             if len(places):
-                _compare(scene, index, other, places)
-        earlier.append(index)
+                yield from _otherwise(scene, index, other, places)
 
 
-def _compare(scene: Scene, index: int, other: int, places: Floats) -> None:
+def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
     """Report the components that differ at one of the places (n, 2) m of two supports."""
     displacement, its = (scene.resolved["supports"][each]["displacement"] for each in (index, other))
     for component in [name for name in displacement if name in its]:
@@ -178,7 +166,7 @@ def _compare(scene: Scene, index: int, other: int, places: Floats) -> None:
                 f"{component} at {scene.point(places[worst])} is {scene.length(float(here[worst]))} here and "
                 f"{scene.length(float(there[worst]))} by supports.{other}; a place can be held in one way alone"
             )
-            scene.report.fault(("supports", index, "displacement", component), message)
+            yield ("supports", index, "displacement", component), message
 
 
 def _values(value: float | str, places: Floats | None) -> Floats | None:
@@ -206,13 +194,20 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
     return sampled(np.array(found)) if found else np.empty((0, 2))
 
 
-def check_loads(scene: Scene) -> None:
+def check_loads(scene: Scene) -> Faults:
     """Report loads on what the case does not have, or without a value where they act."""
+    bonded = [set(its["between"]) for _, its in scene.items("interfaces", "between") if its["contact"] == "bonded"]
     for index, load in scene.listed("loads"):
         key: Path = ("loads", index)
-        if scene.report.sound(*key) and (places := _loaded_places(scene, key, load)) is not None:
+        if not scene.report.sound(*key):
+            continue
+        places = _loaded_places(scene, key, load)
+        if set(load.get("interface", ())) in bonded:
+            why = "no fluid gets between faces that never part; give it a law of contact"
+            yield (*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}"
+        if places is not None:
             for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
-                check_formula(scene, (*key, kind), load[kind], places)
+                yield from _without_value(scene, (*key, kind), load[kind], places)
 
 
 def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
@@ -220,19 +215,13 @@ def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
     if region := scene.regions.get((*key, "on")):
         return sampled(ends_of(scene.bodies[region.body], region))
     if "gravity" in load or "stress" in load:
-        known = knows_body(scene, (*key, "body"), load["body"]) and load["body"] in scene.bodies
-        return _places_in(scene.bodies[load["body"]]) if known and "stress" in load else None
+        body = scene.bodies.get(load["body"]) if knows(scene, (*key, "body"), "body", load["body"]) else None
+        if body is None or "stress" not in load:
+            return None
+        low, high = body.corners.min(axis=0), body.corners.max(axis=0)
+        inside = np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T
+        inside = low + (inside + 0.5) / SAMPLES_ACROSS * (high - low)
+        return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])
     lines = lines_of(scene, key, load) if "crack" in load or "interface" in load else ()
-    bonded = [set(its["between"]) for _, its in scene.items("interfaces", "between") if its["contact"] == "bonded"]
-    if set(load.get("interface", ())) in bonded:
-        why = "no fluid gets between faces that never part; give it a law of contact"
-        scene.report.fault((*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}")
     ends = [np.stack([points[:-1], points[1:]], axis=1) for points in lines]
     return sampled(np.concatenate(ends)) if ends else None
-
-
-def _places_in(body: BodyShape) -> Floats:
-    """Places (n, 2) m on the rim of a body and in it."""
-    low, high = body.sides.reshape(-1, 2).min(axis=0), body.sides.reshape(-1, 2).max(axis=0)
-    inside = low + (np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T + 0.5) / SAMPLES_ACROSS * (high - low)
-    return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])

@@ -9,7 +9,9 @@ import shapely
 from shapely import LineString, Point, Polygon
 
 from crackgrow.arrays import Floats, Ints
+from crackgrow.case.checks import smallest
 from crackgrow.case.layout import SMALLEST, Scene
+from crackgrow.case.report import Faults, Path
 from crackgrow.case.segments import (
     MOST_PAIRS,
     Segments,
@@ -33,14 +35,14 @@ class _Surroundings:
     corners: shapely.STRtree
 
 
-def check_cracks(scene: Scene) -> None:
+def check_cracks(scene: Scene) -> Faults:
     """Report cracks that are too short, leave their body or run along its boundary, or meet others not as allowed."""
     names = [name for name, points in scene.cracks.items() if len(points) > 1]
-    _check_lengths(scene)
+    yield from _too_short(scene)
     segments = segments_of([scene.cracks[name] for name in names])
     pairs = close_segments(segments, scene.tolerance)
     if len(pairs) > MOST_PAIRS:
-        scene.report.fault(("cracks",), f"the cracks cross or touch more than {MOST_PAIRS} times")
+        yield ("cracks",), f"the cracks cross or touch more than {MOST_PAIRS} times"
         return
     lines = segments.lines[pairs]
     parts = common_parts(segments.ends[pairs[:, 0]], segments.ends[pairs[:, 1]], scene.tolerance)
@@ -48,16 +50,21 @@ def check_cracks(scene: Scene) -> None:
     itself = np.flatnonzero(of_one & (runs | (pairs[:, 1] - pairs[:, 0] > 1)))
     found = {names[lines[k, 0]]: pairs[k] for k in itself[::-1].tolist()}  # of several the first one
     for name, pair in found.items():
-        _refuse_itself(scene, segments, name, pair)
+        yield _path(name), _meets_itself(scene, segments, pair)
     surroundings = {name: _surroundings(body, scene.tolerance) for name, body in scene.bodies.items()}
     inside, refused = set(), set()
     for name in [name for name in names if name in scene.hosts and name not in found]:
         around = surroundings[scene.hosts[name]]
         if problem := _problem(scene, scene.cracks[name], around):
-            _refuse(scene, name, problem)
-        else:
-            inside.add(name)
-            refused |= _check_ends(scene, name, around)
+            yield _path(name), problem
+            continue
+        inside.add(name)
+        for end, point in zip(("start", "end"), scene.cracks[name][[0, -1]], strict=True):
+            if end in scene.tips_of(name) and Point(point).dwithin(around.boundary, scene.tolerance):
+                edge = _edge_at(scene, around.body, Point(point))
+                remedy = "put it inside, or leave this end out of `tips`"
+                yield _path(name), f"the tip at the {end} {scene.point(point)} lies on {edge}; {remedy}"
+                refused.add((name, end))
     along = set()
     for k in np.flatnonzero(runs & ~of_one).tolist():
         one, other = (names[line] for line in lines[k])
@@ -65,36 +72,37 @@ def check_cracks(scene: Scene) -> None:
             along.add((one, other))
             shown = " to ".join(scene.point(end) for end in parts[k])
             message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
-            _refuse(scene, other, message)
-    _check_tips(scene, [name for name in names if name in inside], along, refused)
+            yield _path(other), message
+    yield from _tips(scene, [name for name in names if name in inside], along, refused)
 
 
-def _check_lengths(scene: Scene) -> None:
+def _path(name: str) -> Path:
+    return "cracks", name, "path"
+
+
+def _too_short(scene: Scene) -> Faults:
     """Report cracks without length, and cracks that are less than the smallest cells."""
     spacing = scene.get("numerics", "spacing") or 0.0
     for name, points in scene.cracks.items():
         length = line_length(points)
         if len(points) < 2:
-            _refuse(scene, name, "has no length: at least two different points are wanted")
+            yield _path(name), "has no length: at least two different points are wanted"
         elif length < SMALLEST * spacing:
-            limit = f"{SMALLEST:g} of the lattice spacing, {scene.length(SMALLEST * spacing)}"
-            _refuse(scene, name, f"length {scene.length(length)} is less than {limit}")
+            yield _path(name), f"length {scene.length(length)} is less than {smallest(scene, spacing)}"
 
 
-def _refuse_itself(scene: Scene, segments: Segments, name: str, pair: Ints) -> None:
-    """Report that two segments of a crack cross, touch or lie on each other."""
+def _meets_itself(scene: Scene, segments: Segments, pair: Ints) -> str:
+    """Say where two segments of a crack cross, touch or lie on each other."""
     first, second = pair.tolist()
     if second - first == 1:
         vertex = second - int(np.searchsorted(segments.lines, segments.lines[first]))
         where = scene.point(segments.ends[second, 0])
-        message = f"folds back on itself at vertex {vertex} {where}; end it there"
-    else:
-        where = scene.point(places_between(segments, pair[None])[0])
-        message = f"crosses or touches itself at {where}; give it as two cracks, which may meet there"
-    _refuse(scene, name, message)
+        return f"folds back on itself at vertex {vertex} {where}; end it there"
+    where = scene.point(places_between(segments, pair[None])[0])
+    return f"crosses or touches itself at {where}; give it as two cracks, which may meet there"
 
 
-def _check_tips(scene: Scene, names: list[str], along: set[tuple[str, str]], refused: set[tuple[str, str]]) -> None:
+def _tips(scene: Scene, names: list[str], along: set[tuple[str, str]], refused: set[tuple[str, str]]) -> Faults:
     """Report tips that lie on another crack, unless they are refused already or the two run along each other."""
     lines = [LineString(scene.cracks[name]) for name in names]
     points = shapely.points(np.concatenate([np.empty((0, 2)), *(scene.cracks[name][[0, -1]] for name in names)]))
@@ -110,7 +118,7 @@ def _check_tips(scene: Scene, names: list[str], along: set[tuple[str, str]], ref
             if end in tips and not {(name, host), (host, name)} & along:
                 where = scene.point(scene.cracks[name][0 if end == "start" else -1])
                 message = f"the tip at the {end} {where} lies on crack '{host}', where it cannot grow"
-                _refuse(scene, name, f"{message}; leave this end out of `tips`: `tips: {left}`")
+                yield _path(name), f"{message}; leave this end out of `tips`: `tips: {left}`"
 
 
 def _surroundings(body: BodyShape, tolerance: float) -> _Surroundings:
@@ -160,19 +168,6 @@ def _along(scene: Scene, points: Floats, around: _Surroundings) -> Floats | None
     return parts[found[np.argmin(own[found])]] if len(found) else None
 
 
-def _check_ends(scene: Scene, name: str, around: _Surroundings) -> set[tuple[str, str]]:
-    """Report tips on the boundary of the body; return them: the crack, and `start` or `end`."""
-    refused = set()
-    tips = scene.tips_of(name)
-    for end, point in zip(("start", "end"), scene.cracks[name][[0, -1]], strict=True):
-        if end in tips and Point(point).dwithin(around.boundary, scene.tolerance):
-            edge = _edge_at(scene, around.body, Point(point))
-            remedy = "put it inside, or leave this end out of `tips`"
-            _refuse(scene, name, f"the tip at the {end} {scene.point(point)} lies on {edge}; {remedy}")
-            refused.add((name, end))
-    return refused
-
-
 def _outside(scene: Scene, body: BodyShape, point: Point, is_end: bool) -> str:
     """Say where a point lies that is not in the body, and where its boundary is."""
     other = next((other for other in scene.bodies.values() if other.polygon.dwithin(point, scene.tolerance)), None)
@@ -202,7 +197,3 @@ def _ring_at(body: BodyShape, point: Point) -> str:
     rings = [body.polygon.exterior, *body.polygon.interiors]
     nearest = int(np.argmin([ring.distance(point) for ring in rings]))
     return "the outline" if nearest == 0 else body.rings[nearest].edge_names[0]
-
-
-def _refuse(scene: Scene, name: str, message: str) -> None:
-    scene.report.fault(("cracks", name, "path"), message)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from crackgrow.case.accuracy import target_of
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows
 from crackgrow.case.checks import contact_laws
 from crackgrow.case.layout import Scene, named
-from crackgrow.case.report import Path, did_you_mean, quoted
+from crackgrow.case.report import Faults, Path, did_you_mean, quoted
 from crackgrow.case.shapes import Resolved
 
 KEY = ("loading", "stages")
+UNLOAD = ("growth", "unload_between_steps")
 
 LOADS = (
     "traction",
@@ -22,25 +23,41 @@ LOADS = (
 )  # the key that holds the size of a load
 
 
-def check_stages(scene: Scene) -> None:
+def check_loading(scene: Scene) -> Faults:
+    """Report a history without factors, a critical load where nothing tells it or can be scaled, and a lost target."""
+    loading = scene.get("loading")
+    if loading == "critical":
+        yield from _critical(scene)
+    elif loading == "strength_reduction":
+        yield from _reduction(scene)
+    elif loading is not None and "stages" in loading:
+        yield from _stages(scene, loading["stages"])
+    elif loading is not None and not loading["history"]:
+        yield ("loading", "history"), "no factor given; wanted: at least one, such as [1.0], or loading: critical"
+    yield from _goal(scene)
+
+
+def _stages(scene: Scene, stages: list[Resolved]) -> Faults:
     """Report what does not go with stages, and every fault of a single one."""
-    report, stages = scene.report, scene.resolved["loading"]["stages"]
     if not stages:
-        report.fault(KEY, "no stage given; wanted: at least one, such as [{factor: 1}]")
-    if scene.get("growth", "unload_between_steps") is False:
+        yield KEY, "no stage given; wanted: at least one, such as [{factor: 1}]"
+    if scene.get(*UNLOAD) is False:
         message = "false given; wanted with stages: true. Every step goes through all stages from the unloaded state"
-        report.fault(("growth", "unload_between_steps"), message)
+        yield UNLOAD, message
     gone: dict[str, float] = {}
     for number, stage in enumerate(stages):
         key: Path = (*KEY, number)
-        if isinstance(stage, dict) and report.sound(*key):
-            _check_loads(scene, (*key, "loads"), stage)
-            changes = _check_excavation(scene, key, stage, gone)
-            if number and not changes and not stage.get("loads") and "factor" not in stage:
-                report.fault(key, "changes nothing; wanted: factor, loads, excavate or release")
+        if not isinstance(stage, dict) or not scene.report.sound(*key):
+            continue
+        yield from _stage_loads(scene, (*key, "loads"), stage)
+        before = dict(gone)
+        yield from _excavation(scene, key, stage, gone)
+        changes = gone != before or stage.get("loads") or "factor" in stage
+        if number and not changes and scene.report.sound(*key):
+            yield key, "changes nothing; wanted: factor, loads, excavate or release"
 
 
-def _check_loads(scene: Scene, key: Path, stage: Resolved) -> None:
+def _stage_loads(scene: Scene, key: Path, stage: Resolved) -> Faults:
     """Report names that no load has, and loads of one name of which some are held."""
     if not isinstance(scene.resolved["loads"], list):
         return  # that they are none is told
@@ -49,14 +66,14 @@ def _check_loads(scene: Scene, key: Path, stage: Resolved) -> None:
     for name in stage.get("loads", {}):
         if name not in known:
             hint = f"{', '.join(known) or 'none has a name'}{did_you_mean(name, known)}"
-            scene.report.fault((*key, name), f"no load is called {quoted(name)}; names of loads: {hint}")
+            yield (*key, name), f"no load is called {quoted(name)}; names of loads: {hint}"
         elif len({load.get("held") for load in loads if load.get("name") == name}) > 1:
             message = "some of the loads of this name are held and others not: with which factor do they begin?"
-            scene.report.fault((*key, name), message)
+            yield (*key, name), message
 
 
-def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, float]) -> bool:
-    """Report bodies that can't be taken out, and shares that release nothing; whether the stage releases anything.
+def _excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, float]) -> Faults:
+    """Report bodies that can't be taken out, and shares that release nothing.
 
     `gone` are the bodies taken out so far, with what is released; those of the stage are added.
     """
@@ -65,46 +82,26 @@ def _check_excavation(scene: Scene, key: Path, stage: Resolved, gone: dict[str, 
         at = (*whole, index) if (*whole, index) in scene.report.places else whole  # a body alone is no item of a list
         cracks = [crack for crack, host in scene.hosts.items() if host == name]
         if name in gone:
-            scene.report.fault(at, f"body '{name}' is gone already")
+            yield at, f"body '{name}' is gone already"
         elif key[-1] == 0:
-            message = "no stage before this one loads the rock: leave the body out of the case, or put a stage before"
-            scene.report.fault(at, message)
-        elif knows_body(scene, at, name) and cracks:
-            message = f"crack '{cracks[0]}' lies in body '{name}'; rock that is taken out can have no cracks"
-            scene.report.fault(at, message)
+            yield at, "no stage before this one loads the rock: leave the body out of the case, or put a stage before"
+        elif knows(scene, at, "body", name) and cracks:
+            yield at, f"crack '{cracks[0]}' lies in body '{name}'; rock that is taken out can have no cracks"
         gone[name] = 0.0
     if names and not named(scene.resolved, "bodies").keys() - gone.keys():
-        scene.report.fault(whole, "no body is left")
+        yield whole, "no body is left"
     least = min(gone.values(), default=1.0)
     release = stage.get("release", 1.0 if names else least)
     if "release" in stage and least == 1.0:
         message = "nothing is left to release" if gone else "no rock is gone that could be released"
-        scene.report.fault((*key, "release"), f"{message}; leave it out")
+        yield (*key, "release"), f"{message}; leave it out"
     elif release < least:
         message = f"{release:g} given, and {least:g} is released already; wanted: no less than that"
-        scene.report.fault((*key, "release"), message)
-    changes = bool(names) or release > least or not scene.report.sound(*key)
-    for name, share in gone.items():
-        gone[name] = max(share, release)
-    return changes
+        yield (*key, "release"), message
+    gone.update({name: max(share, release) for name, share in gone.items()})
 
 
-def check_loading(scene: Scene) -> None:
-    """Report a history without factors, a critical load where nothing tells it or can be scaled, and a lost target."""
-    loading = scene.get("loading")
-    if loading == "critical":
-        _check_critical(scene)
-    elif loading == "strength_reduction":
-        _check_reduction(scene)
-    elif loading is not None and "stages" in loading:
-        check_stages(scene)
-    elif loading is not None and not loading["history"]:
-        message = "no factor given; wanted: at least one, such as [1.0], or loading: critical"
-        scene.report.fault(("loading", "history"), message)
-    _check_goal(scene)
-
-
-def _check_goal(scene: Scene) -> None:
+def _goal(scene: Scene) -> Faults:
     """A target needs what it is the error of."""
     accuracy, goal = scene.get("numerics", "accuracy"), scene.get("numerics", "goal")
     if not accuracy or not all(map(scene.report.sound, ("cracks", "interfaces", "supports"))):
@@ -121,56 +118,46 @@ def _check_goal(scene: Scene) -> None:
     if goal and lacks[goal]:
         others = " | ".join(name for name, why in lacks.items() if not why)
         asked = f"{goal} is asked for within {100.0 * target_of(accuracy):.3g} % (numerics.accuracy)"
-        scene.report.fault(("numerics", "goal"), f"{asked}, but {lacks[goal]}; wanted: goal: {others}")
+        yield ("numerics", "goal"), f"{asked}, but {lacks[goal]}; wanted: goal: {others}"
 
 
-def _check_reduction(scene: Scene) -> None:
+def _reduction(scene: Scene) -> Faults:
     """Strength is reduced of contact, without growth, and there must be some."""
     if "growth" in scene.resolved:
         message = "strength_reduction is of friction and cohesion of contact, under loads that stay; leave out `growth`"
-        scene.report.fault(("loading",), message)
+        yield ("loading",), message
     if isinstance(scene.get("numerics", "accuracy"), float):
         message = "no target where strength is reduced until nothing holds, and no K or slip settles; wanted: a name"
-        scene.report.fault(("numerics", "accuracy"), message)
+        yield ("numerics", "accuracy"), message
     laws = [law for _, law in contact_laws(scene)]
     sound = all(scene.report.sound(key) for key in ("cracks", "interfaces", "supports"))
     if sound and not any(law.friction > 0.0 or law.cohesion > 0.0 for law in laws):
         message = "strength_reduction divides friction and cohesion of contact, and no crack, interface or foundation"
-        scene.report.fault(("loading",), f"{message} has any")
+        yield ("loading",), f"{message} has any"
 
 
-def _check_critical(scene: Scene) -> None:
+def _critical(scene: Scene) -> Faults:
     """A critical load needs a criterion, a tip that it is judged at, and something that it scales."""
-    report = scene.report
+    sound = scene.report.sound
     if "growth" not in scene.resolved:
         message = "critical needs `growth`, whose criterion says which load is critical (steps: 0 finds it and stops)"
-        report.fault(("loading",), message)
-    elif scene.get("growth", "unload_between_steps") is False:
-        message = (
-            "false given; wanted with loading: critical: true. Every step finds its load factor from the unloaded "
-            "state; with friction that remembers there is no such state, give loading: {history: [...]} instead"
-        )
-        report.fault(("growth", "unload_between_steps"), message)
-    cracks = named(scene.resolved, "cracks")
-    sound = report.sound("cracks") and report.sound("growth", "initiation")
-    if sound and not scene.starts_cracks and all(crack["tips"] == "none" for crack in cracks.values()):
-        report.fault(("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none")
-    if report.sound("loads") and report.sound("supports") and not _has_scaled(scene):
+        yield ("loading",), message
+    elif scene.get(*UNLOAD) is False:
+        message = "false given; wanted with loading: critical: true. Every step finds its load factor from the unloaded"
+        remedy = "with friction that remembers there is no such state, give loading: {history: [...]} instead"
+        yield UNLOAD, f"{message} state; {remedy}"
+    tips = [crack["tips"] for crack in named(scene.resolved, "cracks").values()] if sound("cracks") else ["both"]
+    if sound("growth", "initiation") and not scene.starts_cracks and set(tips) <= {"none"}:
+        yield ("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none"
+    if sound("loads") and sound("supports") and not _has_scaled(scene):
         message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"
-        report.fault(("loading",), f"{message} held or zero: no load factor changes anything; leave out `held`")
+        yield ("loading",), f"{message} held or zero: no load factor changes anything; leave out `held`"
 
 
 def _has_scaled(scene: Scene) -> bool:
-    """Whether there is a load that is neither held nor zero, or a prescribed displacement that is not zero."""
-    return any(not load.get("held", False) and _size(load) > 0 for load in scene.resolved["loads"]) or any(
-        isinstance(value, str) or value != 0
-        for support in scene.resolved["supports"]
-        for value in support.get("displacement", {}).values()
-    )
-
-
-def _size(load: Resolved) -> float:
-    """Return the largest component of a load, without its sign; a formula counts as if it were one."""
-    given = next(load[key] for key in LOADS if key in load)
-    parts = given if isinstance(given, list) else [given]
-    return max(1.0 if isinstance(part, str) else abs(part) for part in parts)
+    """Whether a load that is not held, or a prescribed displacement, is not zero, or a formula."""
+    free = [load for load in scene.resolved["loads"] if not load.get("held", False)]
+    sizes = [next(load[key] for key in LOADS if key in load) for load in free]
+    sizes += [list(support.get("displacement", {}).values()) for support in scene.resolved["supports"]]
+    parts = [part for size in sizes for part in (size if isinstance(size, list) else [size])]
+    return any(isinstance(part, str) or part != 0.0 for part in parts)

@@ -6,12 +6,11 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows
 from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.model import STEEPEST, CoulombContact
-from crackgrow.case.report import Path, quoted
-from crackgrow.case.shapes import BodyShape
+from crackgrow.case.report import Faults, Path, quoted
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
@@ -19,72 +18,62 @@ LARGEST_POISSON = 0.4999  # in plane strain; beyond, K of cracks is off by tens 
 STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
-def check_material(scene: Scene) -> None:
+def check_material(scene: Scene) -> Faults:
     """There is a body; Poisson's ratio near 1/2 is not for plane strain; gravity needs a density."""
-    report = scene.report
-    if not named(scene.resolved, "bodies") and report.sound("bodies"):
-        report.fault(("bodies",), "no body given; a case needs one")
+    sound = scene.report.sound
+    if not named(scene.resolved, "bodies") and sound("bodies"):
+        yield ("bodies",), "no body given; a case needs one"
     for name in named(scene.resolved, "bodies"):
         poisson = scene.get("bodies", name, "material", "poisson")
         if scene.get("plane") == "strain" and poisson is not None and poisson > LARGEST_POISSON:
-            message = (
-                f"{poisson:g} given; wanted in plane strain: > -1 and <= {LARGEST_POISSON:g} (0.5: incompressible)"
-            )
-            report.fault(("bodies", name, "material", "poisson"), message)
+            wanted = f"wanted in plane strain: > -1 and <= {LARGEST_POISSON} (0.5: incompressible)"
+            yield ("bodies", name, "material", "poisson"), f"{poisson:g} given; {wanted}"
     for index, load in scene.items("loads", "gravity"):
         key = ("bodies", load["body"], "material", "density")
-        known = load["body"] in named(scene.resolved, "bodies") and report.sound(*key)
-        if known and scene.get(*key) is None:
-            report.fault(key, f"missing: loads.{index} is gravity, so the body needs a density")
+        if load["body"] in named(scene.resolved, "bodies") and sound(*key) and scene.get(*key) is None:
+            yield key, f"missing: loads.{index} is gravity, so the body needs a density"
 
 
-def check_numerics(scene: Scene) -> None:
+def check_numerics(scene: Scene) -> Faults:
     """The lattice fits the bodies, the increment fits the lattice, the contact settings fit each other."""
-    report = scene.report
-    spacing = scene.get("numerics", "spacing")
-    if spacing is not None:
-        _check_spacing(scene, spacing)
-        increment = scene.get("growth", "increment")
-        if increment is not None and increment < SMALLEST * spacing:
-            limit = f"{SMALLEST:g} of the lattice spacing, {scene.length(SMALLEST * spacing)}"
-            report.fault(("growth", "increment"), f"{scene.length(increment)} is less than {limit}")
+    spacing, increment = scene.get("numerics", "spacing"), scene.get("growth", "increment")
+    if spacing is not None and scene.bodies:
+        yield from _spacing(scene, spacing)
+    if spacing is not None and increment is not None and increment < SMALLEST * spacing:
+        yield ("growth", "increment"), f"{scene.length(increment)} is less than {smallest(scene, spacing)}"
     stiffness = scene.get("numerics", "contact", "stiffness")
     rigid = stiffness == "rigid" or (isinstance(stiffness, float) and stiffness > STIFFEST_GAUSS)
     if scene.get("numerics", "contact", "discretization") == "gauss" and rigid:
-        message = (
-            f"gauss with contact that is rigid, or stiffer than {STIFFEST_GAUSS:g}, has more contact points than the "
-            "displacement can follow, so no unique traction; use mortar, or give numerics.contact.stiffness a number "
-            "such as 10"
-        )
-        report.fault(("numerics", "contact", "discretization"), message)
+        why = "has more contact points than the displacement can follow, so no unique traction"
+        message = f"gauss with contact that is rigid, or stiffer than {STIFFEST_GAUSS:g}, {why}"
+        remedy = "use mortar, or give numerics.contact.stiffness a number such as 10"
+        yield ("numerics", "contact", "discretization"), f"{message}; {remedy}"
 
 
-def _check_spacing(scene: Scene, spacing: float) -> None:
+def smallest(scene: Scene, spacing: float) -> str:
+    """The least length of cracks and increments, in words."""
+    return f"{SMALLEST:g} of the lattice spacing, {scene.length(SMALLEST * spacing)}"
+
+
+def _spacing(scene: Scene, spacing: float) -> Faults:
     """The smallest body is some spacings across, and the lattice of the whole scene fits into memory."""
-    if not scene.bodies:
-        return
-
-    def side(body: BodyShape) -> float:
-        return float(body.extent.min())
-
     key = ("numerics", "spacing")
-    smallest = min(scene.bodies.values(), key=side)
-    if spacing > side(smallest) / MIN_SPACINGS_ACROSS:
-        limit = f"half the smaller side of body '{smallest.name}', {scene.length(side(smallest) / MIN_SPACINGS_ACROSS)}"
-        scene.report.fault(key, f"{scene.length(spacing)} is too coarse; at most {limit}")
+    body = min(scene.bodies.values(), key=lambda body: float(body.extent.min()))
+    coarsest = float(body.extent.min()) / MIN_SPACINGS_ACROSS
+    if spacing > coarsest:
+        limit = f"half the smaller side of body '{body.name}', {scene.length(coarsest)}"
+        yield key, f"{scene.length(spacing)} is too coarse; at most {limit}"
         return
     margin = 2 * (scene.get("numerics", "support") or 0.0) + 1
     width, height = (scene.box[1] - scene.box[0]).tolist()
     n_nodes = (width / spacing + margin) * (height / spacing + margin)
     if n_nodes > MAX_NODES:
-        rule = scene.get("numerics", "auto_rule")
-        least = _finest_spacing(width, height, margin)
+        rule, least = scene.get("numerics", "auto_rule"), scene.length(_finest_spacing(width, height, margin))
         given = scene.length(spacing) + (f" (auto: {rule})" if rule else "")
-        remedy = f"wanted: {scene.length(least)} or more"
-        if rule:
-            remedy = f"give a spacing by hand, of {scene.length(least)} or more, or a smaller body"
-        message = f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed; {remedy}"
-        scene.report.fault(key, message)
+        remedy = (
+            f"give a spacing by hand, of {least} or more, or a smaller body" if rule else f"wanted: {least} or more"
+        )
+        yield key, f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed; {remedy}"
 
 
 def _finest_spacing(width: float, height: float, margin: float) -> float:
@@ -95,32 +84,31 @@ def _finest_spacing(width: float, height: float, margin: float) -> float:
     return math.ceil(least / digit) * digit
 
 
-def check_contacts(scene: Scene) -> None:
+def check_contacts(scene: Scene) -> Faults:
     """Report what is no law: friction that rises, steep dilation, tensile strength beyond what shear allows."""
     loading = scene.resolved["loading"]
     for key, law in contact_laws(scene):
         friction, residual, dilation = law.friction, law.residual_friction, law.dilation_angle
         if residual > friction:
             message = f"{residual:g} given; wanted: at most the friction, {friction:g}: slip wears faces, it cannot"
-            scene.report.fault((*key, "residual_friction"), f"{message} make them rougher")
+            yield (*key, "residual_friction"), f"{message} make them rougher"
         elif _slope(dilation) > residual and law.wear is None and law.residual_dilation_angle is None:
             steepest = math.degrees(math.atan(residual))
             limit = f"at most {steepest:.4g} deg, whose tangent is the residual friction, {residual:g}"
             why = "faces that rise more steeply than friction holds them back would create energy when they slip"
-            scene.report.fault((*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}")
+            yield (*key, "dilation_angle"), f"{dilation:g} deg given; wanted: {limit}: {why}"
         for bent, given in (("barton", law.barton), ("max_closure", law.max_closure)):
             if given is not None and isinstance(loading, str):
                 message = f"depends on the pressure, which loading: {loading} does not follow; wanted: a"
-                scene.report.fault((*key, bent), f"{message} loading.history")
+                yield (*key, bent), f"{message} loading.history"
         if law.max_closure is not None and law.stiffness is None:
-            scene.report.fault((*key, "max_closure"), "is of a joint; wanted besides: its stiffness {normal, shear}")
+            yield (*key, "max_closure"), "is of a joint; wanted besides: its stiffness {normal, shear}"
         steepest = friction if law.barton is None else max(friction, _slope(STEEPEST))
         if law.tension * steepest > law.cohesion:
-            apex = scene.units.show(law.cohesion / steepest, "stress")
-            message = f"above the apex of the shear strength, cohesion / friction = {apex}; wanted: at most that"
-            scene.report.fault((*key, "tension"), message)
+            apex = f"cohesion / friction = {scene.units.show(law.cohesion / steepest, 'stress')}"
+            yield (*key, "tension"), f"above the apex of the shear strength, {apex}; wanted: at most that"
         if residual <= friction:
-            _check_wear(scene, key, law)
+            yield from _wear(key, law)
 
 
 def _slope(angle: float) -> float:
@@ -128,34 +116,31 @@ def _slope(angle: float) -> float:
     return math.tan(math.radians(angle))
 
 
-def _check_wear(scene: Scene, key: Path, law: CoulombContact) -> None:
+def _wear(key: Path, law: CoulombContact) -> Faults:
     """What wears has one length, is told once, weakens, and dilates by less than friction holds back."""
     friction, residual = law.friction, law.residual_friction
     angle, last = law.dilation_angle, law.residual_dilation_angle
     ways = [way for way in ("weakening_length", "decay_length", "wear") if getattr(law, way)]
     if len(ways) > 1:
-        message = f"is given beside {ways[0]}; wanted: one of them: each says how strength wears"
-        scene.report.fault((*key, ways[1]), message)
-        return
-    if law.wear is not None:
-        given = {"residual_friction": residual != friction, "residual_dilation_angle": last is not None}
-        if any(given.values()):
-            message = f"is the last one of {'.'.join(map(str, key))}.wear; wanted: one of them"
-            scene.report.fault((*key, max(given, key=lambda name: given[name])), message)
-            return
+        yield (*key, ways[1]), f"is given beside {ways[0]}; wanted: one of them: each says how strength wears"
+    elif law.wear is not None:
+        told = {"residual_friction": residual != friction, "residual_dilation_angle": last is not None}
         angles = law.wear.dilation_angle or [angle] * len(law.wear.slip)
-        if message := _wrong_course([0.0, *law.wear.slip], [friction, *law.wear.friction], [angle, *angles]):
-            scene.report.fault((*key, "wear"), message)
-        return
-    keeps = law.tension == 0.0 and (law.cohesion == 0.0 or law.cohesion_kept)
-    if ways and residual == friction and keeps and last is None:
-        message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
-        scene.report.fault((*key, ways[0]), message)
-    if last is not None and not ways:
-        message = "dilation wears over a length of slip; wanted besides: weakening_length or decay_length"
-        scene.report.fault((*key, "residual_dilation_angle"), message)
-    elif last is not None and (message := _wrong_course([0.0, 1.0], [friction, residual], [angle, last])):
-        scene.report.fault((*key, "residual_dilation_angle"), message)
+        if any(told.values()):
+            message = f"is the last one of {'.'.join(map(str, key))}.wear; wanted: one of them"
+            yield (*key, max(told, key=lambda name: told[name])), message
+        elif message := _wrong_course([0.0, *law.wear.slip], [friction, *law.wear.friction], [angle, *angles]):
+            yield (*key, "wear"), message
+    else:
+        keeps = law.tension == 0.0 and (law.cohesion == 0.0 or law.cohesion_kept)
+        if ways and residual == friction and keeps and last is None:
+            message = "nothing weakens: give a residual_friction below the friction, or a cohesion that slip takes"
+            yield (*key, ways[0]), message
+        if last is not None and not ways:
+            message = "dilation wears over a length of slip; wanted besides: weakening_length or decay_length"
+            yield (*key, "residual_dilation_angle"), message
+        elif last is not None and (message := _wrong_course([0.0, 1.0], [friction, residual], [angle, last])):
+            yield (*key, "residual_dilation_angle"), message
 
 
 def _wrong_course(slips: list[float], frictions: list[float], angles: list[float]) -> str:
@@ -185,7 +170,7 @@ def contact_laws(scene: Scene) -> Iterator[tuple[Path, CoulombContact]]:
                 yield (kind, index, "contact"), FORMAT.made(CoulombContact, item["contact"])
 
 
-def check_interfaces(scene: Scene) -> None:
+def check_interfaces(scene: Scene) -> Faults:
     """Report shared boundaries without an interface, and interfaces without a shared boundary."""
     seen: dict[frozenset[str], int] = {}
     listing, clear = scene.resolved.get("interfaces"), 0
@@ -193,28 +178,27 @@ def check_interfaces(scene: Scene) -> None:
         key = ("interfaces", index, "between")
         if scene.report.sound(*key):
             pair = interface["between"]
-            known = [knows_body(scene, (*key, k), name) for k, name in enumerate(pair)]
+            known = [knows(scene, (*key, k), "body", name) for k, name in enumerate(pair)]
             if all(known):
                 clear += 1
-                _check_pair(scene, key, pair, seen)
+                yield from _pair(scene, key, pair, seen)
                 seen.setdefault(frozenset(pair), index)
     if isinstance(listing, list) and clear == len(listing):  # else the missing one may be that which cannot be read
         for first, second in scene.shared:
             if frozenset((first, second)) not in seen:
                 line = f"- {{between: [{first}, {second}], contact: {{friction: 0.5, cohesion: 0}}}}"
                 message = f"bodies '{first}' and '{second}' share a boundary; say what holds there, such as {line}"
-                scene.report.fault(("interfaces",), f"{message}, or with contact: bonded")
+                yield ("interfaces",), f"{message}, or with contact: bonded"
 
 
-def _check_pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[str], int]) -> None:
+def _pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[str], int]) -> Faults:
     """Report a body that meets itself, a pair given before, and a pair without a shared boundary."""
     first, second = pair
     if first == second:
-        scene.report.fault(key, f"{quoted(first)} is given twice; wanted: two bodies")
+        yield key, f"{quoted(first)} is given twice; wanted: two bodies"
     elif frozenset(pair) in seen:
-        number = seen[frozenset(pair)]
-        scene.report.fault(key, f"'{first}' and '{second}' have an interface already, interfaces.{number}")
+        yield key, f"'{first}' and '{second}' have an interface already, interfaces.{seen[frozenset(pair)]}"
     elif not scene.lines_between(first, second) and all(scene.report.sound("bodies", name, "shape") for name in pair):
         gap = scene.bodies[first].polygon.distance(scene.bodies[second].polygon)
         apart = f"they are {scene.length(gap)} apart" if gap > scene.tolerance else "they touch at points only"
-        scene.report.fault(key, f"'{first}' and '{second}' share no boundary: {apart}")
+        yield key, f"'{first}' and '{second}' share no boundary: {apart}"

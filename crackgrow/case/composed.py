@@ -1,33 +1,18 @@
-"""Specs that are made of others: words or something else, things under names, what stands for or becomes of them."""
+"""Specs of things under names, and of names that stand for what is defined elsewhere."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
 from crackgrow.case.reader import Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, quoted
-from crackgrow.case.scalars import (
-    INVALID,
-    Choice,
-    Context,
-    Measured,
-    Quantity,
-    Schema,
-    Schemas,
-    Share,
-    Takes,
-    given,
-    refuse,
-)
+from crackgrow.case.scalars import INVALID, Context, Schema, Schemas, Takes, Words, refuse
 from crackgrow.case.schema import MOST_ITEMS, Mapping, OneOf
-from crackgrow.case.units import is_number
 
 CONSTANTS: Final = ("true", "false", "null")  # of YAML
 
-_BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
 _NAME: Final = re.compile(r"\w[\w-]{0,63}")
 _NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
 _NAMES: Final = {"title": "name", "pattern": rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"}
@@ -39,63 +24,6 @@ def core(spec: Any) -> Mapping | OneOf | None:
         return spec
     inner = getattr(spec, "spec", None)
     return core(inner) if inner is not None else None
-
-
-@dataclass(frozen=True, slots=True)
-class WordOr:
-    """One of a few words, or else what another spec allows."""
-
-    words: tuple[str, ...]
-    spec: Any
-    docs: tuple[str, ...] = ()  # a line about each of the words
-
-    def describe(self) -> str:
-        return f"{' | '.join(self.words)} | {self.spec.describe()}"
-
-    def takes(self) -> Takes:
-        kind, units, allowed = self.spec.takes()
-        words = Choice(self.words, self.docs).takes().allowed
-        return Takes(f"word or {kind}", units, ", or ".join(filter(None, (words, allowed))))
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"anyOf": [Choice(self.words, self.docs).schema(schemas), schemas.of(self.spec)]}
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the word or the other spec's value."""
-        measured = self.spec if isinstance(self.spec, Measured) else None
-        if not isinstance(node, Scalar):
-            return self.spec.read(node, path, context)
-        if node.text in self.words:
-            return node.text
-        begins = node.text.strip()[:1] in _BEGIN_OF_NUMBER
-        if measured and ((node.plain and is_number(node.text)) or (begins and isinstance(measured, Quantity | Share))):
-            return measured.read(node, path, context)
-        note = measured.note if measured and begins else ""
-        message = f"{given(node)} given; wanted: {self.describe()}{note}{did_you_mean(node.text, self.words)}"
-        return context.refused(path, message)
-
-
-@dataclass(frozen=True, slots=True)
-class Converted:
-    """What another spec reads, brought into another form."""
-
-    spec: Any
-    convert: Callable[[object, Path, Context], object] = lambda value, path, context: value
-
-    def describe(self) -> str:
-        return str(self.spec.describe())
-
-    def takes(self) -> Takes:
-        found: Takes = self.spec.takes()
-        return found
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return schemas.of(self.spec)
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the converted value, INVALID if any part of it is."""
-        value = self.spec.read(node, path, context)
-        return self.convert(value, path, context) if context.report.sound(*path) else value
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,7 +96,7 @@ class Reference:
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the thing; faults that are found in it later stand in the lines of its definition."""
-        words = self.spec.words if isinstance(self.spec, WordOr) else ()
+        words = self.spec.words if isinstance(self.spec, Words) else ()
         if not isinstance(node, Scalar) or node.is_null or node.text in words:
             return self.spec.read(node, path, context)
         known = context.defined.get(self.where, {})

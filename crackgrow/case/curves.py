@@ -16,6 +16,7 @@ import numpy as np
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import Context
+from crackgrow.case.shapes import Resolved
 
 MOST_TURN: Final = np.deg2rad(1.0)  # rad, from one segment to the next in the middle of a curve
 LEAST_TURN: Final = np.deg2rad(0.5)  # rad, at its ends: K of a half circle is within 1e-3
@@ -26,10 +27,8 @@ SAMPLES: Final = 4000  # steps along a curve at which its direction is taken
 FEWEST_SAMPLES: Final = 20  # the same between two places of a spline
 
 
-def with_curve_points(value: object, path: Path, context: Context) -> object:
+def curve_points(value: Resolved, path: Path, context: Context) -> object:
     """A path with vertices in the place of an arc or a spline."""
-    if not isinstance(value, dict) or not ({"arc", "spline"} & value.keys()):
-        return value
     if "arc" in value:
         key, arc = "arc", value["arc"]
         if not 0.0 < abs(arc["to"] - arc["from"]) < 360.0:

@@ -17,9 +17,9 @@ from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hi
 import numpy as np
 import yaml
 
-from crackgrow.case.composed import Converted, Named, Reference, WordOr
+from crackgrow.case.composed import Named, Reference
 from crackgrow.case.formula import OrFormula, component_of
-from crackgrow.case.scalars import SIGNS, Bounds, Choice, Integer, Number, Quantity, Share, Spec, Switch, Text
+from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Measured, Spec, Switch, Text, Words
 from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, OneOf, Same
 from crackgrow.case.shapes import Resolved, frozen
 from crackgrow.case.units import UNITS
@@ -27,7 +27,7 @@ from crackgrow.case.units import UNITS
 T = TypeVar("T")
 
 GIVEN: Final = "given"  # the field of a class that holds the keys that are none of its fields
-PLAIN: Final[dict[str, Spec]] = {"text": Text(), "text or empty": Text(may_be_empty=True), "switch": Switch()}
+TEXTS: Final[dict[str, Spec]] = {"text": Text(), "text or empty": Text(may_be_empty=True), "switch": Switch()}
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +67,7 @@ class Format:
         self, takes: object, doc: str, default: object = "required", more: AnyMapping[str, Any] | None = None
     ) -> Field:
         spec, more = self.spec(takes), more or {}
-        if default == {} and isinstance(spec.spec if isinstance(spec, Converted) else spec, Mapping):
+        if default == {} and isinstance(spec, Mapping):
             default = BY_PARTS
         elif isinstance(default, str) and default.startswith("same as "):
             default = Same(default.removeprefix("same as "))
@@ -80,12 +80,10 @@ class Format:
         if isinstance(said, dict):
             words = tuple(word for word in said if word != "or")
             docs = tuple(said[word] for word in words) if any(said[word] for word in words) else ()
-            if "or" not in said:
-                return Choice(words, docs)
-            other, _, where = said["or"].partition(" or a name from ")
-            spec = WordOr(words, self.spec(other), docs)
+            other, _, where = said.get("or", "").partition(" or a name from ")
+            spec = Words(words, docs, self.spec(other) if other else None)
             return Reference(where, spec) if where else spec
-        for known in (self.kinds, PLAIN):
+        for known in (self.kinds, TEXTS):
             if said in known:
                 return known[said]
         if said in self.declared:
@@ -128,7 +126,7 @@ class Format:
         if isinstance(spec, Mapping):  # of keys that are no fields
             parts = tuple(value[key] for key in spec.fields)
             return parts if len(parts) > 1 else parts[0]
-        if isinstance(spec, Choice) and bool in kinds:
+        if isinstance(spec, Words) and bool in kinds:
             return value == spec.words[1]
         if isinstance(spec, OrFormula):
             return component_of(value)
@@ -151,7 +149,7 @@ class Format:
                 nothing = value is None or (isinstance(value, tuple) and not value)
                 if (nothing and its.default is OPTIONAL) or (value is None and word is None):
                     continue
-                if isinstance(spec, Quantity) and not spec.bounds.hold(value):
+                if isinstance(spec, Measured) and not spec.holds(value):
                     continue  # nothing, said by a number that the key does not take
                 found[key] = word if value is None else self._written(spec, value)
         return found
@@ -165,7 +163,7 @@ class Format:
             return {key: _text_or_number(part) for key, part in parts if part is not None}
         if isinstance(spec, Mapping) and not spec.read_as:
             return dict(zip(spec.fields, value if isinstance(value, tuple) else (value,), strict=True))
-        if isinstance(spec, Choice) and isinstance(value, bool):
+        if isinstance(spec, Words) and isinstance(value, bool):
             return spec.words[value]
         if isinstance(spec, Named):
             return {item.name: self.written(item) for item in value}
@@ -180,7 +178,7 @@ def format_of(text: str, kinds: AnyMapping[str, Spec], wrapped: AnyMapping[str, 
 
 
 _COMPOSED: Final[dict[str, Callable[..., Spec]]] = {
-    r"unit of (?P<kind>\w+)": lambda _, kind: Choice(tuple(UNITS[kind])),
+    r"unit of (?P<kind>\w+)": lambda _, kind: Words(tuple(UNITS[kind])),
     r"definitions of (?P<thing>\w+)( but (?P<words>.+?))?: (?P<inner>.+?)(, at most (?P<most>\d+))?": (
         lambda its, thing, words, inner, most: Named(
             thing, its.spec(inner), int(most or MOST_ITEMS), other_words=tuple(words.split(", ")) if words else ()
@@ -204,16 +202,9 @@ def _measured(said: str) -> Spec:
     """The spec of a number such as "angle >= 0 and < 90"."""
     found = re.fullmatch(r"([a-z ]+?)((?: (?:and )?[<>]=? [-.\d]+)*)(?: in steps of (\S+))?((?:, .+)?)", said)
     kind, limits, step, note = found.groups() if found else ("", "", None, "")
-    bounds = Bounds(**{SIGNS[sign][0]: json.loads(limit) for sign, limit in re.findall(r"([<>]=?) (\S+)", limits)})
-    match kind:
-        case "number":
-            return Number(bounds, float(step) if step else None, note)
-        case "whole number":
-            return Integer(bounds)
-        case "share":
-            return Share(bounds)
-        case _ if kind in UNITS:
-            return Quantity(kind, bounds)
+    if kind in (PLAIN, WHOLE, SHARE, *UNITS):
+        bounds = tuple((sign, json.loads(limit)) for sign, limit in re.findall(r"([<>]=?) (\S+)", limits))
+        return Measured(kind, bounds, float(step) if step else None, note)
     raise ValueError(f"{said!r} is nothing that a key can take")
 
 
@@ -234,7 +225,7 @@ def _plain(spec: Spec) -> Spec:
 
 def _word_for_none(spec: Spec, kinds: tuple[Any, ...]) -> str | None:
     """The word that stands for None."""
-    return spec.words[0] if isinstance(spec, WordOr) and types.NoneType in kinds else None
+    return spec.words[0] if isinstance(spec, Words) and types.NoneType in kinds else None
 
 
 def _text_or_number(value: Any) -> object:

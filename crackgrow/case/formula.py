@@ -14,10 +14,9 @@ from typing import Final
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, clean, did_you_mean, quoted
-from crackgrow.case.scalars import Context, Quantity, given
-from crackgrow.case.units import UNITS, is_number, parse_number, place_text
+from crackgrow.case.report import clean, did_you_mean, quoted
+from crackgrow.case.scalars import NUMBER, Context, Measured, Numeric, Schema, Schemas, Takes, units_of
+from crackgrow.case.units import UNITS, QuantityError, is_number, parse_number, place_text
 from crackgrow.errors import CaseError
 
 LONGEST = 1000  # characters of a formula
@@ -34,8 +33,10 @@ _EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": 
 _FUNCTIONS: Final = (*ONE_VALUE, *_EXTREMES)
 _NAMES: Final = ("x", "y", "pi")
 
-ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
+_ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
 """Pattern of the letters, signs and words that a formula is made of."""
+
+_NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 
 _ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join(_FUNCTIONS)}"
 
@@ -46,7 +47,7 @@ Formula = Callable[[Floats], Floats]  # values (n,) in SI at points (n, 2) m
 Component = float | Formula
 
 
-class FormulaError(ValueError):
+class FormulaError(QuantityError):
     """A text that is no formula; the message says why."""
 
 
@@ -124,26 +125,30 @@ def parse_formula(text: str, unit: float = 1.0, of_value: float | None = None) -
 
 
 @dataclass(frozen=True, slots=True)
-class OrFormula:
+class OrFormula(Numeric):
     """A quantity, or a formula in x and y; x, y and the value are in the units of the case."""
 
-    kind: str = "length"
+    kind: str
 
     def describe(self) -> str:
         return f'a {self.kind} or a formula in x and y such as "0.09*x - 0.1"'
 
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the float in SI, or the text of the formula in SI."""
-        if not isinstance(node, Scalar) or node.is_null:
-            return Quantity(self.kind, note=" or a formula in x and y").read(node, path, context)
-        text = node.text.strip()
+    def takes(self) -> Takes:
+        return Takes(self.describe(), units_of(self.kind))
+
+    def schema(self, schemas: Schemas) -> Schema:
+        pattern = rf"^(?!\s*{NUMBER}\s*$){_NO_FORMULA}({_ALPHABET})+$"
+        formula = {"title": "formula (in x and y, such as 0.09*x - 0.1)", "type": "string", "pattern": pattern}
+        return {"anyOf": [Measured(self.kind).schema(schemas), schemas.named("formula", lambda: formula)]}
+
+    def hint(self, context: Context) -> str:
+        return Measured(self.kind).hint(context)
+
+    def parse(self, text: str, context: Context) -> float | str:
+        """The float in SI, or the text of the formula in SI; raises QuantityError, of which FormulaError is one."""
         if is_number(text) or _QUANTITY.fullmatch(text):
-            return Quantity(self.kind, note=" or a formula in x and y").read(node, path, context)
-        try:
-            units = (float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind))
-            formula = parse_formula(text, *units)
-        except FormulaError as error:
-            return context.refused(path, f"{given(node)} {error}; wanted: {self.describe()}")
+            return Measured(self.kind).parse(text, context)
+        formula = parse_formula(text, *(float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind)))
         if is_number(formula):
             return parse_number(formula)
         if context.units.origin is not None:

@@ -27,15 +27,15 @@ class Key:
     default: str
     allowed: str  # values, with a few words on each; empty where the kind says all
     like: str = ""  # the key before it that takes the same mapping
+    again: bool = False  # whether it is a key of such a mapping, which was told before
 
 
 def case_keys(spec: Any = CASE) -> list[Key]:
     """All keys below a spec, each after the one that it belongs to."""
-    known: dict[int, tuple[str, str]] = {}
-    return list(_keys(spec, "", known))
+    return list(_keys(spec, "", {}, again=False))
 
 
-def _keys(spec: Any, before: str, known: dict[int, tuple[str, str]]) -> Iterator[Key]:
+def _keys(spec: Any, before: str, known: dict[int, tuple[str, str]], again: bool) -> Iterator[Key]:
     forms = spec.forms if isinstance(spec, specs.OneOf) else ()
     for name, field in _fields(spec):
         full = before + name
@@ -46,9 +46,9 @@ def _keys(spec: Any, before: str, known: dict[int, tuple[str, str]]) -> Iterator
         of_all = all(name in form.fields for form in forms)
         default = _default(field) if of_all or field.default is not specs.REQUIRED else BY_FORM
         like, takes = "" if first == full else same, field.spec.takes()
-        yield Key(full, field.doc, takes.kind, takes.units, default, takes.allowed, like)
+        yield Key(full, field.doc, takes.kind, takes.units, default, takes.allowed, like, again)
         if inner is not None:
-            yield from _keys(inner, full + step, known)
+            yield from _keys(inner, full + step, known, again or bool(like))
 
 
 def _fields(spec: Any) -> list[tuple[str, specs.Field]]:

@@ -221,25 +221,14 @@ def _place(scene: Scene, shapes: list[BodyShape]) -> None:
             message = f"has details below the smallest length of this scene, {scene.length(scene.tolerance)}"
             scene.report.fault(("bodies", body.name, "shape"), message)
     bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
-    overlapping = _check_overlaps(scene, bodies)
     scene.bodies.update((body.name, body) for body in bodies)
-    for first, second in close_pairs(bodies, scene.tolerance):
-        if (first, second) not in overlapping:
-            lines = shared_lines(bodies[first], bodies[second], scene.tolerance)
-            if lines:
-                scene.shared[bodies[first].name, bodies[second].name] = lines
-
-
-def _check_overlaps(scene: Scene, bodies: list[BodyShape]) -> set[tuple[int, int]]:
-    """Report bodies that lie in each other; return their numbers."""
-    found = set()
-    for first, second in close_pairs(bodies, scene.tolerance):
-        place = overlap(bodies[first], bodies[second], scene.tolerance)
+    for first, second in [(bodies[one], bodies[other]) for one, other in close_pairs(bodies, scene.tolerance)]:
+        place = overlap(first, second, scene.tolerance)
         if place is not None:
-            message = f"overlaps body '{bodies[first].name}', such as at {scene.point(place)}"
-            scene.report.fault(("bodies", bodies[second].name, "shape"), message)
-            found.add((first, second))
-    return found
+            message = f"overlaps body '{first.name}', such as at {scene.point(place)}"
+            scene.report.fault(("bodies", second.name, "shape"), message)
+        elif lines := shared_lines(first, second, scene.tolerance):
+            scene.shared[first.name, second.name] = lines
 
 
 def _hosts(cracks: dict[str, Floats], bodies: list[BodyShape]) -> dict[str, str]:

@@ -19,9 +19,10 @@ from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
 from crackgrow.case.outline import settle_outlines
+from crackgrow.case.outline_file import read_drawings
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
-from crackgrow.case.report import Path, Place, Report
+from crackgrow.case.report import Faults, Path, Place, Report
 from crackgrow.case.scalars import Context
 from crackgrow.case.shapes import BodyShape, Resolved, frozen
 from crackgrow.case.sizing import settle_spacing
@@ -31,7 +32,7 @@ from crackgrow.case.units import Units
 
 REDUCTION: Final = "strength_reduction"
 
-PLACED: Final[tuple[Callable[[Scene], None], ...]] = (
+STAGES: Final[tuple[Callable[[Scene], Faults | None], ...]] = (
     settle_outlines,
     settle_bodies,
     check_regions,
@@ -41,10 +42,6 @@ PLACED: Final[tuple[Callable[[Scene], None], ...]] = (
     settle_supports,
     settle_direction,
     place_points,
-)
-"""What fills the scene, each from what those before it have found."""
-
-CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
     check_material,
     check_strength,
     check_initiation,
@@ -59,7 +56,7 @@ CHECKS: Final[tuple[Callable[[Scene], None], ...]] = (
     check_loads,
     check_loading,
 )
-"""What reads it alone."""
+"""What settles the scene, each from what those before it have found; checks only read it. Each yields faults."""
 
 
 def load_case(path: str | FilePath, overrides: Sequence[str] = ()) -> Case:
@@ -111,11 +108,13 @@ def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: 
     resolved: Any = CASE.read(root, (), context)
     if not report.sound("units"):  # the rest was read in other units
         raise report.error()
+    read_drawings(resolved, context)
     for definitions in DEFINITIONS:  # each is written out where it is referred to
         resolved.pop(definitions, None)
     scene = scene_of(resolved, report, context.units)
-    for stage in (*PLACED, *CHECKS):
-        stage(scene)
+    for stage in STAGES:
+        for key, message in stage(scene) or ():
+            report.fault(key, message)
     if report.faults:
         raise report.error()
     return _built(path.stem, scene)

@@ -17,8 +17,8 @@ from typing import Any, Final
 import numpy as np
 import shapely
 
-from crackgrow.case.mesh_file import ContentError, checked_file, listed
-from crackgrow.case.report import clean, did_you_mean, quoted
+from crackgrow.case.mesh_file import ContentError, checked_file
+from crackgrow.case.report import clean, did_you_mean, listed, quoted
 from crackgrow.case.units import UNITS
 
 MAX_BYTES: Final = 20 * 2**20

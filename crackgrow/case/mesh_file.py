@@ -18,14 +18,13 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.report import clean, did_you_mean, quoted
+from crackgrow.case.report import clean, did_you_mean, listed, quoted
 
 ENDINGS: Final = (".msh", ".vtu", ".vtk", ".inp", ".xdmf", ".med", ".mesh", ".bdf", ".nas", ".su2")
 MAX_BYTES: Final = 200 * 2**20
 SAME: Final = 1e-9  # points nearer than this part of the mesh's extent are one, and lie on the line that they are near
 MOST_TAGS: Final = 100  # of cell data with more different values none is a group
 LONGEST_NAME: Final = 58  # letters of a name that may get a number: with that it has 64 at most
-SHOWN: Final = 12  # longer lists are cut in messages
 
 SAVE: Final = "save it without Mesh.SaveAll (-save_all)"
 OF_GMSH_4_0: Final = re.compile(rb"\s*\$MeshFormat\s+4(\.0)?\s")
@@ -152,12 +151,6 @@ def _edges(names: list[str]) -> dict[str, list[int]]:
         for name, parts in runs.items()
         for k, part in enumerate(parts, 1)
     }
-
-
-def listed(words: Iterable[str]) -> str:
-    """Words, each once, cut if they are many."""
-    each = [clean(word) or "''" for word in dict.fromkeys(words)]
-    return ", ".join(each[:SHOWN] + ["..."] * (len(each) > SHOWN)) or "none"
 
 
 def checked_file(file: FilePath, most_bytes: int) -> os.stat_result:

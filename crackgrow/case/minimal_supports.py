@@ -13,6 +13,7 @@ from crackgrow.case.format import FORMAT, MINIMAL
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction, FarField
 from crackgrow.case.regions import ends_of
+from crackgrow.case.report import Faults
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.errors import CaseError
 from crackgrow.vectors import cross, outward_normals
@@ -22,7 +23,7 @@ BALANCED: Final = 1e-4  # of all forces together; what the loads leave over is l
 GAUSS_POINTS: Final = 8  # on the loaded part of a side
 
 
-def settle_supports(scene: Scene) -> None:
+def settle_supports(scene: Scene) -> Faults:
     """Put three constraints in the place of the word; report loose bodies, and loads that do not balance."""
     if scene.resolved.get(KEY) != MINIMAL:
         return
@@ -32,14 +33,14 @@ def settle_supports(scene: Scene) -> None:
         return
     loose = _loose_groups(scene)
     if len(loose) > 1:
-        message = f"'{MINIMAL}' holds one body, or bodies that are bonded; loose from each other are"
         listed = " and ".join(", ".join(group) for group in loose)
-        scene.report.fault((KEY,), f"{message} {listed}: give a list of supports")
+        message = f"'{MINIMAL}' holds one body, or bodies that are bonded; loose from each other are {listed}"
+        yield (KEY,), f"{message}: give a list of supports"
         return
-    _check_balance(scene)
+    yield from _unbalanced(scene)
     points = _points(scene, max(scene.bodies.values(), key=lambda body: body.size))
     if points is None:
-        scene.report.fault((KEY,), "no two corners of the outline are clear of cracks; give a list of supports")
+        yield (KEY,), "no two corners of the outline are clear of cracks; give a list of supports"
     else:
         scene.resolved[KEY] = points
 
@@ -92,7 +93,7 @@ def _distances(lines: Iterable[Floats], places: Floats) -> Floats:
     return np.asarray(apart) if shapes else np.full(len(places), np.inf)
 
 
-def _check_balance(scene: Scene) -> None:
+def _unbalanced(scene: Scene) -> Faults:
     """Report loads that leave a force, or a moment, at a load factor that they are to have."""
     sums, sizes = np.zeros((2, 3)), np.zeros(2)  # of scaled, of held loads: x, y, moment / size of the scene, N/m
     for index, load in enumerate(scene.resolved["loads"]):
@@ -106,11 +107,9 @@ def _check_balance(scene: Scene) -> None:
         left = factors @ sums
         if np.abs(left).max() > BALANCED * (np.abs(factors) @ sizes):
             x, y, turn = left / (1.0, 1.0, 1.0 / scene.size)
-            message = (
-                f"'{MINIMAL}' takes no force, and the loads leave ({x:.4g}, {y:.4g}) N/m and a moment of {turn:.4g} N "
-                f"about the middle: balance them, or give a list of supports"
-            )
-            scene.report.fault((KEY,), message)
+            rest = f"({x:.4g}, {y:.4g}) N/m and a moment of {turn:.4g} N about the middle"
+            remedy = "balance them, or give a list of supports"
+            yield (KEY,), f"'{MINIMAL}' takes no force, and the loads leave {rest}: {remedy}"
             return
 
 

@@ -9,10 +9,10 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.case.check_regions import knows_body
+from crackgrow.case.check_regions import knows
 from crackgrow.case.layout import Scene
 from crackgrow.case.regions import Along, Edge, EdgeRegion, edge_of
-from crackgrow.case.report import Path
+from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.touching import divided, lies_on
 
@@ -20,7 +20,7 @@ Run = tuple[Resolved, float, float]
 """What is held along an edge, and from where to where (m) as it was drawn."""
 
 
-def settle_outlines(scene: Scene) -> None:
+def settle_outlines(scene: Scene) -> Faults:
     """Put supports of edges in the place of `outline`, and loads of single bodies in that of `far_field`.
 
     The first takes the place of the item, others come last: the numbers of other items stay.
@@ -30,12 +30,12 @@ def settle_outlines(scene: Scene) -> None:
             if word not in item or not scene.report.sound(key, index):
                 continue
             names = [item["body"]] if "body" in item else list(scene.bodies)
-            if not scene.complete or not all(knows_body(scene, (key, index, "body"), name) for name in names):
+            if not scene.complete or not all(knows(scene, (key, index, "body"), "body", name) for name in names):
                 scene.report.doubt((key, index))  # the faults of bodies are told
                 continue
             outer = {name: _outer_sides(scene, scene.bodies[name]) for name in names}
             if not any(outer.values()):
-                scene.report.fault((key, index), f"other bodies lie all round {', '.join(names)}: there is no outline")
+                yield (key, index), f"other bodies lie all round {', '.join(names)}: there is no outline"
             number = index
             for name, parts in outer.items():
                 body = scene.bodies[name]

@@ -16,11 +16,14 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case import map_file, mesh_file
+from crackgrow.case.curves import curve_points
+from crackgrow.case.layout import named
 from crackgrow.case.map_file import Feature, attribute, features_of
-from crackgrow.case.mesh_file import ContentError, PlaneMesh, listed, read_mesh
+from crackgrow.case.mesh_file import ContentError, PlaneMesh, read_mesh
 from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, clean, quoted
-from crackgrow.case.scalars import INVALID, Context, refuse
+from crackgrow.case.report import Path, clean, listed, quoted
+from crackgrow.case.scalars import Context, Schema, Schemas, Takes, refuse
+from crackgrow.case.shapes import Resolved
 from crackgrow.case.units import UNITS, QuantityError
 
 MOST_CORNERS: Final = 5000  # of an outline; a disk has 360
@@ -32,7 +35,7 @@ TEXTS: Final = (".geojson", ".json", ".wkt")
 
 
 @dataclass(frozen=True, slots=True)
-class OutlineFile:
+class File:
     """The name of a file with an outline, or with the lines of cracks, relative to the folder of the case file."""
 
     of_cracks: bool = False
@@ -47,16 +50,21 @@ class OutlineFile:
         maps = ", ".join(ending for ending in self.endings if ending not in (".json", *mesh_file.ENDINGS))
         return f"the name of a file with {content} ({maps}), or of a mesh ({', '.join(mesh_file.ENDINGS)})"
 
+    def takes(self) -> Takes:
+        return Takes("file name", "", f"ends in {', '.join(self.endings)}")
+
+    def schema(self, _: Schemas) -> Schema:
+        letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in self.endings]
+        return {"title": self.describe(), "type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
+
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the file; what it holds is read together with the keys beside it."""
         if not isinstance(node, Scalar) or node.is_null or not node.text.strip():
             return refuse(node, self.describe(), path, context)
-        file = context.folder_of(node) / node.text
-        if file.suffix.lower() not in self.endings:
-            return context.refused(
-                path, f"{quoted(node.text)} ends in {quoted(file.suffix)}; wanted: {self.describe()}"
-            )
+        file = context.folders.get(node.place.source, context.folder) / node.text
         try:
+            if file.suffix.lower() not in self.endings:
+                raise ContentError(f"ends in {quoted(file.suffix)}")
             return GivenFile(file, node.text, read_mesh(file) if file.suffix.lower() in mesh_file.ENDINGS else None)
         except ContentError as error:
             return context.refused(path, f"{quoted(node.text)} {error}; wanted: {self.describe()}")
@@ -84,47 +92,41 @@ def _corners(points: Floats, unit: str | None, given: Mapping[str, Any], context
     ]
 
 
-def with_file_holes(value: object, path: Path, context: Context) -> object:
-    """Return a shape with a polygon, and perhaps holes, in the place of the file they come from.
-
-    Names of its edges come with it, under `edges`, for `with_file_edges`.
-    """
-    if not isinstance(value, dict) or "file" not in value:
-        return value
-    found = _outline_of(value, path, context)
-    if found is None:
-        return INVALID
-    (outline, *holes), edges = found
-    own = [{"polygon": hole} for hole in holes]
-    every = [*own, *value.get("holes", [])]
-    return {"polygon": outline} | ({"holes": every} if every else {}) | ({"edges": edges} if edges else {})
-
-
-def with_file_edges(value: object, path: Path, context: Context) -> object:
-    """Return a body with the names of edges that its shape has brought from a file, and its own."""
-    if not isinstance(value, dict) or not isinstance(value.get("shape"), dict) or "edges" not in value["shape"]:
-        return value
-    shape = {key: part for key, part in value["shape"].items() if key != "edges"}
-    return {**value, "shape": shape, "edges": {**value["shape"]["edges"], **value.get("edges", {})}}
+def read_drawings(case: Resolved, context: Context) -> None:
+    """Put what files and curves draw in the place of their names: outlines and edges of bodies, paths of cracks."""
+    sound = context.report.sound
+    for name, body in named(case, "bodies").items():
+        key = ("bodies", name, "shape")
+        if sound(*key):
+            _read_outline(body, key, context)
+    for name, crack in named(case, "cracks").items():
+        key = ("cracks", name, "path")
+        if sound(*key) and crack["path"].keys() & {"arc", "spline"}:
+            crack["path"] = curve_points(crack["path"], key, context)
+        elif sound(*key) and "file" in crack["path"]:
+            crack["path"] = _file_points(crack["path"], key, context)
 
 
-def without_file(value: object, path: Path, context: Context) -> object:
-    """Return a hole with a polygon in the place of the file it comes from, which must not have holes itself."""
-    if not isinstance(value, dict) or "file" not in value:
-        return value
-    found = _outline_of(value, path, context)
-    if found is None:
-        return INVALID
-    outline, *holes = found[0]
-    if holes:
-        return context.refused((*path, "file"), "the polygon has holes; wanted for a hole: a polygon without any")
-    return {"polygon": outline}
+def _read_outline(body: Resolved, key: Path, context: Context) -> None:
+    """Put polygons in the place of files in a shape; holes and names of edges come with them, before its own."""
+    shape, report = body["shape"], context.report
+    holes = shape.get("holes", [])
+    for index, hole in enumerate(holes):
+        where = (*key, "holes", index)
+        if "file" in hole and (found := _outline_of(hole, where, context)):
+            holes[index] = {"polygon": found[0][0]}
+            if len(found[0]) > 1:
+                report.fault((*where, "file"), "the polygon has holes; wanted for a hole: a polygon without any")
+    if "file" in shape and (found := _outline_of(shape, key, context)):
+        (outline, *inner), edges = found
+        every = [*({"polygon": ring} for ring in inner), *holes]
+        body["shape"] = {"polygon": outline} | ({"holes": every} if every else {})
+        if edges and report.sound(*key[:2], "edges"):
+            body["edges"] = {**edges, **body.get("edges", {})}
 
 
-def with_file_points(value: object, path: Path, context: Context) -> object:
-    """Return a path with the points of a curve of a mesh, or with the traces of a map, in the place of the file."""
-    if not isinstance(value, dict) or "file" not in value:
-        return value
+def _file_points(value: Resolved, path: Path, context: Context) -> object:
+    """The path with the points of a curve of a mesh, or with the traces of a map, in the place of the file."""
     file, curve = value["file"], value.get("curve")
     if file.mesh is None:
         try:
@@ -183,7 +185,7 @@ def _outline_of(shape: dict[str, Any], path: Path, context: Context) -> tuple[li
             raise ContentError(f"has {n_corners} corners, more than {MOST_CORNERS}")
         return [_corners(ring, shape.get("units"), shape, context) for ring in rings], dict(edges)
     except (ContentError, QuantityError) as error:
-        of_map = f"{quoted(file.text)} {error}; wanted: {OutlineFile().describe()}"
+        of_map = f"{quoted(file.text)} {error}; wanted: {File().describe()}"
         told = of_map if file.mesh is None else f"the mesh {error}"
         context.report.fault((*path, "region" if region is not None else "file"), told)
         return None

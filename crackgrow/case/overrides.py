@@ -115,30 +115,21 @@ def with_base(
             report.fault(("set",), "there is no `base` whose keys it could set", root.entries["set"].place)
             del root.entries["set"]
         return root
-    _check_keys(root, report)
+    for key in [key for key in root.entries if key not in ("base", "set", *BESIDE)]:
+        message = f"beside `base` stand {', '.join(BESIDE)} and `set`; what differs is written as set: {{{key}: ...}}"
+        report.fault((key,), message, root.entries[key].place)
     file = _base_of(root.entries["base"].node, path, report, (*above, path))
     if file is None:
         return None
-    found = Report(str(file))
-    node = read_file(file, found)
+    node = read_file(file, report)
     if isinstance(node, Table):
-        node = with_base(node, file, found, folders, (*above, path))
+        node = with_base(node, file, report, folders, (*above, path))
     elif node is not None:
-        found.fault((), "the file holds no mapping; a case is written as key: value", node.place)
-    report.take(found)
+        report.fault((), "the file holds no mapping; a case is written as key: value", node.place)
     if not isinstance(node, Table):
         return None
     _change(node, root, report)
     return node
-
-
-def _check_keys(root: Table, report: Report) -> None:
-    for key, entry in root.entries.items():
-        if key not in ("base", "set", *BESIDE):
-            message = (
-                f"beside `base` stand {', '.join(BESIDE)} and `set`; what differs is written as set: {{{key}: ...}}"
-            )
-            report.fault((key,), message, entry.place)
 
 
 def _base_of(node: Node, path: FilePath, report: Report, files: tuple[FilePath, ...]) -> FilePath | None:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path as FilePath
+from typing import Any, NoReturn
 
 import yaml
 
@@ -15,7 +15,8 @@ MAX_BYTES = 2**19  # its text takes two or three seconds to read
 MAX_COPIES = 100_000  # of values that stand for aliases
 
 _CORE = "tag:yaml.org,2002:"
-_SCALAR_TAGS = {"str", "int", "float", "bool", "null"}
+NO_TAG = ""
+_SCALAR_TAGS = {NO_TAG, "int", "float", "bool", "null"}
 
 
 @dataclass(slots=True)
@@ -84,23 +85,24 @@ def read_file(file: str | FilePath, report: Report) -> Node | None:
         elif path.stat().st_size > MAX_BYTES:
             problem = f"is larger than {MAX_BYTES // 2**10} KiB; a case file is small"
         else:
-            return _decode_and_parse(path.read_bytes(), report)
+            return _decode_and_parse(path.read_bytes(), report, str(file))
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    report.fault((), problem, Place(report.source, None))
+    report.fault((), problem, Place(str(file), None))
     return None
 
 
-def _decode_and_parse(data: bytes, report: Report) -> Node | None:
+def _decode_and_parse(data: bytes, report: Report, source: str) -> Node | None:
     try:
         text = data.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = data.count(b"\n", 0, error.start) + 1
-        report.fault((), "is not a text in UTF-8", Place(report.source, line))
+        report.fault((), "is not a text in UTF-8", Place(source, line))
         return None
-    node = parse(text, report, Place(report.source, 1))
-    if node is None and not report.faults:
-        report.fault((), "the file is empty")
+    n_faults = len(report.faults)
+    node = parse(text, report, Place(source, 1))
+    if node is None and len(report.faults) == n_faults:
+        report.fault((), "the file is empty", Place(source, 1))
     return node
 
 
@@ -110,20 +112,20 @@ def parse(text: str, report: Report, start: Place, path: Path = ()) -> Node | No
     start: place of the text; lines are counted only if it has one.
     path: key path of the document, for faults.
     """
-    builder = _Builder(report, start, text)
+    builder = _Builder(report, start)
     try:
-        return builder.document(path)
+        return builder.document(text, path)
     except _Stop:
         return None
     except yaml.reader.ReaderError as error:
-        line = text.count("\n", 0, error.position) + 1
+        line = text.count("\n", 0, error.position)
         letter = ascii(chr(int(error.character)))
         report.fault(path, f"not valid YAML: the character {letter} is not allowed", builder.at(line))
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        report.fault(path, f"not valid YAML: {_in_words(error, text)}", builder.at(mark.line + 1 if mark else 1))
+        report.fault(path, f"not valid YAML: {_in_words(error, text)}", builder.at(mark.line if mark else 0))
     except (yaml.YAMLError, ValueError, OverflowError) as error:  # such as an escape beyond Unicode
-        report.fault(path, f"not valid YAML: {clean(str(error))}", builder.at(builder.line))
+        report.fault(path, f"not valid YAML: {clean(str(error))}", builder.at(builder.loader.line))
     return None
 
 
@@ -139,6 +141,10 @@ def _in_words(error: yaml.MarkedYAMLError, text: str) -> str:
         return f"{told}: indent with spaces, not with a tab"
     if problem.startswith("mapping values are not allowed"):
         return f"{told}: a text with ': ' in it stands in quotes, and keys of one mapping stand in one column"
+    if problem.startswith("found undefined alias"):
+        return f"{told}: no value before it has this anchor"
+    if problem.startswith("but found another document"):
+        return f"{told}: a case file holds one"
     if (error.context or "").startswith("while parsing a flow"):
         return f"{told}: a bracket or brace that opens in line {opened} is not closed, or a comma is missing"
     if (error.context or "").startswith("while parsing a block"):
@@ -151,108 +157,78 @@ def has_half_pair(text: str) -> bool:
     return any("\ud800" <= letter <= "\udfff" for letter in text)
 
 
-class _Builder:
-    """Builds nodes from parser events: the depth is checked before anything recurses."""
+class _Loader(yaml.SafeLoader):
+    """Leaves plain scalars without a tag: whether 5 is a number, the key that takes it decides."""
 
-    def __init__(self, report: Report, start: Place, text: str) -> None:
+    def resolve(self, kind: type[yaml.Node], value: Any, implicit: Any) -> str:
+        if kind is yaml.ScalarNode and implicit[0]:
+            return NO_TAG
+        return str(super().resolve(kind, value, implicit))  # type: ignore[no-untyped-call]
+
+
+class _Builder:
+    """Makes nodes of those that PyYAML composes; each alias gets a value of its own, as an override may change it."""
+
+    loader: _Loader
+
+    def __init__(self, report: Report, start: Place) -> None:
         self.report = report
         self.start = start
-        self.line = 1
-        self.anchors: dict[str, Node] = {}  # values that aliases may stand for, once they are whole
+        self.seen: set[int] = set()
         self.copies = 0
-        self.events: Iterator[yaml.Event] = yaml.parse(text, Loader=yaml.SafeLoader)
 
     def at(self, line: int) -> Place:
-        return self.start if self.start.line is None else Place(self.start.source, line)
+        """The place of a line, counted from 0."""
+        return self.start if self.start.line is None else Place(self.start.source, line + 1)
 
-    def next(self) -> yaml.Event:
-        event = next(self.events)
-        self.line = event.start_mark.line + 1 if event.start_mark else self.line
-        return event
-
-    def document(self, path: Path) -> Node | None:
-        self.next()  # start of the stream
-        if isinstance(self.next(), yaml.StreamEndEvent):
-            return None
-        node = self.node(self.next(), path, 0)
-        self.next()  # end of the document
-        if not isinstance(self.next(), yaml.StreamEndEvent):
-            self.report.fault(path, "a second YAML document starts here; a case file holds one", self.at(self.line))
+    def document(self, text: str, path: Path) -> Node | None:
+        self.loader = _Loader(text)
+        try:
+            composed = self.loader.get_single_node()
+        except RecursionError:
+            self.stop(f"nested deeper than {MAX_DEPTH} levels", path, self.at(self.loader.line))
+        node = None if composed is None else self.node(composed, path, 0)
         return None if isinstance(node, Scalar) and node.is_null else node
 
-    def node(self, event: yaml.Event, path: Path, depth: int) -> Node:
-        place = self.at(self.line)  # that of the event, the last one taken
+    def stop(self, reason: str, path: Path, place: Place) -> NoReturn:
+        self.report.fault(path[:8], reason, place)
+        raise _Stop
+
+    def node(self, given: yaml.Node, path: Path, depth: int) -> Node:
+        place = self.at(given.start_mark.line)
+        self.copies += id(given) in self.seen
+        self.seen.add(id(given))
         if depth > MAX_DEPTH:
-            self.report.fault(path[:8], f"nested deeper than {MAX_DEPTH} levels", place)
-            raise _Stop
-        if isinstance(event, yaml.AliasEvent):
-            return self.alias(event.anchor or "", path, place, depth)
-        if isinstance(event, yaml.ScalarEvent):
-            node = self.scalar(event, path, place)
-        elif isinstance(event, yaml.SequenceStartEvent):
-            node = self.checked_tag(event, "seq", path, self.listing(path, place, depth))
-        else:
-            node = self.checked_tag(event, "map", path, self.table(path, place, depth))
-        if anchor := getattr(event, "anchor", None):
-            self.anchors[anchor] = node
-        return node
+            self.stop(f"nested deeper than {MAX_DEPTH} levels", path, place)
+        if self.copies > MAX_COPIES:
+            self.stop(f"aliases stand for more than {MAX_COPIES:,} values", path, place)
+        if isinstance(given, yaml.ScalarNode):
+            return self.scalar(given, path, place)
+        if given.tag != _CORE + ("map" if isinstance(given, yaml.MappingNode) else "seq"):
+            return self.refused_tag(given.tag, path, place)
+        if isinstance(given, yaml.MappingNode):
+            return self.table(given, path, place, depth)
+        return Listing([self.node(its, (*path, k), depth + 1) for k, its in enumerate(given.value)], place)
 
-    def alias(self, anchor: str, path: Path, place: Place, depth: int) -> Node:
-        """A value like that at the anchor; each alias has one of its own, as an override may change it."""
-        if anchor in self.anchors:
-            return self.copied(self.anchors[anchor], path, place, depth)
-        self.report.fault(path, f"alias *{clean(anchor)}: no value before it has the anchor &{clean(anchor)}", place)
-        return Broken(place)
-
-    def copied(self, node: Node, path: Path, place: Place, depth: int) -> Node:
-        self.copies += 1
-        if self.copies > MAX_COPIES or depth > MAX_DEPTH:
-            limit = f"{MAX_COPIES:,} values" if depth <= MAX_DEPTH else f"{MAX_DEPTH} levels"
-            self.report.fault(path[:8], f"aliases stand for more than {limit}", place)
-            raise _Stop
-        if isinstance(node, Listing):
-            return Listing([self.copied(item, path, place, depth + 1) for item in node.items], node.place)
-        if isinstance(node, Table):
-            entries = {
-                key: Entry(entry.place, self.copied(entry.node, path, place, depth + 1))
-                for key, entry in node.entries.items()
-            }
-            return Table(entries, node.place)
-        return replace(node)
-
-    def scalar(self, event: yaml.ScalarEvent, path: Path, place: Place) -> Node:
-        plain = event.style is None
-        if event.tag == "!" or event.tag == _CORE + "str":
-            plain = False
-        elif event.tag is not None and event.tag.removeprefix(_CORE) in _SCALAR_TAGS:
-            plain = True
-        elif event.tag is not None:
-            return self.refused_tag(event.tag, path, place)
-        if has_half_pair(event.value):
-            self.report.fault(path, f"{quoted(event.value)} holds half of a surrogate pair, which is no text", place)
+    def scalar(self, given: yaml.ScalarNode, path: Path, place: Place) -> Node:
+        plain = given.tag != _CORE + "str"
+        if plain and given.tag.removeprefix(_CORE) not in _SCALAR_TAGS:
+            return self.refused_tag(given.tag, path, place)
+        if has_half_pair(given.value):
+            self.report.fault(path, f"{quoted(given.value)} holds half of a surrogate pair, which is no text", place)
             return Broken(place)
-        return Scalar(event.value, plain, place)
-
-    def checked_tag(self, event: yaml.Event, name: str, path: Path, node: Listing | Table) -> Node:
-        tag = event.tag  # type: ignore[attr-defined]  # both collection events have one
-        return node if tag in (None, "!", _CORE + name) else self.refused_tag(tag, path, node.place)
+        return Scalar(given.value, plain, place)
 
     def refused_tag(self, tag: str, path: Path, place: Place) -> Broken:
         self.report.fault(path, f"the tag {quoted(tag)} is not allowed; write the plain value", place)
         return Broken(place)
 
-    def listing(self, path: Path, place: Place, depth: int) -> Listing:
-        items: list[Node] = []
-        while not isinstance(event := self.next(), yaml.SequenceEndEvent):
-            items.append(self.node(event, (*path, len(items)), depth + 1))
-        return Listing(items, place)
-
-    def table(self, path: Path, place: Place, depth: int) -> Table:
+    def table(self, given: yaml.MappingNode, path: Path, place: Place, depth: int) -> Table:
         entries: dict[str, Entry] = {}
-        while not isinstance(event := self.next(), yaml.MappingEndEvent):
-            key = self.node(event, path, depth + 1)
+        for its_key, its_value in given.value:
+            key = self.node(its_key, path, depth + 1)
             inner = (*path, key.text) if isinstance(key, Scalar) else path
-            value = self.node(self.next(), inner, depth + 1)
+            value = self.node(its_value, inner, depth + 1)
             if not isinstance(key, Scalar):
                 if not isinstance(key, Broken):
                     self.report.fault(path, "a key must be a single word, not a list or mapping", key.place)

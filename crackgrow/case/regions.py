@@ -12,11 +12,9 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.reader import Node, Scalar
-from crackgrow.case.report import Path, quoted
-from crackgrow.case.scalars import Context, refuse
-from crackgrow.case.shapes import BodyShape, DrawnRing, Resolved
-from crackgrow.case.units import UNITS, QuantityError, is_number, parse_quantity
+from crackgrow.case.scalars import Context, Measured, Numeric, Schema, Schemas, Takes, units_of
+from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.units import UNITS, QuantityError, parse_quantity
 
 Measure = Literal["x", "y", "distance", "angle"]  # what tells a place on an edge
 FULL_CIRCLE = 360.0  # degrees
@@ -62,13 +60,23 @@ class Edge:
 
 
 def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
-    """Return the edge of a body; raises KeyError if there is none of that name."""
-    first_side = 0
-    for ring in body.rings:
-        if name in ring.edge_names:
-            return _edge(ring, name, first_side, tolerance)
-        first_side += len(ring.points)
-    raise KeyError(name)
+    """Return the edge of a body that has one of that name."""
+    number = next(k for k, ring in enumerate(body.rings) if name in ring.edge_names)
+    ring, first_side = body.rings[number], sum(len(ring.points) for ring in body.rings[:number])
+    n = len(ring.points)
+    ends = ring.sides
+    given = np.stack([ring.given, np.roll(ring.given, -1, axis=0)], axis=1)[ring.drawn]
+    ids = np.arange(n)
+    if ring.backwards:
+        ends, given, ids = ends[::-1, ::-1], given[::-1, ::-1], ids[::-1]
+    has_name = np.array(ring.edge_names)[ids] == name
+    starts = np.flatnonzero(has_name & ~np.roll(has_name, 1))
+    order = np.roll(np.arange(n), -int(starts[0])) if len(starts) else np.arange(n)
+    order = order[has_name[order]]
+    drawn = ring.drawn[ids[order]]
+    first_parts = np.append(True, drawn[1:] != drawn[:-1])
+    measure, reach = _measure(ends[order], given[order][first_parts], ring.is_arc, tolerance)
+    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
 def region_of(body: BodyShape, on: Resolved, tolerance: float) -> EdgeRegion:
@@ -91,23 +99,6 @@ def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
     """Return both ends `(k, 2, 2) float` in m of the region's part of every side."""
     start, end = np.moveaxis(body.sides[region.sides], 1, 0)
     return np.asarray(start[:, None] + region.limits[:, :, None] * (end - start)[:, None], dtype=float)
-
-
-def _edge(ring: DrawnRing, name: str, first_side: int, tolerance: float) -> Edge:
-    n = len(ring.points)
-    ends = ring.sides
-    given = np.stack([ring.given, np.roll(ring.given, -1, axis=0)], axis=1)[ring.drawn]
-    ids = np.arange(n)
-    if ring.backwards:
-        ends, given, ids = ends[::-1, ::-1], given[::-1, ::-1], ids[::-1]
-    has_name = np.array(ring.edge_names)[ids] == name
-    starts = np.flatnonzero(has_name & ~np.roll(has_name, 1))
-    order = np.roll(np.arange(n), -int(starts[0])) if len(starts) else np.arange(n)
-    order = order[has_name[order]]
-    drawn = ring.drawn[ids[order]]
-    first_parts = np.append(True, drawn[1:] != drawn[:-1])
-    measure, reach = _measure(ends[order], given[order][first_parts], ring.is_arc, tolerance)
-    return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
 def _measure(ends: Floats, given: Floats, is_arc: bool, tolerance: float) -> tuple[Measure, tuple[float, float]]:
@@ -175,28 +166,30 @@ class Along:
     angle: float | None  # degrees
 
 
-@dataclass(frozen=True, slots=True)
-class LengthOrAngle:
+class PlaceOnEdge(Numeric):
     """A length or an angle, a bare number in the length unit of the case or in degrees."""
 
     def describe(self) -> str:
         return "a length, or an angle on an arc"
 
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return an Along."""
-        units = f"{' | '.join((*UNITS['length'], *UNITS['angle']))}; a bare number means {context.units.length} or deg"
-        wanted = f"{self.describe()} ({units})"
-        if not isinstance(node, Scalar) or node.is_null:
-            return refuse(node, wanted, path, context)
-        text = node.text.strip()
-        if not node.plain and is_number(text):
-            return context.refused(path, f'"{text}" in quotes is a text; write {self.describe()} without quotes')
-        values: dict[str, float | None] = {}
+    def takes(self) -> Takes:
+        return Takes("length, or angle on an arc", f"{units_of('length')}; on an arc {units_of('angle')}")
+
+    def schema(self, schemas: Schemas) -> Schema:
+        return {"anyOf": [Measured(kind).schema(schemas) for kind in ("length", "angle")]}
+
+    def hint(self, context: Context) -> str:
+        named = " | ".join((*UNITS["length"], *UNITS["angle"]))
+        return f" ({named}; a bare number means {context.units.length} or deg)"
+
+    def parse(self, text: str, context: Context) -> Along:
+        """The place; raises QuantityError."""
+        values: list[float | None] = []
         for kind in ("length", "angle"):
             try:
-                values[kind] = parse_quantity(text, kind, context.units)
-            except QuantityError as error:
-                values[kind], reason = None, error
-        if values["length"] is None and values["angle"] is None:
-            return context.refused(path, f"{quoted(text)} {reason}; wanted: {wanted}")
-        return Along(values["length"], values["angle"])
+                values.append(parse_quantity(text, kind, context.units))
+            except QuantityError:
+                if values == [None]:
+                    raise
+                values.append(None)
+        return Along(*values)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path as FilePath
@@ -14,8 +14,11 @@ import yaml
 from crackgrow.errors import CaseError, Fault
 
 Path = tuple[str | int, ...]
+Faults = Iterator[tuple[Path, str]]
+"""What a check finds: the key of each fault, and what is wrong."""
 
 SHOWN_LENGTH = 60  # longer texts are cut in messages
+SHOWN_WORDS = 12  # of a longer list the rest is left out in messages
 SIMILARITY = 0.55  # least likeness of a "did you mean", between 0 and 1
 
 
@@ -36,6 +39,13 @@ def clean(text: str) -> str:
 def quoted(text: str) -> str:
     """Show a text from the file inside a message."""
     return f"'{clean(text)}'"
+
+
+def listed(words: Iterable[str]) -> str:
+    """Words, each once; of many the first ones and the last."""
+    each = [clean(word) or "''" for word in dict.fromkeys(words)]
+    shown = each if len(each) <= SHOWN_WORDS else [*each[:SHOWN_WORDS], "...", each[-1]]
+    return ", ".join(shown) or "none"
 
 
 def dotted(path: Path) -> str:
@@ -98,12 +108,6 @@ class Report:
         where = place or self._place_of(path)
         self.faults.append(Fault(where.source, where.line, dotted(path), message))
         self.doubt(path)
-
-    def take(self, other: Report) -> None:
-        """Add the faults of another file."""
-        self.faults.extend(other.faults)
-        self.faulty |= other.faulty
-        self.above_faulty |= other.above_faulty
 
     def doubt(self, path: Path) -> None:
         """Mark a key as faulty; its fault is reported elsewhere, such as a misspelling of it."""

@@ -16,9 +16,14 @@ from crackgrow.case.units import LARGEST, SMALLEST, UNITS, QuantityError, Units,
 
 Schema = dict[str, Any]  # in JSON Schema
 
+PLAIN: Final = "number"  # kinds without a unit
+WHOLE: Final = "whole number"
+SHARE: Final = "share"
+
 INVALID: Final = object()  # stands for a value whose fault is in the report
 
 NUMBER: Final = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"  # pattern of a number in JSON Schema
+_BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
 _NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
 
 
@@ -36,10 +41,6 @@ class Context:
         """Report the fault of a value, and return INVALID in its place."""
         self.report.fault(path, message)
         return INVALID
-
-    def folder_of(self, node: Node) -> FilePath:
-        """What a file name is relative to: the folder of the file that it stands in."""
-        return self.folders.get(node.place.source, self.folder)
 
 
 class Spec(Protocol):
@@ -118,33 +119,6 @@ class Text:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
-    """One of a few words, perhaps with a line about each."""
-
-    words: tuple[str, ...]
-    docs: tuple[str, ...] = ()
-
-    def describe(self) -> str:
-        return " | ".join(self.words)
-
-    def takes(self) -> Takes:
-        told = [f"`{word}`: {doc}" for word, doc in zip(self.words, self.docs, strict=True)] if self.docs else []
-        return Takes("word", "", "; ".join(told or [f"`{word}`" for word in self.words]))
-
-    def schema(self, _: Schemas) -> Schema:
-        return {"enum": list(self.words), **({"enumDescriptions": list(self.docs)} if self.docs else {})}
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the word."""
-        if not isinstance(node, Scalar) or node.is_null:
-            return refuse(node, self.describe(), path, context)
-        if node.text in self.words:
-            return node.text
-        message = f"{quoted(node.text)} is not one of {self.describe()}{did_you_mean(node.text, self.words)}"
-        return context.refused(path, message)
-
-
-@dataclass(frozen=True, slots=True)
 class Switch:
     """Yes or no."""
 
@@ -164,174 +138,161 @@ class Switch:
         return refuse(node, self.describe(), path, context)
 
 
-SIGNS: Final[dict[str, tuple[str, str, Callable[[float, float], bool]]]] = {
-    ">": ("above", "exclusiveMinimum", operator.gt),
-    ">=": ("at_least", "minimum", operator.ge),
-    "<": ("below", "exclusiveMaximum", operator.lt),
-    "<=": ("at_most", "maximum", operator.le),
+SIGNS: Final[dict[str, tuple[str, Callable[[float, float], bool]]]] = {
+    ">": ("exclusiveMinimum", operator.gt),
+    ">=": ("minimum", operator.ge),
+    "<": ("exclusiveMaximum", operator.lt),
+    "<=": ("maximum", operator.le),
 }
-"""Of each sign the bound, its key in JSON Schema, and when it holds."""
+"""Of the sign of a bound its key in JSON Schema, and when it holds."""
+
+Bounds = tuple[tuple[str, float], ...]
+"""Limits of a number in SI, each with its sign."""
 
 
-@dataclass(frozen=True, slots=True)
-class Bounds:
-    """Limits of a number, in SI."""
-
-    above: float | None = None
-    at_least: float | None = None
-    below: float | None = None
-    at_most: float | None = None
-
-    @property
-    def limits(self) -> dict[str, float]:
-        """The limits by sign."""
-        limits = {sign: getattr(self, name) for sign, (name, *_) in SIGNS.items()}
-        return {sign: limit for sign, limit in limits.items() if limit is not None}
-
-    def describe(self) -> str:
-        """Return such as ' > 0 and < 90'."""
-        limits = [f"{sign} {limit:g}" for sign, limit in self.limits.items()]
-        return f" {' and '.join(limits)}" if limits else ""
-
-    def hold(self, value: float) -> bool:
-        """Whether the value lies within."""
-        return all(SIGNS[sign][2](value, limit) for sign, limit in self.limits.items())
-
-    def schema(self) -> Schema:
-        """The bounds of a number in JSON Schema; a text heeds none of them."""
-        return {SIGNS[sign][1]: limit for sign, limit in self.limits.items()}
-
-
-ANY: Final = Bounds()
-
-
-class Measured:
-    """A number within bounds, which is written in one of several ways."""
+class Numeric:
+    """A number, a quantity or what stands for one, written without quotes."""
 
     __slots__ = ()
-    kind: str  # of number, or of quantity
-    bounds: Bounds
-    multiple_of: float | None = None
-    note: str = ""  # added to the message for what is none
 
     def describe(self) -> str:
-        grid = "" if self.multiple_of is None else f" in steps of {self.multiple_of:g}"
-        return f"{'an' if self.kind[0] in 'aeiou' else 'a'} {self.kind}{self.bounds.describe()}{grid}"
+        """Say in a few words what is allowed."""
+        raise NotImplementedError
 
-    def takes(self) -> Takes:
-        grid = f", in steps of {self.multiple_of:g}" if self.multiple_of else ""
-        units = units_of(self.kind) if self.kind in UNITS else ""
-        return Takes(self.kind, units, self.bounds.describe().strip() + grid)
-
-    def parse(self, text: str, context: Context) -> float:
-        """The number that a text stands for; raises QuantityError."""
-        return parse_number(text)
+    def parse(self, text: str, context: Context) -> object:
+        """What a text stands for, in SI; raises QuantityError."""
+        raise NotImplementedError
 
     def hint(self, context: Context) -> str:
         """What is added to the message for what is none."""
-        return self.note
+        return ""
 
     def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the float, in SI."""
-        wanted = self.describe()
+        """Return the value, in SI."""
+        wanted = self.describe() + self.hint(context)
         if not isinstance(node, Scalar) or node.is_null:
-            return refuse(node, wanted + self.hint(context), path, context)
-        if not node.plain and is_number(node.text.strip()):
-            message = f'"{node.text.strip()}" in quotes is a text; write {wanted} without quotes'
-            return context.refused(path, message)
+            return refuse(node, wanted, path, context)
+        text = node.text.strip()
+        if not node.plain and is_number(text):
+            return context.refused(path, f'"{text}" in quotes is a text; write {self.describe()} without quotes')
         try:
-            value = self.parse(node.text, context)
+            return self.parse(text, context)
         except QuantityError as error:
-            return context.refused(path, f"{quoted(node.text)} {error}; wanted: {wanted}{self.hint(context)}")
-        if not self.bounds.hold(value):
-            return context.refused(path, f"{quoted(node.text)} is out of range; wanted: {wanted}")
-        return value
+            return context.refused(path, f"{quoted(node.text)} {error}; wanted: {wanted}")
 
 
 @dataclass(frozen=True, slots=True)
-class Number(Measured):
-    """A number without a unit."""
+class Measured(Numeric):
+    """A number, or a quantity with a unit of its own or a bare one in the units of the case, within bounds."""
 
-    kind = "number"
-    bounds: Bounds = ANY
-    multiple_of: float | None = None
-    note: str = ""
+    kind: str  # number, whole number, share, or a key of UNITS
+    bounds: Bounds = ()
+    step: float | None = None  # between the numbers that are taken
+    note: str = ""  # added to the message for what is none
 
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"allOf": [schemas.named("number", lambda: _bare(1.0))], **self.bounds.schema()}
+    @property
+    def limits(self) -> str:
+        """The bounds in signs, such as "> 0 and < 90"."""
+        return " and ".join(f"{sign} {limit:g}" for sign, limit in self.bounds)
 
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the float."""
-        value = Measured.read(self, node, path, context)
-        if isinstance(value, float) and self.multiple_of and value % self.multiple_of != 0:
-            return refuse(node, self.describe(), path, context)
-        return value
+    def holds(self, value: float) -> bool:
+        """Whether a number lies within the bounds."""
+        return all(SIGNS[sign][1](value, limit) for sign, limit in self.bounds)
 
-
-@dataclass(frozen=True, slots=True)
-class Integer(Measured):
-    """A whole number."""
-
-    kind = "whole number"
-    bounds: Bounds = ANY
-
-    def schema(self, _: Schemas) -> Schema:
-        return {"type": "integer", **self.bounds.schema()}
-
-    def read(self, node: Node, path: Path, context: Context) -> object:
-        """Return the int."""
-        value = Measured.read(self, node, path, context)
-        if not isinstance(value, float):
-            return INVALID
-        return int(value) if value.is_integer() else refuse(node, self.describe(), path, context)
-
-
-@dataclass(frozen=True, slots=True)
-class Share(Measured):
-    """A part of something, as a number or in percent."""
-
-    kind = "part such as 0.01 or 1 %"
-    bounds: Bounds = ANY
+    def describe(self) -> str:
+        kind = "part such as 0.01 or 1 %" if self.kind == SHARE else self.kind
+        grid = "" if self.step is None else f"in steps of {self.step:g}"
+        return " ".join(filter(None, ["an" if kind[0] in "aeiou" else "a", kind, self.limits, grid]))
 
     def takes(self) -> Takes:
-        return Takes(self.describe())
+        if self.kind == SHARE:
+            return Takes(self.describe())
+        grid = f", in steps of {self.step:g}" if self.step else ""
+        return Takes(self.kind, units_of(self.kind) if self.kind in UNITS else "", self.limits + grid)
 
-    def schema(self, _: Schemas) -> Schema:
-        percent = {"type": "string", "pattern": rf"^\s*{NUMBER}\s*%\s*$"}
-        return {"anyOf": [{"type": "number", **self.bounds.schema()}, percent]}
+    def schema(self, schemas: Schemas) -> Schema:
+        limits: Schema = {SIGNS[sign][0]: limit for sign, limit in self.bounds}  # a text heeds none of them
+        if self.kind == WHOLE:
+            return {"type": "integer", **limits}
+        if self.kind == SHARE:
+            return {"anyOf": [{"type": "number", **limits}, {"type": "string", "pattern": rf"^\s*{NUMBER}\s*%\s*$"}]}
+        if self.kind == PLAIN:
+            return {"allOf": [schemas.named("number", lambda: _bare(1.0))], **limits}
+        whole = schemas.named(self.kind, lambda: _quantity(self.kind))
+        if not limits:
+            return whole
+        sign = {}  # what a pattern can tell of the bounds of a number with a unit
+        if (">", 0) in self.bounds:
+            sign = {"pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
+        elif (">=", 0) in self.bounds:
+            sign = {"pattern": rf"^(?!\s*-{_NOT_ZERO})"}
+        bounded = {"title": f"{self.kind} {self.limits}", "allOf": [whole], **limits, **sign}
+        return schemas.named(" ".join([self.kind, *map(str, limits)]), lambda: bounded)
 
     def parse(self, text: str, context: Context) -> float:
-        number, percent, rest = text.strip().partition("%")
-        if percent and not rest:
-            return parse_number(number.strip(), Fraction(1, 100))
-        return parse_number(text.strip())
+        """The number, whole where it is to be; raises QuantityError."""
+        number, percent, rest = text.partition("%")
+        if self.kind in UNITS:
+            value = parse_quantity(text, self.kind, context.units)
+        elif self.kind == SHARE and percent and not rest:
+            value = parse_number(number.strip(), Fraction(1, 100))
+        else:
+            value = parse_number(text)
+        if not self.holds(value):
+            raise QuantityError("is out of range")
+        if (self.kind == WHOLE and not value.is_integer()) or (self.step and value % self.step):
+            raise QuantityError("given")
+        return int(value) if self.kind == WHOLE else value
+
+    def hint(self, context: Context) -> str:
+        if self.kind not in UNITS:
+            return self.note
+        bare = f"; a bare number means {context.units.of(self.kind)}" if context.units.bare(self.kind) else ""
+        return f" ({' | '.join(UNITS[self.kind])}{bare}){self.note}"
+
+
+def _begins_number(node: Node) -> bool:
+    return isinstance(node, Scalar) and node.text.strip()[:1] in _BEGIN_OF_NUMBER
+
+
+def _looks_measured(node: Scalar, spec: Any) -> bool:
+    """Whether a text where words stand is a number, or the beginning of one where it may have a unit."""
+    with_unit = isinstance(spec, Measured) and spec.kind not in (PLAIN, WHOLE) and _begins_number(node)
+    return isinstance(spec, Measured) and (with_unit or (node.plain and is_number(node.text)))
 
 
 @dataclass(frozen=True, slots=True)
-class Quantity(Measured):
-    """A number with a unit of its own, or a bare one in the units of the case."""
+class Words:
+    """One of a few words, perhaps with a line about each, or else what another spec allows."""
 
-    kind: str  # a key of UNITS
-    bounds: Bounds = ANY
-    note: str = ""
+    words: tuple[str, ...]
+    docs: tuple[str, ...] = ()
+    spec: Any = None
+
+    def describe(self) -> str:
+        return " | ".join([*self.words, *([self.spec.describe()] if self.spec else [])])
+
+    def takes(self) -> Takes:
+        told = [f"`{word}`: {doc}" for word, doc in zip(self.words, self.docs, strict=True)] if self.docs else []
+        listed = "; ".join(told or [f"`{word}`" for word in self.words])
+        if not self.spec:
+            return Takes("word", "", listed)
+        kind, units, allowed = self.spec.takes()
+        return Takes(f"word or {kind}", units, ", or ".join(filter(None, (listed, allowed))))
 
     def schema(self, schemas: Schemas) -> Schema:
-        whole = schemas.named(self.kind, lambda: _quantity(self.kind))
-        if self.bounds == ANY:
-            return whole
-        sign = {}  # what a pattern can tell of the bounds of a number with a unit
-        if self.bounds.above == 0:
-            sign = {"pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
-        elif self.bounds.at_least == 0:
-            sign = {"pattern": rf"^(?!\s*-{_NOT_ZERO})"}
-        return {"title": self.describe().partition(" ")[2], "allOf": [whole], **self.bounds.schema(), **sign}
+        listed = {"enum": list(self.words), **({"enumDescriptions": list(self.docs)} if self.docs else {})}
+        return {"anyOf": [listed, schemas.of(self.spec)]} if self.spec else listed
 
-    def parse(self, text: str, context: Context) -> float:
-        return parse_quantity(text, self.kind, context.units)
-
-    def hint(self, context: Context) -> str:
-        bare = f"; a bare number means {context.units.of(self.kind)}" if context.units.bare(self.kind) else ""
-        return f" ({' | '.join(UNITS[self.kind])}{bare}){self.note}"
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the word or the other spec's value."""
+        if isinstance(node, Scalar) and node.text in self.words:
+            return node.text
+        if self.spec and (not isinstance(node, Scalar) or _looks_measured(node, self.spec)):
+            return self.spec.read(node, path, context)
+        hint = did_you_mean(node.text, self.words) if isinstance(node, Scalar) and not node.is_null else ""
+        note = self.spec.note if _begins_number(node) and isinstance(self.spec, Measured) else ""
+        return refuse(node, f"{self.describe()}{note}{hint}", path, context)
 
 
 def units_of(kind: str) -> str:

@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
-from crackgrow.case.scalars import INVALID, Choice, Context, Measured, Schema, Schemas, Takes, refuse
+from crackgrow.case.scalars import INVALID, Context, Measured, Numeric, Schema, Schemas, Takes, Words, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
 SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
@@ -40,7 +40,7 @@ class Field:
 
     def schema(self, schemas: Schemas) -> Schema:
         """What the key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
-        measured = isinstance(getattr(self.spec, "spec", self.spec), Measured)
+        measured = isinstance(getattr(self.spec, "spec", None) or self.spec, Measured)
         found: Schema = {"description": f"{self.doc}: {self.spec.describe()}" if measured else self.doc}
         if self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same):
             found["default"] = self.default
@@ -190,37 +190,32 @@ class Mapping:
 
     def _is_short(self, node: Node) -> bool:
         """Whether a node stands for the value of the `short` key."""
-        if isinstance(self.fields[self.short].spec, Measured | Choice):
+        if isinstance(self.fields[self.short].spec, Numeric | Words):
             return isinstance(node, Scalar) and not node.is_null
         return isinstance(node, Listing)
 
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""
-        guesses = set()
+        guesses: set[str] = set()
         unknown = [(key, entry) for key, entry in node.entries.items() if key not in self.fields]
         if len(unknown) > SHOWN_UNKNOWN:
             context.report.fault(path, f"{len(unknown)} unknown keys; allowed: {', '.join(self.offered())}")
-        else:
-            for key, entry in unknown:
-                free = [known for known in self.offered() if known not in node.entries]
-                hint = self._plural(key) or explained(key, free) or self._inner_key(key) or did_you_mean(key, free)
-                hint = hint or did_you_mean(key, self.offered())
-                message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
-                context.report.fault((*path, key), message, entry.place)
-                guesses.add(nearest(key, free) or "")
+            return guesses
+        for key, entry in unknown:
+            free = [known for known in self.offered() if known not in node.entries]
+            meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
+            if not meant and not explained(key, free):
+                meant = [f"{outer}.{key}" for outer, its in self.fields.items() if key in _offered_inside(its.spec)]
+            hint = f"; did you mean '{meant[0]}'?" if meant else did_you_mean(key, free)
+            hint = hint or did_you_mean(key, self.offered())
+            message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
+            context.report.fault((*path, key), message, entry.place)
+            guesses.add(nearest(key, free) or "")
         return guesses
 
-    def _plural(self, key: str) -> str:
-        """Return "; did you mean 'supports'?" for a key that lacks the s of one of the mapping, or has one too many."""
-        meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
-        return f"; did you mean '{meant[0]}'?" if meant else ""
 
-    def _inner_key(self, key: str) -> str:
-        """Return "; did you mean 'numerics.spacing'?" for a key of a mapping inside, or nothing."""
-        for outer, field in self.fields.items():
-            if isinstance(field.spec, Mapping) and key in field.spec.offered():
-                return f"; did you mean '{outer}.{key}'?"
-        return ""
+def _offered_inside(spec: Any) -> list[str]:
+    return spec.offered() if isinstance(spec, Mapping) else []
 
 
 def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
@@ -232,10 +227,7 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
 
 
 def _default(wanted: Field) -> object:
-    if wanted.default is BY_PARTS:
-        parts: Mapping = getattr(wanted.spec, "spec", wanted.spec)
-        return parts.defaults()
-    return deepcopy(wanted.default)
+    return wanted.spec.defaults() if wanted.default is BY_PARTS else deepcopy(wanted.default)
 
 
 @dataclass(frozen=True, slots=True)

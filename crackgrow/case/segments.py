@@ -69,8 +69,8 @@ def common_parts(first: Floats, second: Floats, tolerance: float) -> Floats:
     places = np.einsum("mkx,mx->mk", second - start[:, None], unit)
     low, high = np.clip(places.min(axis=1), 0.0, length), np.clip(places.max(axis=1), 0.0, length)
     parts = start[:, None] + np.stack([low, high], axis=1)[:, :, None] * unit[:, None]
-    off = parts - np.stack([nearest_places(parts[:, end], second) for end in (0, 1)], axis=1)
-    apart = np.hypot(off[..., 0], off[..., 1]).max(axis=1, initial=0.0)
+    lines = shapely.linestrings(second)
+    apart = np.max([shapely.distance(shapely.points(parts[:, end]), lines) for end in (0, 1)], axis=0, initial=0.0)
     parts[(high - low <= tolerance) | (apart > tolerance)] = np.nan
     return np.asarray(parts, dtype=float)
 
@@ -91,10 +91,3 @@ def meeting_places(lines: Sequence[Floats], tolerance: float) -> Floats:
     point, spot = shapely.STRtree(shapely.get_parts(spots)).query(shapely.points(places), predicate="intersects")
     _, first = np.unique(spot, return_index=True)
     return np.asarray(places[np.sort(point[first])])
-
-
-def nearest_places(points: Floats, segments: Floats) -> Floats:
-    """Return the places (m, 2) on segments (m, 2, 2) that are nearest to points (m, 2), or to one (2,)."""
-    start, along = segments[:, 0], segments[:, 1] - segments[:, 0]
-    t = np.clip(np.sum((points - start) * along, axis=1) / np.sum(along**2, axis=1), 0.0, 1.0)
-    return np.asarray(start + t[:, None] * along, dtype=float)

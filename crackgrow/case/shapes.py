@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from crackgrow.arrays import Floats
-from crackgrow.case.report import Path, Report, did_you_mean, quoted
+from crackgrow.case.report import Path, Report, did_you_mean, listed, quoted
 from crackgrow.case.segments import close_segments, places_between, segments_of
 from crackgrow.case.units import Units
 
@@ -24,7 +24,6 @@ ARC: Final = "arc"  # the edge of a disk
 HOLE: Final = "hole{}"  # the edge of a hole
 DISK_SIDES: Final = 360  # a disk is a polygon with a corner at every whole degree
 REPEATED_VERTEX: Final = 1e-9  # vertices nearer than this part of the line's extent are one
-SHOWN_EDGES: Final = 12  # longer lists of edges are cut in messages
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -236,11 +235,6 @@ def _renamed(ring: DrawnRing, body: Resolved, key: Path, report: Report) -> Draw
         else:
             names.update(dict.fromkeys(given, name))
     return replace(ring, edge_names=tuple(names[number] for number in ring.edge_names))
-
-
-def listed(names: list[str] | tuple[str, ...]) -> str:
-    """Write a list of edges, cut if it is long."""
-    return ", ".join(names) if len(names) <= SHOWN_EDGES else f"{', '.join(names[:SHOWN_EDGES])}, ..., {names[-1]}"
 
 
 def edge_hint(name: str, names: tuple[str, ...]) -> str:

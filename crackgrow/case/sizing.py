@@ -64,11 +64,11 @@ def settle_spacing(scene: Scene) -> None:
         refined = [kind for key in REFINED_AT if refine.get(key, AUTO) == AUTO for kind in REFINED_AT[key]]
         spacing, rule = automatic_spacing(accuracy, _lengths(scene), refined)
     followed = given == AUTO or (numerics.get("auto_rule") == rule and given == spacing)
-    rest = {key: value for key, value in numerics.items() if key not in ("accuracy", "spacing", "auto_rule")}
-    first = {"accuracy": accuracy, "spacing": spacing if followed else given}
     levels = dict.fromkeys(REFINED_AT, AUTO if followed or not isinstance(accuracy, str) else 0)
-    rest["refine"] = {**levels, **refine}
-    scene.resolved["numerics"] = {**first, **({"auto_rule": rule} if followed else {}), **rest}
+    numerics |= {"spacing": spacing if followed else given, "refine": {**levels, **refine}}
+    numerics.pop("auto_rule", None)
+    if followed:
+        numerics["auto_rule"] = rule
 
 
 def _lengths(scene: Scene) -> Iterator[Length]:

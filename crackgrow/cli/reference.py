@@ -69,8 +69,7 @@ def explain(name: str) -> list[Entry]:
             found += [_column_entry(file, column) for column in file.columns]
     if found:
         return found
-    tails = [key for key in keys if key.name.endswith(f".{name}")]
-    found = [key_entry(key) for key in tails if not any(_repeats(key, other) for other in tails)]
+    found = [key_entry(key) for key in keys if key.name.endswith(f".{name}") and not key.again]
     found += [_column_entry(file, column) for _, file in _files() for column in file.columns if column.name == name]
     return found or list(_word_entries(name))
 
@@ -80,7 +79,7 @@ def _word_entries(name: str) -> Iterator[Entry]:
     before, _, word = name.rpartition(".")
     for key in case_keys():
         told = re.search(rf"`{re.escape(word)}`(?:: (.*?))?(?=; `|, or |$)", key.allowed)
-        if told and not below_a_like(key.name) and (not before or _is(key.name, before)):
+        if told and not key.again and (not before or _is(key.name, before)):
             facts = {"meaning": told[1] or "", "key": f"{key.name}: {key.doc}", "default": key.default}
             yield Entry(f"{key.name}: {word}", facts)
 
@@ -91,17 +90,6 @@ def nearest(name: str) -> list[str]:
     names = [*keys, *(key.rpartition(".")[2] for key in keys)]
     names += [name for _, file in _files() for name in (file.name, *file.header)]
     return difflib.get_close_matches(name, list(dict.fromkeys(names)), n=3)
-
-
-def below_a_like(name: str) -> bool:
-    """Whether a key lies below a mapping that has been told before."""
-    return any(key.like and name.startswith(f"{key.name}.") for key in case_keys())
-
-
-def _repeats(key: Key, other: Key) -> bool:
-    """Whether a key is another one again, below a mapping that both have."""
-    holders = [holder for holder in case_keys() if holder.like and key.name.startswith(f"{holder.name}.")]
-    return any(other.name == holder.like + key.name.removeprefix(holder.name) for holder in holders)
 
 
 def _is(pattern: str, name: str) -> bool:

@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -119,6 +119,12 @@ def _case_in_middle(file: FitFile) -> Case:
                     faults.setdefault(key, Fault(str(file.path), None, f"parameters.{key}", message))
     if faults or case is None:
         others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]
+        others = [
+            replace(fault, source=str(file.path), key=f"set.{fault.key}")
+            if fault.source.removeprefix("--set ") in file.settings
+            else fault
+            for fault in others
+        ]
         raise CaseError([*faults.values(), *others])
     return case
 

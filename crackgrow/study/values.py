@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from crackgrow.case.reader import Broken, Listing, Node, Scalar, Table
 from crackgrow.case.report import Path, quoted
-from crackgrow.case.scalars import INVALID, Bounds, Choice, Context, Integer, Spec, refuse
+from crackgrow.case.scalars import INVALID, Context, Measured, Spec, Words, refuse
 from crackgrow.case.schema import OPTIONAL, Field, Mapping
 from crackgrow.case.units import QuantityError, parse_number
 
@@ -80,8 +80,8 @@ _RANGE: Final = Mapping(
     {
         "from": Field(_NumberWithUnit(), "the first value"),
         "to": Field(_NumberWithUnit(), "the last value"),
-        "n": Field(Integer(Bounds(at_least=2)), "the number of values, both ends included", OPTIONAL),
-        "scale": Field(Choice(("linear", "log")), "on which the values are evenly spaced", "linear"),
+        "n": Field(Measured("whole number", ((">=", 2),)), "the number of values, both ends included", OPTIONAL),
+        "scale": Field(Words(("linear", "log")), "on which the values are evenly spaced", "linear"),
     }
 )
 

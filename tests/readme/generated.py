@@ -19,7 +19,7 @@ from crackgrow.case.accuracy import TARGETS, cells_along
 from crackgrow.case.keys import Key, case_keys
 from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import groups
-from crackgrow.cli.reference import FOLDERS, below_a_like, key_entry
+from crackgrow.cli.reference import FOLDERS, key_entry
 from tests.readme.pictures import draw_all
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -101,7 +101,7 @@ def keys() -> str:
 
 def sections() -> Iterator[tuple[str, list[Key]]]:
     """The keys by the one that they begin with; those below a mapping that has been told before are left out."""
-    keys = [key for key in case_keys() if not below_a_like(key.name)]
+    keys = [key for key in case_keys() if not key.again]
     starts = [place for place, key in enumerate(keys) if "." not in key.name]
     for begin, end in pairwise([*starts, len(keys)]):
         yield keys[begin].name, keys[begin:end]

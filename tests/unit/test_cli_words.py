@@ -105,8 +105,8 @@ def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys
 
 @pytest.mark.parametrize(("name", "heads"), [
     ("cracks.my_own.contact.friction", ["cracks.NAME.contact.friction"]),
-    # once, though cracks, interfaces and foundations have it, too; and of lines of a map by an attribute
-    ("friction", ["laws.NAME.friction", "laws.NAME.wear.friction", "cracks.NAME.contact_by.NAME.NAME.friction"]),
+    # once, though cracks, interfaces and foundations have it, too
+    ("friction", ["laws.NAME.friction", "laws.NAME.wear.friction"]),
     ("interfaces.0.contact.friction", ["interfaces.N.contact.friction"]),
     ("output", ["output", "output.frames", "output.fields", "output.figures", "output.report"]),
     ("paths.csv", ["paths.csv", "crack", "vertex", "x", "y", "step"]),

@@ -17,7 +17,8 @@ from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError
 from tests.joint_maps import SHIPPED, case_text, joint_map
 from tests.scenes import shipped_case
-from tests.unit.case.scenes import CASES, rectangle, text_of, with_body
+from tests.unit.case import scenes
+from tests.unit.case.scenes import CASES, rectangle, with_body
 
 DXF = """0\nSECTION\n2\nENTITIES
 0\nLINE\n8\njoints\n10\n1.0\n20\n1.0\n30\n5.0\n11\n3.0\n21\n2.0\n31\n5.0
@@ -46,8 +47,7 @@ def load(folder: Path, shape: Any = None, **path: Any) -> Case:
     scene = {**with_body(shape or rectangle(0, 0, 10, 10)), "supports": "minimal"}
     scene["cracks"] = {"j": {"path": path, "contact": "none"}}
     scene["numerics"] = {"spacing": 1}
-    (folder / "scene.yaml").write_text(text_of(scene))
-    return load_case(folder / "scene.yaml")
+    return scenes.load(folder, scene)
 
 
 @pytest.mark.parametrize(("name", "driver"), [("a.gpkg", "GPKG"), ("a.shp", "ESRI Shapefile")])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from itertools import pairwise
 from pathlib import Path
@@ -12,10 +11,9 @@ import meshio
 import numpy as np
 import pytest
 
-from crackgrow.case import Case, load_case
 from crackgrow.case.mesh_file import ContentError, read_mesh
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import joint
+from tests.unit.case.scenes import joint, load
 from tests.whole_run import whole_run
 
 SIZE = 12  # cells of the block along x and y, one unit each; basalt above y = 7
@@ -101,11 +99,6 @@ def written_out() -> dict[str, Any]:
     points = {"flat": [[2, 5], [5, 5]], "kinked": [[2, 1], [4, 3], [5, 3]], "steep": [[7, 9], [7, 11]]}
     paths = {name: {"points": line} for name, line in points.items()}
     return scene(shapes, paths, {"granite": {"bottom": 0}, "basalt": {"top": 2}})
-
-
-def load(folder: Path, content: dict[str, Any]) -> Case:
-    (folder / "scene.yaml").write_text(json.dumps(content), encoding="utf-8")
-    return load_case(folder / "scene.yaml")
 
 
 def write(mesh: meshio.Mesh, path: Path) -> Path:

@@ -11,13 +11,12 @@ import pytest
 import yaml
 from jsonschema import Draft7Validator
 
-from crackgrow.case.composed import Named
 from crackgrow.case.format import CASE, FORMAT
 from crackgrow.case.json_schema import case_schema, schema_of
 from crackgrow.case.keys import case_keys
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report, words_elsewhere
-from crackgrow.case.scalars import Bounds, Context, Number, Quantity, Spec
+from crackgrow.case.scalars import Context, Spec
 from crackgrow.case.units import Units
 from tests.unit.case.scenes import CASES, fault, held, load, rectangle, with_body
 from tests.yaml12 import read_yaml12
@@ -54,13 +53,13 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
 @pytest.mark.parametrize(
     ("spec", "good", "bad"),
     [
-        (Quantity("length", Bounds(above=0)), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
+        (FORMAT.spec("length > 0"), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
          ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true",
           "1e-320", ".nan", "1e61"]),
-        (Quantity("length"), ["0", "-0.0", "-1e-55", "1e55", "0 mm"], ["1e-70", "-1e-70", ".nan", "-.inf", "1e61"]),
-        (Quantity("stress", Bounds(at_least=0)), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
-        (Quantity("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
-        (Number(Bounds(above=-1, at_most=0.5)), ["0.25", "0.5", "0", "-1e-59"],
+        (FORMAT.spec("length"), ["0", "-0.0", "-1e-55", "1e55", "0 mm"], ["1e-70", "-1e-70", ".nan", "-.inf", "1e61"]),
+        (FORMAT.spec("stress >= 0"), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
+        (FORMAT.spec("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
+        (FORMAT.spec("number > -1 and <= 0.5"), ["0.25", "0.5", "0", "-1e-59"],
          ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
         (CASE.fields["loading"].spec, ["critical", "{history: [1, -0.5]}", "{}", "[0.5, 1]"],
          ["crit", "{history: 1}", "{histry: [1]}", "[one]"]),
@@ -91,7 +90,7 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
         ("Load", ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
          ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
           "{crack: a, pressure: 1, held: 1}"]),
-        (Named("crack", Number()), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
+        (FORMAT.spec("crack by name: number"), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
          ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}", '{"a\\u0301": 1}', '{"a\\u202e": 1}']),
     ],
 )  # fmt: skip

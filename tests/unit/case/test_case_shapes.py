@@ -22,11 +22,14 @@ DISK = {"disk": {"center": [1, 2], "radius": 3}}
 WEDGE = [[0, 0], [6, 0], [3, 4]]  # a side of length 5 from (6, 0) on, another one back
 
 
-def body_of(tmp_path: Path, scene: dict[str, Any], *at: float) -> Body:
-    """Load a scene with one body, held near a point in it."""
-    x, y = at or (2, 1)
-    supports = [{"at": [x, y], "displacement": {"x": 0, "y": 0}}, {"at": [x + 0.1, y], "displacement": {"y": 0}}]
-    return load(tmp_path, changed(scene, supports=supports)).bodies[0]
+def held_at(scene: dict[str, Any], x: float, y: float) -> dict[str, Any]:
+    """The scene with its body held at two points near one in it."""
+    given = ((x, {"x": 0, "y": 0}), (x + 0.1, {"y": 0}))
+    return changed(scene, supports=[{"at": [along, y], "displacement": components} for along, components in given])
+
+
+def body_of(tmp_path: Path, scene: dict[str, Any], x: float = 2, y: float = 1) -> Body:
+    return load(tmp_path, held_at(scene, x, y)).bodies[0]
 
 
 def area(points: np.ndarray) -> float:
@@ -145,12 +148,7 @@ def test_names_of_what_is_no_file_of_an_outline(name: str, words: str, tmp_path:
 
 def region(tmp_path: Path, shape: dict[str, Any], on: dict[str, Any], **body: Any) -> EdgeRegion:
     """The region of a traction; the body is held at two points off its edges."""
-    x, y = (1, 2) if "disk" in shape else (3, 1)
-    scene = with_body(shape, **body)
-    scene["supports"] = [
-        {"at": [x, y], "displacement": {"x": 0, "y": 0}},
-        {"at": [x + 0.5, y], "displacement": {"y": 0}},
-    ]
+    scene = held_at(with_body(shape, **body), *((1, 2) if "disk" in shape else (3, 1)))
     scene["loads"] = [{"on": {"body": "rock", **on}, "traction": [0, 1]}]
     found = load(tmp_path, scene).loads[0].region
     assert (found.body, found.edge) == ("rock", on["edge"])

@@ -155,6 +155,7 @@ def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
      "fit.yaml: parameters.supports.7.contact.friction: at 1: supports is a list of "),
     ({"parameters": "{materials.rock.density: {from: 1, to: 2}}"},
      "fit.yaml: parameters.materials.rock.density: at 1: "),
+    ({"set": "{growth.steps: -1}"}, "fit.yaml: set.growth.steps: '-1' is out of range"),
     ({"measured": f"{{file: {JOINT}, crack: flow}}"}, "fit.yaml: measured.crack: the case has no crack 'flow'; it has"),
     ({"measured": f"{{file: {JOINT}, x: load_factor, y: nonsense}}"},
      "fit.yaml: measured: no table has numbers of load_factor and nonsense; steps.csv has step, n_dofs"),

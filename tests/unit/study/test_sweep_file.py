@@ -90,7 +90,7 @@ output: {{frames: never}}
         "study.yaml:6: parameters.numerics.spacing: from has the unit 'mm', to has ''",
         "study.yaml:7: parameters.numerics.support: scale: log needs",
         "study.yaml:8: desing: unknown key",
-        "study.yaml:9: output.frames: 'never' is not one of",
+        "study.yaml:9: output.frames: 'never' given; wanted:",
     ]
     assert len(told) == len(starts)
     for line, start in zip(told, starts, strict=True):
