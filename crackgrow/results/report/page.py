@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import yaml
 from jinja2 import Environment
 
 from crackgrow.case.model import Case
@@ -82,7 +83,7 @@ def page(run: RunFolder) -> str:
         checks=check_rows(run),
         warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
         events=event_rows(run.table("events")) if len(run.table("events")) else None,
-        actions=describe_actions(run.case),
+        actions=described_actions(run),
         data=data,
         # no text in the data can end the element of the page's scripts
         json=json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
@@ -109,17 +110,14 @@ def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
     return rows
 
 
-def describe_actions(case: Case) -> list[tuple[str, str]]:
-    """What holds and what loads the specimen, in words: name, and what the case says of it, in SI."""
-    told, rows = case.to_dict(), []
+def described_actions(run: RunFolder) -> list[tuple[str, str]]:
+    """What holds and what loads the specimen, in words: name, and what case.yaml says of it, in SI."""
+    told, rows = yaml.safe_load(run.case_text), []
     for kind in ("supports", "loads"):
-        items = told[kind]
-        assert isinstance(items, list)
-        for number, item in enumerate(items):
+        for number, item in enumerate(told[kind]):
             text = json.dumps(item, ensure_ascii=False)[1:-1].replace('"', "")
-            rows.append(
-                (f"{kind}.{number}", re.sub(r"-?\d+\.\d+(e[-+]?\d+)?", lambda found: f"{float(found[0]):.12g}", text))
-            )
+            short = re.sub(r"-?\d+\.\d+(e[-+]?\d+)?", lambda found: f"{float(found[0]):.12g}", text)
+            rows.append((f"{kind}.{number}", short))
     return rows
 
 
