@@ -85,8 +85,8 @@ class FieldPictures:
         axes.set_facecolor(BEHIND)
         points = self._moved(frame) / length
         shade(axes, frame, points, frame.values / self.unit[0], self.norm, self.colormap)
-        edges = points[frame.boundary_edges()]
-        axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
+        edges = points[frame.boundary_edges]
+        axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE), autolim=False)
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
