@@ -24,27 +24,6 @@ ESTIMATES: Final = {
     "load_factor_percent_at_most": "critical load factors, at most [%]",
     "goal_percent_at_most": "numerics.goal, at most, over its largest value [%]",
 }
-PAGE: Final = Markup("""<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta name="viewport" content="width=device-width, initial-scale=1">
-<meta http-equiv="Content-Security-Policy" content="{policy}">
-<title>{case}: {title}</title>
-<style>
-{style}</style>
-</head>
-<body>
-{header}<noscript><p>Without JavaScript this page shows the end of the run, and no plots.</p></noscript>
-{controls}<main>
-{sections}</main>
-<script type="application/json" id="data">{data}</script>
-<script>
-{script}</script>
-</body>
-</html>
-""")
-POLICY: Final = "default-src 'none'; img-src data:; style-src 'unsafe-inline'; script-src 'unsafe-inline'"
 CONTROLS: Final = Markup("""<div class="controls" role="group" aria-label="step shown">
 <button id="play" type="button">Play</button><label for="step">Step</label>
 <input id="step" type="range" min="0" max="{last}" value="{last}" step="1">
@@ -63,10 +42,10 @@ TIPS: Final = Markup("""<div class="scroll tall" tabindex="0" role="region" aria
 def page_of(run: RunFolder, data: str, sections: Iterable[Markup]) -> str:
     """The whole page; `data`, in JSON, is what its scripts draw, and has no text that ends their element."""
     last = len(run.places) - 1
-    return PAGE.format(
-        policy=POLICY, case=run.summary["case"], title=run.summary["title"], style=_file("page.css"),
-        header=_header(run), controls=CONTROLS.format(last=last) if last else "", sections=joined("{}\n", sections),
-        data=Markup(data), script=_file("chart.js") + _file("page.js"),
+    return _file("page.html").format(
+        case=run.summary["case"], title=run.summary["title"], style=_file("page.css"), header=_header(run),
+        controls=CONTROLS.format(last=last) if last else "", sections=joined("{}\n", sections), data=Markup(data),
+        script=_file("chart.js") + _file("page.js"),
     )  # fmt: skip
 
 
