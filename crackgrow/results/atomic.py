@@ -46,7 +46,7 @@ def temporary_path(path: Path) -> Path:
     return path.with_name(f".{path.stem}.tmp{path.suffix}")
 
 
-def write_atomically(path: Path, write: Callable[[Path], None], *, durable: bool = False) -> None:
+def write_atomically(path: Path, write: Callable[[Path], object], *, durable: bool = False) -> None:
     """Let `write` fill a temporary file and rename it to `path`; makes the folder where it is missing.
 
     If `write` raises, `path` stays as it was and the temporary file is removed. A `durable` file is on the disk itself
@@ -79,11 +79,7 @@ def _flush(path: Path) -> None:
 
 def write_bytes(path: Path, data: bytes) -> None:
     """Write `data` to `path` atomically; raises OutputError."""
-
-    def write(temporary: Path) -> None:
-        temporary.write_bytes(data)
-
-    write_atomically(path, write)
+    write_atomically(path, lambda temporary: temporary.write_bytes(data))
 
 
 def write_text(path: Path, text: str) -> None:

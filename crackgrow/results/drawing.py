@@ -58,7 +58,7 @@ def draw_scene(path: Path, case: Case, squares: Floats) -> None:
         near = np.all((squares.max(axis=1) > low) & (squares.min(axis=1) < high), axis=1)
         lines = PolyCollection(list(squares[near]), facecolors="none", edgecolors="0.55", linewidths=0.25, zorder=2.5)
         lines.set_clip_path(PathPatch(body_path(body), transform=sheet.axes.transData))
-        sheet.axes.add_collection(lines)
+        sheet.axes.add_collection(lines, autolim=False)
     for crack in case.cracks:
         sheet.axes.plot(*crack.points.T, color="black", linewidth=2.0, solid_capstyle="round", zorder=6)
         for tip in _tips(crack).values():
@@ -91,7 +91,7 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     for step, parts in sorted(segments.items()):
         colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
         looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
-        sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks))
+        sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks), autolim=False)
     of_steps = run.table("tips").by("step")
     for step in steps:
         tips = of_steps[(str(step),)]

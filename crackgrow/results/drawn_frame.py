@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -35,9 +36,9 @@ def principal_stresses(stress: Floats) -> tuple[Floats, Floats]:
     return centre + radius, centre - radius
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class DrawnFrame:
-    """The specimen's mesh with one field on it."""
+    """The specimen's mesh with one field on it; what is cached is small beside it."""
 
     step: int
     points: Floats  # (n, 2) m
@@ -55,7 +56,7 @@ class DrawnFrame:
         size = np.ptp(self.points, axis=0).max()
         if not largest > 0:
             return 1.0
-        strain = max(self._usual_strain(sides) for sides in (self._sides(), self.boundary_edges()))
+        strain = max(self._usual_strain(sides) for sides in (self._sides(), self.boundary_edges))
         together = self._magnification_together(TOGETHER * size)
         visible = min(DISPLACED_SHARE * size / largest, LARGEST_STRAIN / max(strain, 1e-300), together)
         return max(float(f"{visible:.1e}"), 1.0)
@@ -66,7 +67,7 @@ class DrawnFrame:
         Drawn are a jump w d and a face that has turned with the displacements u along it, so that the opening is
         w d.n + w^2 d.n', n' = rot(du/ds): its second part is none of the rock's, and may be as large as the first.
         """
-        upper, lower = self._face_pairs()
+        upper, lower = self._face_pairs
         along, turned = (np.diff(field[upper], axis=1) for field in (self.points, self.displacement))
         jump = self.displacement[lower] - self.displacement[upper]
         length = np.linalg.norm(along, axis=2)
@@ -87,6 +88,7 @@ class DrawnFrame:
         sides = np.stack([self.cells, np.roll(self.cells, -1, axis=1)], axis=2).reshape(-1, 2)
         return np.asarray(sides[sides[:, 0] != sides[:, 1]])
 
+    @cached_property
     def boundary_edges(self) -> Ints:
         """Edges (n, 2) that one cell alone has, with rock on their left: the outline and both faces of the cracks."""
         sides = self._sides()
@@ -94,9 +96,10 @@ class DrawnFrame:
         _, first, counts = np.unique(keys, return_index=True, return_counts=True)
         return np.asarray(sides[first[counts == 1]])
 
+    @cached_property
     def _face_pairs(self) -> tuple[Ints, Ints]:
         """Edges (n, 2) of faces that have others at the same place: those of rock above, and those of rock below."""
-        edges = self.boundary_edges()
+        edges = self.boundary_edges
         x, y = np.diff(self.points[edges], axis=1)[:, 0].T
         above = (x > 0.0) | ((x == 0.0) & (y > 0.0))
         edges = np.where(above[:, None], edges, edges[:, ::-1])
@@ -112,7 +115,7 @@ class DrawnFrame:
         n, sides = len(self.points), self._sides()
         lengths = np.linalg.norm(np.diff(self.points[sides], axis=1)[:, 0], axis=1)
         ways = csr_array((np.maximum(lengths, 1e-300), sides.T), shape=(n, n))
-        upper, lower = map(np.unique, self._face_pairs())
+        upper, lower = map(np.unique, self._face_pairs)
         faces = np.setdiff1d(upper, lower), np.setdiff1d(lower, upper)
         if not (len(faces[0]) and len(faces[1])):
             return np.zeros(n, dtype=bool)

@@ -18,6 +18,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
+from PIL import Image
 
 from crackgrow.arrays import Floats
 from crackgrow.case.report import quoted
@@ -84,8 +85,8 @@ class FieldPictures:
         axes.set_facecolor(BEHIND)
         points = self._moved(frame) / length
         shade(axes, frame, points, frame.values / self.unit[0], self.norm, self.colormap)
-        edges = points[frame.boundary_edges()]
-        axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE))
+        edges = points[frame.boundary_edges]
+        axes.add_collection(LineCollection(list(edges), colors="0.1", linewidths=LINE), autolim=False)
         unit = f" [{self.unit[1]}]" if self.unit[1] else ""
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
@@ -121,8 +122,10 @@ def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) 
 def png_of(figure: Figure) -> bytes:
     """A figure as PNG; raises MemoryError where there is less than DRAWING of memory."""
     np.empty(DRAWING, dtype=np.uint8)  # compiled code that draws ends the process where its memory runs out
-    data = io.BytesIO()
-    FigureCanvasAgg(figure).print_png(data, pil_kwargs={"compress_level": COMPRESSION})
+    canvas, data = FigureCanvasAgg(figure), io.BytesIO()
+    canvas.draw()
+    colours = np.asarray(canvas.buffer_rgba())[..., :3]  # all is opaque: a fourth channel would take as long as another
+    Image.fromarray(colours).save(data, format="PNG", compress_level=COMPRESSION, dpi=(figure.dpi, figure.dpi))
     return data.getvalue()
 
 

@@ -58,7 +58,8 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
         for given, width in ((False, 2.0), (True, 2.4)):
             mine = (made == 0) == given
             looks: dict[str, Any] = {"colors": [colours[step] for step in made[mine]], "linewidths": width}
-            axes.add_collection(LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks))
+            lines = LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks)
+            axes.add_collection(lines, autolim=False)
         x, y = (crack.points[crack.steps > 0] / length).T
         axes.scatter(x, y, s=7, color=[colours[step] for step in crack.steps if step > 0], zorder=4)
     if last > 0:

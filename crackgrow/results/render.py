@@ -10,6 +10,7 @@ import shutil
 import subprocess
 from collections.abc import Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from PIL import Image
 
@@ -62,11 +63,8 @@ def write_gif(path: Path, pictures: Sequence[Path]) -> None:
     palette = images[-1].quantize(COLOURS)  # one for all: colours don't flicker
     frames = [image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images]
     times = [MILLISECONDS] * (len(frames) - 1) + [LAST_MILLISECONDS]
-
-    def write(temporary: Path) -> None:
-        frames[0].save(temporary, save_all=True, append_images=frames[1:], duration=times, loop=0, optimize=False)
-
-    write_atomically(path, write)
+    how: dict[str, Any] = {"save_all": True, "append_images": frames[1:], "duration": times, "loop": 0}
+    write_atomically(path, lambda temporary: frames[0].save(temporary, optimize=False, **how))
 
 
 def write_mp4(path: Path, pictures: Sequence[Path]) -> None:

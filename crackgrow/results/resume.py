@@ -95,11 +95,8 @@ class CheckpointWriter:
         told = np.frombuffer(json.dumps(header, ensure_ascii=False).encode(), dtype=np.uint8)
         arrays: dict[str, Any] = {"header": told, **checkpoint.arrays}
 
-        def write(temporary: Path) -> None:
-            with temporary.open("wb") as file:
-                np.savez(file, **arrays)
-
-        write_atomically(self._folder / of_step(CHECKPOINT, step), write, durable=flush)
+        path = self._folder / of_step(CHECKPOINT, step)
+        write_atomically(path, lambda temporary: np.savez(temporary, **arrays), durable=flush)
         if flush:
             self._flushed, self._when = step, now
         before = [older for older in steps_with_checkpoint(self._folder) if older < step][:1]

@@ -50,7 +50,7 @@ class Sheet:
     def strokes(self, ends: Floats, width: float) -> None:
         """Straight lines (n, 2, 2) m of a support."""
         looks: dict[str, Any] = {"colors": SUPPORT, "linewidths": width, "capstyle": "butt", "zorder": 5, **self.titled}
-        self.axes.add_collection(LineCollection(list(ends), **looks))
+        self.axes.add_collection(LineCollection(list(ends), **looks), autolim=False)
 
     def shape(self, patch: Patch) -> None:
         """A triangle or a wheel of a support."""

@@ -38,12 +38,6 @@ class Table(GrowingFile):
         """Append rows, values in the order of the columns."""
         self.lines.extend(",".join(format_value(value) for value in row) for row in rows)
 
-    def replace_last(self, row: Sequence[Value]) -> None:
-        """Replace the last row."""
-        self.lines.pop()
-        self.extend([row])
-        self.n_written = 0
-
     def __len__(self) -> int:
         return len(self.lines) - 1
 

@@ -22,22 +22,17 @@ class NoDisplayError(CrackgrowError):
     exit_code = 3
 
 
-def check_display(folder: Path) -> None:
-    """Raise NoDisplayError where no window can be opened."""
+def view(folder: Path, field: str = "sigma_1", warp: float | None = None) -> None:
+    """Open a window with a slider over the steps, and return when it is closed.
+
+    Raises FolderError where there is nothing to see, NoDisplayError.
+    """
     unix = sys.platform not in ("win32", "darwin")
     if unix and not os.environ.get("DISPLAY") and not os.environ.get("WAYLAND_DISPLAY"):
         raise NoDisplayError(
             f"there is no display to open a window on: `crackgrow render {folder}` draws pictures without one; or open "
             f"the .pvd in {folder} in ParaView where there is one, or log in by `ssh -X`"
         )
-
-
-def view(folder: Path, field: str = "sigma_1", warp: float | None = None) -> None:
-    """Open a window with a slider over the steps, and return when it is closed.
-
-    Raises FolderError where there is nothing to see, NoDisplayError.
-    """
-    check_display(folder)
     plotter = pyvista.Plotter(title=f"crackgrow: {folder}")
     fill(plotter, folder, field, warp)
     plotter.show()

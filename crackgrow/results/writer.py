@@ -20,6 +20,7 @@ from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, R
 from crackgrow.results.lock import FolderLock, earlier_files
 from crackgrow.results.log import RunLog, event_line, largest_K, told_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
+from crackgrow.results.style import load_matplotlib
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
@@ -149,6 +150,7 @@ class RunWriter:
             self._log.tell(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)
         if first and self.case.output.figures:
+            load_matplotlib()
             from crackgrow.results import figures  # here: loading matplotlib takes half a second
 
             figures.draw_sigma_1(self.folder / "figures" / "sigma_1_first.png", self.case, result)
@@ -160,17 +162,12 @@ class RunWriter:
                 self._write_paths(end.cracks)
                 self._extend("events", tables.event_rows(end.events))
                 self._log_events(end.events)
-                if (
-                    self.case.output.frames == "first_and_last"
-                    and self._last is not None
-                    and len(self._tally.steps) > 1
-                ):
-                    seconds = self._write_frames(self._last)  # only now is it known which step was the last
-                    self._tally.add_seconds("output", seconds)
-                    self._tables["steps"].replace_last(tables.step_row(self._last, seconds))
-                    self._tables["steps"].write()
-                if self.case.output.figures and self._last is not None:
-                    self._draw(self._last, end.cracks)
+                last, output = self._last, self.case.output
+                if last is not None and output.frames == "first_and_last" and len(self._tally.steps) > 1:
+                    # only now is it known which step was the last; its row in steps.csv is written
+                    self._tally.add_seconds("output", self._write_frames(last))
+                if last is not None and output.figures:
+                    self._draw(last, end.cracks)
             finally:  # a figure that fails doesn't take the summary with it
                 self._write_summary(end)
                 self.error_line = error_line(self._tally, end)

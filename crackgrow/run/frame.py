@@ -247,7 +247,7 @@ def _with_nodes(cells: _Cells) -> OutputMesh:
 
 def _too_long(ends: Floats, tips: Sequence[Tip]) -> Bools:
     """Which sides between points (..., 2, 2) are too long for their distance from a tip."""
-    length, middle = _lengths(ends).ravel(), ends.mean(axis=-2).reshape(-1, 2)
+    length, middle = _lengths(ends).ravel(), (0.5 * (ends[..., 0, :] + ends[..., 1, :])).reshape(-1, 2)
     reach, order = length.max(initial=0.0) / LONGEST, np.argsort(middle[:, 0])
     x, found = middle[order, 0], np.zeros(len(length), dtype=bool)
     for tip in tips:

@@ -157,8 +157,11 @@ def _check_design(values: Any, report: Report) -> None:
         listed = ", ".join(f"{key}: {count}" for key, count in counts.items())
         report.fault(("parameters",), f"a zip takes as many values of each parameter; given are {listed}")
     n_runs = math.prod(counts.values()) if design == "grid" else max(counts.values())
+    if report.sound("samples"):
+        n_runs = values.get("samples", n_runs)
     if n_runs > MOST_RUNS:
-        report.fault(("parameters",), f"this makes {n_runs} runs; at most {MOST_RUNS} are taken")
+        key = "samples" if "samples" in values else "parameters"
+        report.fault((key,), f"this makes {n_runs} runs; at most {MOST_RUNS} are taken")
 
 
 def _check_parameter(path: KeyPath, value: Listed | Range, design: str, report: Report) -> None:

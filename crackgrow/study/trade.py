@@ -49,21 +49,16 @@ def trade(
                 what = f"the run '{run.name}' is {row['status']}: {row['reason']}"
                 raise SolveError(f"{what}; mend that and --resume, or ask for fewer --steps, or other settings by --at")
         found = findings(plan)
-        add_findings(table, found)
+        for run in study.runs:
+            apart = found.paths.get(run.name)
+            of_path: Values = {"path_apart": apart.distance, "path_share": apart.share} if apart else {}
+            table.found[run.number] |= {"error": found.error(run.name), **of_path}
         table.write()
         write_text(study.folder / "convergence.csv", convergence_csv(found))
         from crackgrow.study.pictures import draw_trade  # here: it loads matplotlib
 
         draw_trade(study.folder / "trade.png", found, table)
     return found, table
-
-
-def add_findings(table: Table, found: Findings) -> None:
-    """Add what was found to the rows of the table."""
-    for run in found.plan.study.runs:
-        apart = found.paths.get(run.name)
-        of_path: Values = {"path_apart": apart.distance, "path_share": apart.share} if apart else {}
-        table.found[run.number] |= {"error": found.error(run.name), **of_path}
 
 
 def convergence_csv(found: Findings) -> str:

@@ -10,12 +10,13 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Annotation
 
-from crackgrow.case import Case
+from crackgrow.case import Case, dump_case
 from crackgrow.plan.cost import squares_of
 from crackgrow.results import signs
 from crackgrow.results.drawing import draw_scene
+from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import extent
-from crackgrow.results.report.page import describe_actions
+from crackgrow.results.report.page import described_actions
 from crackgrow.results.units import LENGTHS, STRESSES, TIMES, factor_text, rounded_all, shown, unit_of
 from tests.scenes import shipped_case
 
@@ -92,8 +93,9 @@ def test_the_arrow_of_a_point_force_ends_at_its_point() -> None:
     assert tail[1] > head[1]
 
 
-def test_actions_are_told_in_words() -> None:
-    told = dict(describe_actions(shipped_case("compression30")))
+def test_actions_are_told_in_words(tmp_path: Path) -> None:
+    (tmp_path / "case.yaml").write_text(dump_case(shipped_case("compression30")))
+    told = dict(described_actions(RunFolder(tmp_path)))
     assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
     assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 100000000], held: false"
 

@@ -72,7 +72,7 @@ def test_columns_are_those_of_the_contract() -> None:
     assert {name: ",".join(tables.HEADERS[name]) for name in wanted} == wanted
 
 
-def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is_whole_again(tmp_path: Path) -> None:
+def test_rows_are_appended_and_a_file_that_is_gone_is_whole_again(tmp_path: Path) -> None:
     table = tables.Table(tmp_path, "a", ("x", "y"))
     table.write()
     inode = table.path.stat().st_ino
@@ -80,13 +80,10 @@ def test_rows_are_appended_and_a_file_that_is_gone_or_changed_in_its_last_row_is
     table.write()
     assert table.path.read_text() == "x,y\n1,2.5\n3,4.5\n"
     assert table.path.stat().st_ino == inode  # the same file, not a new one
-    table.replace_last((3, 5.5))
-    table.write()
-    assert table.path.read_text() == "x,y\n1,2.5\n3,5.5\n"
     table.path.unlink()
     table.extend([(6, 7.5)])
     table.write()
-    assert table.path.read_text() == "x,y\n1,2.5\n3,5.5\n6,7.5\n"
+    assert table.path.read_text() == "x,y\n1,2.5\n3,4.5\n6,7.5\n"
 
 
 @pytest.mark.parametrize(("name", "last", "rows"), [("tips", 2, 4), ("events", 1, 3)])

@@ -106,6 +106,7 @@ output: {{frames: never}}
     (f"design: latin_hypercube\nparameters: {{{ANGLE}: [30]}}", "missing: a Latin hypercube needs"),
     (f"parameters: {{{ANGLE}: [30]}}\nset: {{{ANGLE}: 40}}", "is a parameter too"),
     (f"parameters: {{{ANGLE}: {{from: 1, to: 60, n: 10001}}}}", "this makes 10001 runs; at most 10000"),
+    (f"design: latin_hypercube\nsamples: 10001\nparameters: {{{ANGLE}: [30]}}", "samples: this makes 10001 runs"),
     ("parameters: {}", "parameters: a mapping given"),
     # keys that no combination can set
     (f"parameters:\n  {ANGLE}: [20, 30]\n  cracks.flaw.contact.fricton: [0, 0.1]\n",
