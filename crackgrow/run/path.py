@@ -87,13 +87,6 @@ class _LoadPath:
         increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_branch(like, free)
 
-    def ends(self, states: PointStates, share: float) -> tuple[PointStates, PointStates]:
-        """The states at both ends of the way on branches of others, which are those after a share of it."""
-        if share == 1.0:
-            return self.on_branch(states, 0.0), states
-        last = self.on_branch(states, 1.0)
-        return self.between(states, last, -share / (1.0 - share), 0.0), last
-
     def between(self, first: PointStates, last: PointStates, part: float, share: float) -> PointStates:
         """The states after a share of the way, which is a part of that from some to others on the same branches."""
         increment, free = self.configuration.increment(self.level(share), self.was)
@@ -142,24 +135,33 @@ def next_piece(
         # wear of less than both is round-off of points left by the load
         if law.bends.any() or (path.wear(start) > 0.0 and path.wear(path.at(probe)) > 0.0):
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
-    shares = (
-        SHARES if before is None and not jumps else SHARES[2:] if before and before.share < SHARES[1] else SHARES[1:]
-    )
-    for share in (*(share for share in shares if share > least), least):
+    for share in (*(share for share in _shares(jumps, before) if share > least), least):
         states = path.at(share)
         if path.wear(states) > 0.0:
             continue  # it begins on the way
         if _breaks(path, states):
             continue
-        begin, end = path.ends(states, share)
+        begin = path.on_branch(states, 0.0)
         if _leads_back(path, begin, states):
             break
     else:
         return Piece(states, share, "jump")
     if share == 1.0:
         return Piece(states, 1.0, "straight")
+    end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
     return Piece(end if event == 1.0 else path.between(begin, end, event, event), event, "straight")
+
+
+def _shares(jumps: int, before: Piece | None) -> tuple[float, ...]:
+    """The increments that are looked at for the branches of the next piece, in turn.
+
+    After a piece that ended early the next event is mostly near, too. Where it ended as soon as it had been looked at
+    that is the round-off of points which hardly change, and a longer look passes them.
+    """
+    if before is None:
+        return SHARES[1:] if jumps else SHARES
+    return SHARES[2:] if 2.0 * SHARES[2] < before.share < SHARES[1] else SHARES[1:]
 
 
 def starts_in_proportion(configuration: Configuration, was: ContactMemory, level: LoadLevel) -> bool:
