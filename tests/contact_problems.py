@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from crackgrow.contact.coulomb import ActiveSet, ContactLaw, complementarity_residual
 from crackgrow.contact.equations import solve_active
-from crackgrow.contact.problem import ContactProblem
+from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.system import ContactSystem
 from tests.symmetric_matrices import dense_system
 
@@ -57,7 +57,7 @@ def crack_problem(n: int, friction: float, cohesion: float, ratio: float, coupli
     A = np.block([[K, C], [C.T, K]]) + np.diag(np.tile(K.diagonal() / ratio, 2))
     waves = np.cos(np.pi * np.arange(1, 9)[:, None] * x + rng.uniform(0.0, 6.0, (8, 1)))
     free = np.concatenate([K @ (rng.normal(size=8) @ waves - 1.0), K @ (rng.normal(size=8) @ waves + 0.5)])
-    return ContactProblem(A, free, np.full(n, friction), np.full(n, cohesion))
+    return ContactProblem(CondensedPoints(A), free, np.full(n, friction), np.full(n, cohesion))
 
 
 def random_problem(n: int, friction: float, seed: int) -> ContactProblem:
@@ -67,7 +67,9 @@ def random_problem(n: int, friction: float, seed: int) -> ContactProblem:
     coupling = np.block([[np.ones((n, n)), np.full((n, n), 0.2)], [np.full((n, n), 0.2), np.ones((n, n))]])
     weight = rng.uniform(0.5, 2.0, n)
     A = ((B @ B.T / (2 * n)) * coupling + np.eye(2 * n)) * np.tile(weight, 2)
-    return ContactProblem(A, rng.normal(size=2 * n) - 0.3, np.full(n, friction), rng.uniform(0.0, 0.3, n))
+    return ContactProblem(
+        CondensedPoints(A), rng.normal(size=2 * n) - 0.3, np.full(n, friction), rng.uniform(0.0, 0.3, n)
+    )
 
 
 def dilating(problem: ContactProblem, seed: int) -> ContactProblem:
@@ -94,7 +96,9 @@ def spread_problem(n: int, friction: Floats | float, seed: int, cohesion: Floats
     rng = np.random.default_rng(seed)
     B = rng.normal(size=(2 * n, 2 * n + 1))
     free = rng.normal(size=2 * n) - 0.5 * np.repeat([1.0, 0.0], n)
-    return ContactProblem(B @ B.T / (2 * n), free, np.broadcast_to(friction, n), np.broadcast_to(cohesion, n))
+    return ContactProblem(
+        CondensedPoints(B @ B.T / (2 * n)), free, np.broadcast_to(friction, n), np.broadcast_to(cohesion, n)
+    )
 
 
 def rock_of(stiffness: Floats, law: ContactLaw, solver: str = "newton", weights: Floats | None = None) -> ContactSystem:
@@ -110,4 +114,4 @@ def smooth(compliance: Floats, free: Floats) -> ContactProblem:
     n = len(free)
     zero = np.zeros((n, n))
     A = np.block([[compliance, zero], [zero, np.diag(np.diag(compliance))]])
-    return ContactProblem(A, np.append(free, np.zeros(n)), np.zeros(n))
+    return ContactProblem(CondensedPoints(A), np.append(free, np.zeros(n)), np.zeros(n))

@@ -16,8 +16,7 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL, active_set, complementarity_residual
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.lemke import lemke
-from crackgrow.contact.loose import UNSEEN
-from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.problem import UNSEEN, ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 
 SINGULAR: Final = 1e14  # condition number of the scaled compliance from which its inverse has no digits left
@@ -94,18 +93,18 @@ def _inverse(problem: ContactProblem) -> tuple[Floats, Floats]:
 
     With motions they are parts of the inverse of [[A, -B], [F, 0]], of motions that points see at all.
     """
-    A, motions, m = problem.compliance, problem.motions, problem.free.size
+    A, points, m = problem.points.compliance, problem.points, problem.free.size
     root = np.sqrt(A.diagonal())
     scaled, last = A / np.outer(root, root), np.zeros(0)
-    if motions is not None:
-        _, sizes, seen = np.linalg.svd(motions.jump / root[:, None], full_matrices=False)
+    if problem.n_motions:
+        _, sizes, seen = np.linalg.svd(points.jump / root[:, None], full_matrices=False)
         seen = seen[sizes > UNSEEN * sizes.max(initial=0.0)]
-        jump, force = (motions.jump @ seen.T) / root[:, None], (seen @ motions.force) / root
+        jump, force = (points.jump @ seen.T) / root[:, None], (seen @ points.force) / root
         size = np.abs(force).max(axis=1)
         scaled = np.block(
             [[scaled, -jump / np.abs(jump).max(axis=0)], [force / size[:, None], np.zeros((len(seen),) * 2)]]
         )
-        last = (seen @ motions.pull) / size
+        last = (seen @ problem.pull) / size
     try:
         inverse: Floats = np.asarray(np.linalg.inv(scaled), dtype=np.float64)
     except np.linalg.LinAlgError:
@@ -121,10 +120,10 @@ def _inverse(problem: ContactProblem) -> tuple[Floats, Floats]:
 
 def _motion(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
     """Amplitudes (l,) of the rigid motions that go with tractions p and jumps du (m,)."""
-    if problem.motions is None:
+    if not problem.n_motions:
         return np.zeros(0)
-    left = du - problem.free + problem.compliance @ p
-    return np.asarray(np.linalg.lstsq(problem.motions.jump, left)[0])
+    left = du - problem.free + problem.points.compliance @ p
+    return np.asarray(np.linalg.lstsq(problem.points.jump, left)[0])
 
 
 def _scaled(M: Floats, q: Floats, d: Floats, root: Floats) -> _ContactLcp:

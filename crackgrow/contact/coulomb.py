@@ -247,13 +247,6 @@ class ActiveSet:
         """Bytes that are equal for equal sets."""
         return b"".join(part.astype(np.int8).tobytes() for part in (self.closed, self.slip, self.sense))
 
-    def differs(self, other: ActiveSet, problem: ContactProblem) -> Bools:
-        """Which points (n,) have other equations on other branches: open ones that carry no shear slip either way."""
-        closed, bears = self.closed | other.closed, problem.cohesion > 0.0
-        slips = (self.slip != other.slip) & (closed | bears)
-        turns = (self.sense != other.sense) & closed & (problem.dilation > 0.0)
-        return np.asarray((self.closed != other.closed) | slips | turns)
-
     def states(self) -> Ints:
         """(n,) OPEN, STICK or SLIP; an open point is OPEN whatever shear its cohesion carries."""
         return np.where(self.closed, np.where(self.slip == 0, STICK, SLIP), OPEN).astype(np.int64)
@@ -298,7 +291,7 @@ def active_set(problem: ContactProblem, p: Floats, du: Floats) -> ActiveSet:
 def _trial(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
     """(2 n,) Pa: tractions p pushed by the gap and the slip."""
     n = problem.n_points
-    return p + np.concatenate([opening(problem, du), du[n:]]) / problem.scale
+    return p + np.concatenate([opening(problem, du), du[n:]]) / problem.points.scale
 
 
 class Branches:
@@ -313,59 +306,56 @@ class Branches:
     """
 
     def __init__(self, problem: ContactProblem, active: ActiveSet) -> None:
-        n, slip = problem.n_points, active.slip
-        self._problem, self._n, self._active = problem, n, active
-        self.rows = np.flatnonzero(np.concatenate([active.closed, slip == 0]))  # (k,) of the unknown tractions
-        self._closed = self.rows[: np.searchsorted(self.rows, n)]
-        self._sliding = np.flatnonzero(slip[self._closed])  # places in `rows` of points that are closed and slide
-        self._points = self._closed[self._sliding]
-        self._slope = slip[self._points] * problem.friction[self._points]
-        self._lean = problem.dilation * active.sense  # of gaps with their slip
+        n, slip, self._points = problem.n_points, active.slip, problem.points
+        self.closed, self.sticks = active.closed, slip == 0
+        self.slope = np.where(active.closed, slip * problem.friction, 0.0)  # of shear with pressure
+        self.lean = np.where(active.closed, problem.dilation * active.sense, 0.0)  # of gaps with their slip
+        self.shear = slip * problem.cohesion  # (n,) Pa
+        self.rows = np.flatnonzero(np.concatenate([self.closed, self.sticks]))  # (k,) of the unknown tractions
+        closed = self.rows[: np.searchsorted(self.rows, n)]
+        self._sliding = np.flatnonzero(slip[closed])  # places in `rows` of points that are closed and slide
+        self._slides = closed[self._sliding]
 
-    def known(self) -> Floats:
-        """(2 n,) the part of the tractions that does not depend on those that are unknown."""
-        return np.concatenate([np.zeros(self._n), self._active.slip * self._problem.cohesion])
+    def differ(self, other: Branches) -> Bools:
+        """Which points (n,) have other equations on other branches, whatever the loads."""
+        either = (self.closed != other.closed) | (self.sticks != other.sticks)
+        return np.asarray(either | (self.slope != other.slope) | (self.lean != other.lean))
 
-    def tractions(self, unknown: Floats) -> Floats:
-        """(2 n,) all tractions, of the unknown ones (k,)."""
-        p = self.known()
+    def tractions(self, unknown: Floats, shear: Floats) -> Floats:
+        """(2 n,) all tractions, of the unknown ones (k,), and of shear (n,) that does not depend on these."""
+        p = np.concatenate([np.zeros(len(shear)), shear])
         p[self.rows] = unknown
         return self.with_shear(p)
 
     def with_shear(self, p: Floats) -> Floats:
         """(2 n, ...) tractions with the shear that goes with pressure where points slip added to them, in place."""
-        slope = self._active.slip * self._problem.friction
-        p[self._n :] -= (slope * p[: self._n].T).T
+        n = len(self.slope)
+        p[n:] -= (self.slope * p[:n].T).T
         return p
 
     def matrix(self) -> Floats:
         """(k, k) jumps that unknown tractions take away, of the branches."""
-        return self.of_rows(lambda some: self.per_unknown(self._problem.compliance, some))
+        return self.of_rows(lambda some: self.per_unknown(self._points.compliance, some))
 
-    def right(self) -> Floats:
-        """(k,) of the same rows without unknown tractions."""
-        problem, given = self._problem, self.known()
-        A = problem.compliance
-        right = self.of_rows(lambda some: problem.free[some] - A.take(some, axis=0) @ given)
-        right[: len(self._closed)] -= (self._lean * problem.slipped)[self._closed]
-        return right
-
-    def of_motions(self, jump: Floats) -> Floats:
-        """(k, l) what the branches see of motions with the jumps (2 n, l)."""
-        return self.of_rows(lambda some: jump.take(some, axis=0))
+    def right(self, problem: ContactProblem, shear: Floats) -> Floats:
+        """(k,) of the same rows with the free jumps of a problem, and with that shear (n,) Pa alone."""
+        n = problem.n_points
+        jumps = problem.free - self._points.compliance[:, n:] @ shear
+        jumps[:n] -= self.lean * problem.slipped
+        return self.of_rows(lambda rows: jumps[rows])
 
     def per_unknown(self, of: Floats, some: Ints) -> Floats:
         """(r, k) per unknown traction, with the shear that goes with pressure, of rows `some` (r,) per traction."""
-        found = of[np.ix_(some, self.rows)]
+        found, n = of[np.ix_(some, self.rows)], len(self.slope)
         if len(self._sliding):
-            found[:, self._sliding] -= of[np.ix_(some, self._n + self._points)] * self._slope
+            found[:, self._sliding] -= of[np.ix_(some, n + self._slides)] * self.slope[self._slides]
         return found
 
     def of_rows(self, of: Callable[[Ints], Floats]) -> Floats:
         """What `of` says of the unknown rows, with the part of the slip that dilation adds to gaps."""
-        found, lean = of(self.rows), self._lean[self._points]
+        found, lean = of(self.rows), self.lean[self._slides]
         if lean.any():
-            found[self._sliding] -= (lean * of(self._n + self._points).T).T
+            found[self._sliding] -= (lean * of(len(self.lean) + self._slides).T).T
         return found
 
 
@@ -380,10 +370,9 @@ def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
     check_shape("traction", x, (problem.free.size + problem.n_motions,))
     if problem.free.size == 0:
         return 0.0
-    n, A, p = problem.n_points, problem.compliance, x[: problem.free.size]
-    du = problem.jump(x)
-    largest_free = float(np.abs(du + A @ p).max()) if problem.n_motions else float(np.abs(problem.free).max())
-    length = max(largest_free, float((A.diagonal() * np.abs(p)).max()))
+    n, m, du = problem.n_points, problem.free.size, problem.jump(x)
+    p, largest_free = x[:m], float(np.abs(problem.free + problem.points.jump @ x[m:]).max())
+    length = max(largest_free, float((problem.points.scale * np.abs(p)).max()))
     traction = max(float(np.abs(p).max()), problem.least_traction)
     if length == 0.0:
         return problem.imbalance(x)

@@ -17,7 +17,6 @@ from collections.abc import Sequence
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.contact.problem import Motions
 from crackgrow.contact.solve import Trial
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError, NotSolvedError
@@ -91,7 +90,7 @@ def _unbalanced(contact: ContactSystem, loads: Floats, *strength: Floats) -> tup
     """
     assert contact.loose is not None
     size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
-    return least_unbalanced(contact.motions(contact.loose.along(loads)), size, length, *strength)
+    return least_unbalanced((contact.force, contact.loose.along(loads)), size, length, *strength)
 
 
 def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
@@ -135,28 +134,30 @@ def _in_words(motion: Floats, piece: FreePiece, surfaces: tuple[list[str], list[
 
 
 def least_unbalanced(
-    motions: Motions, size: float, length: float, friction: Floats, cohesion: Floats, tension: Floats
+    motions: tuple[Floats, Floats], size: float, length: float, friction: Floats, cohesion: Floats, tension: Floats
 ) -> tuple[float, Floats]:
     """The least part of the loads that the faces leave unbalanced, and the motion (l,) along which they give way.
 
-    `size` (N/m) is that of the loads, `length` (m) that of all n contact points, with friction (n,), cohesion (n,) Pa
-    and tensile strength (n,) Pa. Raises NotSolvedError where linear programming fails.
+    Of the `motions` these are what tractions do on each (l, 2 n), N/m per Pa, and what loads do (l,) N/m. `size` (N/m)
+    is that of the loads, `length` (m) that of all n contact points, with friction (n,), cohesion (n,) Pa and tensile
+    strength (n,) Pa. Raises NotSolvedError where linear programming fails.
     """
     from scipy.optimize import linprog  # here: loading it takes a tenth of a second, and few scenes need it
 
-    n, k = len(friction), len(motions.pull)
+    n, (force, pull) = len(friction), motions
+    k = len(pull)
     if size == 0.0:
         return 0.0, np.zeros(k)
     pressure = size / length  # Pa, as a measure
     cohesion = np.minimum(cohesion, AMPLE * pressure)
-    forces = motions.force * (pressure / size)
+    forces = force * (pressure / size)
     law = [np.concatenate([np.diag(friction), sign * np.eye(n), np.zeros((n, 2 * k))], axis=1) for sign in (1.0, -1.0)]
     found = linprog(
         np.repeat([0.0, 1.0], [2 * n, 2 * k]),
         A_ub=np.concatenate(law),
         b_ub=np.tile(cohesion / pressure, 2),
         A_eq=np.concatenate([forces, np.eye(k), -np.eye(k)], axis=1),
-        b_eq=motions.pull / size,
+        b_eq=pull / size,
         bounds=[(None, most) for most in np.minimum(tension / pressure, AMPLE).tolist()]
         + [(None, None)] * n
         + [(0.0, None)] * (2 * k),

@@ -17,9 +17,8 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import ActiveSet, active_set, project
-from crackgrow.contact.equations import ActiveEquations
-from crackgrow.contact.loose import balancing
-from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.equations import FEW, ActiveEquations
+from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it
@@ -31,14 +30,16 @@ NEARER: Final = 10.0  # times that, where Newton's steps still go round in circl
 FARTHER: Final = 0.5  # times that, where they don't
 NEAREST: Final = 100.0  # times the rock: where they do even so the tractions before lead nowhere
 MOST_TIMES: Final = 40  # of 80 hard problems at random twice as many solve no more
-FEW: Final = 0.1  # share of the points: where so few have other equations an update costs less than factors anew
 MOST_STEPS: Final = 100  # of Newton: 937 of 1,000 problems at random take 14 at most, one of 807 points 28
 
 
-def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> ContactSolution:
+def solve_by_newton(
+    problem: ContactProblem, start: Floats | None = None, near: ActiveEquations | None = None
+) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the last ones found.
 
-    `start` (2 n + l,) are unknowns to start from; None: all points stick. An iteration is one linear solve, where few
+    `start` (2 n + l,) are unknowns to start from; None: all points stick. `near` are equations that may be close. An
+    iteration is one linear solve, where few
     points leave their branches by an update of the factors. Where an active set comes back the solution is looked for
     from others that are near (`_by_proximal_points`).
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
@@ -51,28 +52,30 @@ def solve_by_newton(problem: ContactProblem, start: Floats | None = None) -> Con
         active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, sense)
     else:
         active = _branches(problem, _checked(problem, start))
-    found = _stepped(problem, active)
+    found = _stepped(problem, active, near)
     return found if found.status == "solved" else _by_proximal_points(problem, found)
 
 
-def _stepped(problem: ContactProblem, active: ActiveSet) -> ContactSolution:
+def _stepped(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> ContactSolution:
     """What Newton's steps from an active set on come to."""
-    equations, keys, as_good = ActiveEquations(problem, active), list[bytes](), residual_floor(problem)
+    equations, keys, as_good = near, list[bytes](), residual_floor(problem)
     while True:
-        x = equations.updated(active, FEW)
-        if x is None:
-            equations = ActiveEquations(problem, active)
-            x = equations.solution
-        now = _through_stick(problem, active, _branches(problem, x))
+        x, updated = None if equations is None else equations.solution(problem, active, FEW), True
+        if x is None or equations is None:
+            equations, updated = ActiveEquations(problem, active), False
+            x = equations.solution(problem, active)
+            assert x is not None  # of its own branches
+        du = problem.jump(x)
+        now = _through_stick(problem, active, active_set(problem, x[: problem.free.size], du))
         keys.append(active.key())
         settled = now.key() == keys[-1]
-        if residual(problem, x, problem.jump(x)) <= (as_good if settled else ROUND_OFF):
-            return _ended(problem, x, active, "solved", len(keys))
-        if settled and equations.active is not active:  # what is left may be the round-off of the update
-            equations = ActiveEquations(problem, active)
+        if residual(problem, x, du) <= (as_good if settled else ROUND_OFF):
+            return _ended(problem, x, active, "solved", len(keys), equations)
+        if settled and updated:  # what is left may be the round-off of the update
+            equations = None
             keys.pop()
         elif now.key() in keys or len(keys) == MOST_STEPS:
-            return _ended(problem, x, active, "limit", len(keys))
+            return _ended(problem, x, active, "limit", len(keys), equations)
         else:
             active = now
 
@@ -88,16 +91,15 @@ def _by_proximal_points(problem: ContactProblem, found: ContactSolution) -> Cont
     which leaves one solution where these are stiff enough, and a place to pieces that nothing presses. From there on
     Newton's steps are tried again. `found` where no number of times is enough: what contact does not hold runs away.
     """
-    motions, m, x, iterations = problem.motions, problem.free.size, found.unknowns, found.iterations
-    soft = np.zeros((0, 0)) if motions is None else SOFT * float(np.median(problem.scale)) * balancing(motions)
-    near, best, least = NEAR if motions is None else 0.0, found, residual_floor(problem)
+    m, x, iterations, points = problem.free.size, found.unknowns, found.iterations, problem.points
+    soft = SOFT * float(np.median(points.scale)) * points.balance
+    near, best, least = 0.0 if problem.n_motions else NEAR, found, residual_floor(problem)
     for _ in range(MOST_TIMES):
-        added, moved, still = np.diag(near * problem.scale), near * problem.scale * x[:m], x[m:]
-        if motions is not None:
-            still = x[m:] + soft @ motions.pull
-            added += motions.jump @ soft @ motions.force
-            moved += motions.jump @ still
-        held = replace(problem, compliance=problem.compliance + added, free=problem.free + moved, motions=None)
+        still = x[m:] + soft @ problem.pull
+        added = np.diag(near * points.scale) + points.jump @ soft @ points.force
+        moved = near * points.scale * x[:m] + points.jump @ still
+        stiff = CondensedPoints(points.compliance + added)
+        held = replace(problem, points=stiff, free=problem.free + moved, pull=np.zeros(0))
         there = _stepped(held, _branches(held, x[:m]))
         iterations += there.iterations
         if there.status != "solved":
@@ -106,9 +108,7 @@ def _by_proximal_points(problem: ContactProblem, found: ContactSolution) -> Cont
             else:  # nothing is found near these
                 x, near = 0.5 * x, NEAR
             continue
-        x = there.traction
-        if motions is not None:
-            x = np.append(x, still - soft @ (motions.force @ x))
+        x = np.append(there.traction, still - soft @ (points.force @ there.traction))
         left = residual(problem, x, problem.jump(x))
         if left <= least:
             best, least = replace(there, motion=x[m:]), left
@@ -123,12 +123,14 @@ def _by_proximal_points(problem: ContactProblem, found: ContactSolution) -> Cont
     return replace(best, iterations=iterations)
 
 
-def _ended(problem: ContactProblem, x: Floats, active: ActiveSet, status: str, iterations: int) -> ContactSolution:
+def _ended(
+    problem: ContactProblem, x: Floats, active: ActiveSet, status: str, iterations: int, equations: ActiveEquations
+) -> ContactSolution:
     """The solution with unknowns x (2 n + l,)."""
     n, m = problem.n_points, problem.free.size
     if status == "solved":
         x[:n] = np.minimum(x[:n], 0.0)
-    return ContactSolution(x[:m], status, iterations, active.states(), x[m:])
+    return ContactSolution(x[:m], status, iterations, active.states(), x[m:], equations)
 
 
 def _branches(problem: ContactProblem, x: Floats) -> ActiveSet:
@@ -138,7 +140,7 @@ def _branches(problem: ContactProblem, x: Floats) -> ActiveSet:
 
 def residual_floor(problem: ContactProblem) -> float:
     """The change of tractions by `project` that another step cannot lower, relative to the largest."""
-    return max(REPEATED_ROUND_OFF, UNIT * float((problem.reach / problem.scale).max(initial=0.0)))
+    return max(REPEATED_ROUND_OFF, UNIT * float((problem.points.reach / problem.points.scale).max(initial=0.0)))
 
 
 def _checked(problem: ContactProblem, start: Floats) -> Floats:
@@ -157,7 +159,7 @@ def residual(problem: ContactProblem, x: Floats, du: Floats) -> float:
     p = x[: problem.free.size]
     projected = project(problem, p, du)
     scale = max(float(np.abs(p).max(initial=0.0)), float(np.abs(projected).max(initial=0.0)))
-    if problem.motions is not None:
+    if problem.n_motions:
         scale = max(scale, problem.least_traction)
     change = float(np.abs(projected - p).max(initial=0.0)) / scale if scale > 0.0 else 0.0
     return max(change, problem.imbalance(x))

@@ -12,60 +12,53 @@ more,
     du = free - A p + B a,    F p = pull,    F = B' W,
 
 where `pull` is what the loads do on each motion. Unknowns are handed on as x = (p, a).
+
+Where supports hold such pieces to be solved for single tractions, and loads, turn them far: of A and of the free jumps
+all is taken off that is a motion, or works on one, and springs as soft as the rock are put in its place. Digits would
+be lost in what they turn.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.errors import NotSolvedError
 
+if TYPE_CHECKING:
+    from crackgrow.contact.equations import ActiveEquations
+
 ROWS_AT_ONCE = 256
 """Rows of a large compliance that are worked on together."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Motions:
-    """The l rigid motions of pieces of rock that contact alone holds."""
-
-    jump: Floats  # (2 n, l) B: gap and slip in each motion
-    force: Floats  # (l, 2 n) F, N/m per Pa: what tractions do on each motion
-    pull: Floats  # (l,) N/m: what the loads do
+UNSEEN: Final = 1e-12  # motions that contact points see by less, relative to what they see best, are not seen
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class ContactProblem:
-    """Compliance, free jump and friction law of n contact points; arrays are seen read-only, not copied.
+@dataclass(frozen=True, eq=False)
+class CondensedPoints:
+    """The rock as n contact points see it, whatever the loads and the law: the compliance and l rigid motions.
 
-    Raises NotSolvedError for a value that is not finite and a diagonal entry of the compliance that is not positive,
-    ValueError for a wrong shape and for negative friction, cohesion or dilation.
+    Arrays are seen read-only, not copied. Raises NotSolvedError for a value that is not finite and a diagonal entry of
+    the compliance that is not positive, ValueError for a wrong shape.
     """
 
     compliance: Floats  # (2 n, 2 n) m/Pa: A; need not be symmetric
-    free: Floats  # (2 n,) m: gap and slip without contact traction
-    friction: Floats  # (n,) coefficient
-    cohesion: Floats = field(default_factory=lambda: np.zeros(0))  # (n,) Pa; left out: zero, as the next ones
-    dilation: Floats = field(default_factory=lambda: np.zeros(0))  # (n,) tangent of the dilation angle
-    slipped: Floats = field(default_factory=lambda: np.zeros(0))  # (n,) m: slip s0 of earlier increments
-    motions: Motions | None = None  # None: supports hold all of the rock
-    scale: Floats = field(init=False, repr=False)  # (2 n,) m/Pa: the diagonal, which weighs jumps against tractions
-    reach: Floats = field(init=False, repr=False)  # (2 n,) m/Pa: sum of every row's absolute values
+    jump: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (2 n, l) B: gap and slip; left out: no motions
+    force: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (l, 2 n) F, N/m per Pa: what tractions do
 
     def __post_init__(self) -> None:
-        n = self.friction.size
-        for name in ("cohesion", "dilation", "slipped"):
-            if getattr(self, name).size == 0:
-                object.__setattr__(self, name, np.zeros(n))
-        shapes = {"compliance": (2 * n, 2 * n), "free": (2 * n,)}
-        for name in ("compliance", "free", "friction", "cohesion", "dilation", "slipped"):
-            value = read_only(name, getattr(self, name))
-            check_shape(name, value, shapes.get(name, (n,)))
-            object.__setattr__(self, name, value)
-        for name in ("friction", "cohesion", "dilation"):
-            _check_sign(name, getattr(self, name))
+        m = len(self.compliance)
+        object.__setattr__(self, "compliance", read_only("compliance", self.compliance))
+        check_shape("compliance", self.compliance, (m, m))
+        if not self.jump.size:
+            object.__setattr__(self, "jump", np.zeros((m, 0)))
+            object.__setattr__(self, "force", np.zeros((0, m)))
         diagonal = self.compliance.diagonal()
         if not np.all(diagonal > 0.0):
             point = int(np.flatnonzero(~(diagonal > 0.0))[0])
@@ -73,8 +66,64 @@ class ContactProblem:
                 f"contact compliance diagonal: entry {point} is {diagonal[point]:.6g}, must be positive: the system is "
                 "too ill conditioned, for cracks, tips or outlines too close to each other"
             )
-        object.__setattr__(self, "scale", read_only("scale", diagonal))
-        object.__setattr__(self, "reach", read_only("reach", absolute_product(self.compliance, np.ones(2 * n))))
+
+    @cached_property
+    def scale(self) -> Floats:
+        """(2 n,) m/Pa: the diagonal, which weighs jumps against tractions."""
+        return self.compliance.diagonal()
+
+    @cached_property
+    def reach(self) -> Floats:
+        """(2 n,) m/Pa: sum of every row's absolute values."""
+        return absolute_product(self.compliance, np.ones(len(self.compliance)))
+
+    @cached_property
+    def balance(self) -> Floats:
+        """Amplitudes (l, l) of motions whose jumps, as tractions, are a unit of force on each; pseudoinverse."""
+        return np.asarray(np.linalg.pinv(self.force @ self.jump, rcond=UNSEEN, hermitian=True))
+
+    @cached_property
+    def settled(self) -> tuple[CondensedPoints, Floats, Floats]:
+        """The points without what supports do that hold loose pieces to be solved for.
+
+        And what tractions move more without them (l, 2 n), and what pulls move less (2 n, l).
+        """
+        B, F, A, balance = self.jump, self.force, self.compliance, self.balance
+        moving, pushed = balance @ (F @ A), (A @ B) @ balance
+        pushed -= B @ (moving @ B @ balance)
+        softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
+        moving -= softness * balance @ F  # with F = B' W the projection is one of symmetric A W^-1
+        return CondensedPoints(A - np.hstack([B, pushed]) @ np.vstack([moving, F]), B, F), moving, pushed
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ContactProblem:
+    """Free jump, friction law and pull of n contact points.
+
+    Raises NotSolvedError for a value that is not finite, ValueError for a wrong shape and for negative friction,
+    cohesion or dilation.
+    """
+
+    points: CondensedPoints
+    free: Floats  # (2 n,) m: gap and slip without contact traction
+    friction: Floats  # (n,) coefficient
+    cohesion: Floats = field(default_factory=lambda: np.zeros(0))  # (n,) Pa; left out: zero, as the next ones
+    dilation: Floats = field(default_factory=lambda: np.zeros(0))  # (n,) tangent of the dilation angle
+    slipped: Floats = field(default_factory=lambda: np.zeros(0))  # (n,) m: slip s0 of earlier increments
+    pull: Floats = field(default_factory=lambda: np.zeros(0))  # (l,) N/m: what the loads do on each motion
+
+    def __post_init__(self) -> None:
+        n = self.friction.size
+        for name in ("cohesion", "dilation", "slipped"):
+            if getattr(self, name).size == 0:
+                object.__setattr__(self, name, np.zeros(n))
+        for name in ("free", "friction", "cohesion", "dilation", "slipped"):
+            value = read_only(name, getattr(self, name))
+            check_shape(name, value, (len(self.points.compliance),) if name == "free" else (n,))
+            object.__setattr__(self, name, value)
+        check_shape("compliance", self.points.compliance, (2 * n, 2 * n))
+        for name in ("friction", "cohesion", "dilation"):
+            _check_sign(name, getattr(self, name))
 
     @property
     def n_points(self) -> int:
@@ -94,32 +143,41 @@ class ContactProblem:
     @property
     def n_motions(self) -> int:
         """Number of rigid motions."""
-        return 0 if self.motions is None else len(self.motions.pull)
+        return int(self.points.jump.shape[1])
 
     @property
     def least_traction(self) -> float:
         """Pa: the least traction that could make up the free jump; what is nothing beside it is no traction."""
-        return float(np.abs(self.free).max(initial=0.0)) / max(float(self.reach.max(initial=0.0)), np.finfo(float).tiny)
+        reach = float(self.points.reach.max(initial=0.0))
+        return float(np.abs(self.free).max(initial=0.0)) / max(reach, np.finfo(float).tiny)
 
     def jump(self, x: Floats) -> Floats:
         """(2 n,) m: du = free - A p + B a, the gap and slip with unknowns x (2 n + l,)."""
         m = self.free.size
-        du: Floats = self.free - self.compliance @ x[:m]
-        return du if self.motions is None else du + self.motions.jump @ x[m:]
+        return np.asarray(self.free - self.points.compliance @ x[:m] + self.points.jump @ x[m:])
 
     def scaled(self, share: float) -> ContactProblem:
         """The problem under `share` times the loads, of faces that nothing but their friction holds."""
-        motions = self.motions and replace(self.motions, pull=share * self.motions.pull)
-        return replace(self, free=share * self.free, slipped=share * self.slipped, motions=motions)
+        return replace(self, free=share * self.free, slipped=share * self.slipped, pull=share * self.pull)
+
+    def settled(self) -> tuple[ContactProblem, Callable[[Floats], Floats]]:
+        """The same problem with loose pieces settled (`CondensedPoints.settled`), and all unknowns of its own."""
+        if not self.n_motions:
+            return self, np.array
+        m, (points, moving, pushed) = self.free.size, self.points.settled
+        free = self.free - pushed @ self.pull
+        moved = points.balance @ (points.force @ free)
+        other = replace(self, points=points, free=free - points.jump @ moved)
+        return other, lambda x: np.append(x[:m], x[m:] + moving @ x[:m] - moved)
 
     def imbalance(self, x: Floats) -> float:
         """The largest force along a motion that nothing balances, relative to the forces that there are."""
-        if self.motions is None:
+        if not self.n_motions:
             return 0.0
-        motions, p = self.motions, x[: self.free.size]
-        size = float(np.max(np.abs(motions.force) @ np.maximum(np.abs(p), self.least_traction), initial=0.0))
-        size = max(size, float(np.abs(motions.pull).max(initial=0.0)))
-        left = float(np.abs(motions.pull - motions.force @ p).max(initial=0.0))
+        force, p = self.points.force, x[: self.free.size]
+        size = float(np.max(np.abs(force) @ np.maximum(np.abs(p), self.least_traction), initial=0.0))
+        size = max(size, float(np.abs(self.pull).max(initial=0.0)))
+        left = float(np.abs(self.pull - force @ p).max(initial=0.0))
         return left / size if size > 0.0 else 0.0
 
 
@@ -132,6 +190,9 @@ class ContactSolution:
     iterations: int  # linear solves of Newton, pivots of Lemke
     state: Ints  # (n,) OPEN, STICK or SLIP
     motion: Floats = field(default_factory=lambda: np.zeros(0))  # (l,) amplitudes of the rigid motions
+    equations: ActiveEquations | None = (
+        None  # that were factorized last, of Newton: a problem that is close needs few more
+    )
 
     @property
     def unknowns(self) -> Floats:
@@ -139,13 +200,12 @@ class ContactSolution:
         return np.concatenate([self.traction, self.motion])
 
 
-def absolute_product(A: Floats, x: Floats, left: Floats | None = None, right: Floats | None = None) -> Floats:
-    """(n,) |A - left right| x of A (n, m), in blocks of rows: large ones are never held twice."""
+def absolute_product(A: Floats, x: Floats) -> Floats:
+    """(n,) |A| x of A (n, m), in blocks of rows: large ones are never held twice."""
     found = np.empty(len(A))
     for start in range(0, len(A), ROWS_AT_ONCE):
         some = slice(start, start + ROWS_AT_ONCE)
-        block = A[some] if left is None or right is None else A[some] - left[some] @ right
-        found[some] = np.abs(block) @ x
+        found[some] = np.abs(A[some]) @ x
     return found
 
 

@@ -24,10 +24,9 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
-from crackgrow.contact.equations import solve_active
-from crackgrow.contact.loose import deflated
+from crackgrow.contact.equations import ActiveEquations, solve_active
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions, absolute_product
+from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution, absolute_product
 from crackgrow.contact.system import ContactSystem, ill_conditioned
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -114,8 +113,14 @@ class PointStates:
     active: ActiveSet | None = None  # the branches of the law that taken points are on
     problem: ContactProblem | None = None  # that it is of, while it is kept: it is large
     n_unknowns: int = 0
-    complementarity: float = 0.0  # relative
     iterations: int = 0  # of all trials
+
+    @property
+    def complementarity(self) -> float:
+        """The residual of the law, relative; zero where no problem is kept."""
+        if self.problem is None or self.solution is None:
+            return 0.0
+        return complementarity_residual(self.problem, self.solution.unknowns)
 
     @property
     def status(self) -> Literal["none", "solved"]:
@@ -136,6 +141,11 @@ class PointStates:
     def tractions(self) -> Floats:
         """(2 n,) Pa, all normals, then all tangentials."""
         return np.concatenate([self.normal, self.tangential])
+
+    def light(self, keep: bool = False) -> PointStates:
+        """The states without the equations they were found by, which are large; the problem goes if not to `keep`."""
+        solution = self.solution and replace(self.solution, equations=None)
+        return replace(self, solution=solution, problem=self.problem if keep else None)
 
     def scaled(self, share: float) -> PointStates:
         """The states under `share` times the loads, where they are in proportion to them."""
@@ -268,7 +278,7 @@ class Increment:
         return ContactOutcome(
             u=rock[0],
             multipliers=rock[1],
-            points=state,
+            points=state.light(keep=True),
             memory=self.memory_after(state),
             penetration=float(np.max(-(state.gap - elastic), initial=0.0)),
             complementarity=max(state.complementarity, off),
@@ -290,23 +300,36 @@ class Increment:
 
     def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
         """Tractions and jumps of a trial, looked for from those of another one on."""
-        problem, known = self._problem(trial, free), None
+        problem, known, near = self._problem(trial, free), None, None
         if start.solution is not None:
-            rows = np.flatnonzero(np.tile(trial.taken, 2))
+            rows, near = np.flatnonzero(np.tile(trial.taken, 2)), start.solution.equations
             known = np.concatenate([start.tractions[rows] - self._pulled(trial)[rows], start.solution.motion])
-        solution = solved(problem, self.contact.solver, known)
+        solution = solved(problem, self.contact.solver, known, near)
         active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
         found = self._with(trial, free, problem, (solution, active))
         return replace(found, iterations=start.iterations + solution.iterations)
 
     def on_branch(self, like: PointStates, free: Floats) -> PointStates:
         """The states where every point is on the branch that it has in others, whether the law holds or not."""
-        if like.active is None:
+        if like.active is None or like.solution is None:
             return self._untouched(free)
-        problem = self._problem(like.trial, free)
-        other, unknowns = deflated(problem)
-        x, m = unknowns(solve_active(other, like.active)), problem.free.size
-        solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:])
+        problem, near = self._problem(like.trial, free), like.solution.equations
+        other, unknowns = problem.settled()
+        return self._on_branch(like, free, problem, unknowns(solve_active(other, like.active, near)))
+
+    def between(self, first: PointStates, last: PointStates, share: float, free: Floats) -> PointStates:
+        """The states at a share of the way from the `first` to the `last`, which are on the same branches."""
+        if first.solution is None or last.solution is None:
+            return self._untouched(free)
+        x = (1.0 - share) * first.solution.unknowns + share * last.solution.unknowns
+        return self._on_branch(first, free, self._problem(first.trial, free), x)
+
+    def _on_branch(self, like: PointStates, free: Floats, problem: ContactProblem, x: Floats) -> PointStates:
+        """The states of unknowns x of the problem, on the branches of some others."""
+        assert like.active is not None
+        assert like.solution is not None
+        m, near = problem.free.size, like.solution.equations
+        solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations)
 
@@ -332,19 +355,18 @@ class Increment:
         at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (rate > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
         jumps = np.where(counts, free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
-        compliance, motions = contact.compliance(rows, resists[rows]), self._motions(at, counts)
+        points, pull = contact.condensed(rows, resists[rows]), self.pull
         if np.isfinite(law.most).any():
             softness, k = law.compliance * law.softness(trial.pressed), np.arange(len(rows))
-            compliance = compliance.copy()
+            compliance = points.compliance.copy()
             compliance[k, k] += (softness - law.compliance)[rows]
+            points = CondensedPoints(compliance, points.jump, points.force)
             jumps[: len(rows)] += (law.closure(trial.pressed) + softness * trial.pressed)[rows]
         pulled = self._pulled(trial)
         if pulled.any():  # unknown are tractions less the tensile strength
             cohesion = np.maximum(cohesion - friction * pulled[:n], 0.0)
-            jumps = jumps - compliance @ pulled[at]
-            motions = motions and replace(motions, pull=motions.pull - motions.force @ pulled[at])
-        laws = (friction[rows], cohesion[rows], rate[rows], before[rows])
-        return ContactProblem(compliance, jumps, *laws, motions)
+            jumps, pull = jumps - points.compliance @ pulled[at], pull - points.force @ pulled[at]
+        return ContactProblem(points, jumps, friction[rows], cohesion[rows], rate[rows], before[rows], pull)
 
     def _pulled(self, trial: Trial) -> Floats:
         """(2 n,) Pa: the tensile strength that taken points have in a trial, across the faces."""
@@ -371,16 +393,8 @@ class Increment:
         state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], touching[rows]))
         return PointStates(
             trial, p_n, p_t, gap - dilation, slip, dilation, state, coheres, touching, solution, active, problem,
-            problem.n_unknowns, complementarity_residual(problem, solution.unknowns),
+            problem.n_unknowns,
         )  # fmt: skip
-
-    def _motions(self, at: Ints, counts: Bools) -> Motions | None:
-        """The rigid motions that supports leave free, as those of the gaps and slips `at` (k,) see them that count."""
-        contact = self.contact
-        if contact.loose is None:
-            return None
-        jump = contact.moving[at] * counts[:, None]
-        return Motions(jump, (jump * np.tile(contact.weights, 2)[at, None]).T, self.pull)
 
     def _revised(self, found: PointStates) -> Trial | None:
         """The next trial: with points that overlap, that break, or that open; None if there are no more."""
@@ -417,18 +431,25 @@ class Increment:
         return np.where(slips, np.minimum(lost + law.worn(lost, moved), most), found.trial.lost)
 
 
-def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: Floats | None = None) -> ContactSolution:
-    """Solution of a contact problem by `solver`, looked for from unknowns `start` (2 n + l,) on, which may be close.
+def solved(
+    problem: ContactProblem,
+    solver: Literal["newton", "lemke"],
+    start: Floats | None = None,
+    near: ActiveEquations | None = None,
+) -> ContactSolution:
+    """Solution of a contact problem by `solver`.
+
+    It is looked for from unknowns `start` (2 n + l,) on, and from equations `near` by, which may be close.
 
     Raises NotSolvedError where it finds none.
     """
     if solver == "lemke":
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
     else:
-        lying, unknowns = deflated(problem)
+        lying, unknowns = problem.settled()
         m, other = problem.free.size, "; numerics.contact.solver: lemke may find one, and takes long with many points"
-        near = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
-        found = solve_by_newton(lying, near)
+        begin = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
+        found = solve_by_newton(lying, begin, near)
         found = replace(found, motion=unknowns(found.unknowns)[m:])
     if found.status == "solved":
         return found
@@ -441,7 +462,7 @@ def solved(problem: ContactProblem, solver: Literal["newton", "lemke"], start: F
 
 def _advice(problem: ContactProblem) -> str:
     """Advice where friction or dilation is large enough to be what the solvers fail at."""
-    n, A = problem.n_points, problem.compliance
+    n, A = problem.n_points, problem.points.compliance
     coupling, normal = np.abs(A[n:, :n].diagonal()), A.diagonal()[:n]
     steep = problem.dilation * coupling >= normal
     if steep.any():
@@ -462,7 +483,7 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, not
     whatever goes on elsewhere.
     """
     n, cohesion = problem.n_points, problem.cohesion
-    unpressed = solution.traction[:n] >= -nothing / problem.scale[:n]
+    unpressed = solution.traction[:n] >= -nothing / problem.points.scale[:n]
     held = np.where(np.abs(solution.traction[n:]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
     touches = (cohesion > 0.0) & (gap <= nothing)
     return np.where(unpressed, np.where(touches, held, OPEN), solution.state)
@@ -471,23 +492,10 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, not
 def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
     """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of.
 
-    Where contact alone holds pieces these are the jumps but for rigid motions, of tractions that balance by themselves
-    and of the rest with the loads: how the pieces are held to be solved for does not matter then.
+    How supports hold loose pieces to be solved for does not matter.
     """
-    A, free, p, motions = problem.compliance, problem.free, solution.traction, problem.motions
-    if motions is not None:
-        counts = np.concatenate([np.ones(problem.n_points, dtype=bool), problem.resists])
-        force = np.where(counts, motions.force, 0.0)
-        balance, settled = np.linalg.pinv(force), np.linalg.pinv(motions.jump)
-        loads = balance @ (force @ p)
-        free, p = free - A @ loads, p - loads
-        free = free - motions.jump @ (settled @ free)
-        per_load = A @ balance
-        still = settled @ A - (settled @ per_load) @ force
-        terms = absolute_product(A, np.abs(p), np.hstack([per_load, motions.jump]), np.vstack([force, still]))
-    else:
-        terms = absolute_product(A, np.abs(p))
-    terms += np.abs(free)
+    lying, _ = problem.settled()
+    terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
     return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
 
 

@@ -17,7 +17,7 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints, key_of
 from crackgrow.contact.coulomb import ContactLaw
-from crackgrow.contact.problem import Motions
+from crackgrow.contact.problem import CondensedPoints
 from crackgrow.errors import NotSolvedError
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.rigid_modes import RigidMotions
@@ -42,7 +42,7 @@ MANY = 0.25
 """Of all loads: where more of them are to be solved for, all are."""
 
 AT_HAND = 2
-"""Compliances of some points that are kept: increments try the same ones, with those that overlap and without."""
+"""Sets of points of which the compliance is kept: increments try the same ones, with those that overlap and without."""
 
 UNSYMMETRIC = 1e-2
 """A compliance of contact that is unsymmetric by more than this fraction of its largest entry is refused."""
@@ -153,7 +153,7 @@ class ContactSystem:
 
     def with_law(self, law: ContactLaw) -> ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""
-        other, known = replace(self, law=law), {"operator", "operator_sizes", "moving"}
+        other, known = replace(self, law=law), {"operator", "operator_sizes", "moving", "force"}
         if np.array_equal(law.resists, self.law.resists):
             known |= {"rock", "_at_once", "_per_traction"}
         other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
@@ -179,25 +179,32 @@ class ContactSystem:
         """B (2 n, l): gap and slip in each of the rigid motions that supports leave free."""
         return np.zeros((2 * len(self.weights), 0)) if self.loose is None else self.loose.seen_by(self.operator)
 
-    def motions(self, pull: Floats) -> Motions:
-        """The rigid motions that supports leave free, on each of which loads `pull` (l,) N/m."""
-        return Motions(self.moving, (self.moving * np.tile(self.weights, 2)[:, None]).T, pull)
+    @cached_property
+    def force(self) -> Floats:
+        """F (l, 2 n), N/m per Pa: what tractions do on each of these motions."""
+        return (self.moving * np.tile(self.weights, 2)[:, None]).T
 
-    def compliance(self, points: Ints, resists: Bools) -> Floats:
-        """A (2 k, 2 k) of some points (k,), elastic contact included; not to be changed.
+    def condensed(self, points: Ints, resists: Bools) -> CondensedPoints:
+        """The rock as some points (k,) see it, elastic contact included.
 
         Slip that nothing `resists` (k,) has a row of its own that no other knows of: the rock may hold it altogether.
         Raises NotSolvedError where round-off has spoilt the compliance of the rock, which resists.
         """
-        key, known = key_of((points, resists)), self.__dict__.setdefault("_compliances", {})
+        known: dict[bytes, CondensedPoints] = self.__dict__.setdefault("_condensed", {})
+        key = key_of((points, resists))
         if key not in known:
             while len(known) >= AT_HAND:
                 del known[next(iter(known))]
-            known[key] = self._compliance(points, resists)
-        return np.asarray(known[key])
+            at, counts = (
+                np.append(points, len(self.weights) + points),
+                np.append(np.ones(len(points), dtype=bool), resists),
+            )
+            jump, force = self.moving[at] * counts[:, None], self.force[:, at] * counts
+            known[key] = CondensedPoints(self._compliance(points, resists), jump, force)
+        return known[key]
 
     def _compliance(self, points: Ints, resists: Bools) -> Floats:
-        """A (2 k, 2 k) as `compliance` has it, made anew."""
+        """A (2 k, 2 k) of some points (k,), elastic contact included."""
         k, at = len(points), np.concatenate([points, len(self.weights) + points[resists]])
         soft = self.law.compliances[at]
         whole = len(at) == len(self.rock) and not soft.any()  # it is large: not twice

@@ -33,7 +33,7 @@ from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated
 from crackgrow.run.load_level import LoadLevel
-from crackgrow.run.path import MOST_JUMPS, next_piece, starts_in_proportion
+from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import along_surfaces
@@ -112,6 +112,10 @@ class LoadState:
             conjugates=share * self.conjugates,
             formed=self.outcome.scaled(share),
         )
+
+    def light(self) -> LoadState:
+        """The state without what its contact was found by, which is large."""
+        return replace(self, states=self.states.light())
 
     @cached_property
     def memory(self) -> ContactMemory:
@@ -206,29 +210,40 @@ def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Int
 
 def increment(configuration: Configuration, start: Start, factor: float) -> LoadState:
     """The state at a load factor, with all held loads. Raises SolveError where there is none."""
-    began, at, end = time.perf_counter(), start, LoadLevel(factor)
+    began, end = time.perf_counter(), LoadLevel(factor)
     if start.grown:
         return _told(_booked(_part(configuration, start, end), start), began)
-    reached = list[LoadState]()
-    for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if (number := _number_of(configuration, start)) else ():
-        reached.append(_part(configuration, at, start.level.towards(end, share)))
-        at = from_state(reached[-1])
-    in_turn = 0  # jumps
-    event: PointStates | None = None  # the states at the one that has been reached
-    while not reached or at.level != end:
-        if len(reached) < MOST_PIECES:
-            piece = next_piece(configuration, at.memory, (at.level, end), in_turn, event)
-            state, kind = _stated(configuration, at, piece.states, piece.level, piece.middle), piece.kind
+    reached, at_once = list[LoadState](), False
+    for state, jumps in follow(configuration, start, end):
+        reached.append(state if state.level == end else state.light())
+        at_once = jumps > MOST_JUMPS
+    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], at_once))
+    return _told(replace(reached[-1], via=tuple(reached[:-1]), notes=notes), began)
+
+
+def follow(configuration: Configuration, start: Start, end: LoadLevel) -> Iterator[tuple[LoadState, int]]:
+    """The states on the way from a start to a load, in turn, and how many jumps in turn have led to each.
+
+    Raises SolveError where there is none.
+    """
+    at, number = start, _number_of(configuration, start)
+    for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if number else ():
+        state = _part(configuration, at, start.level.towards(end, share))
+        yield state, 0
+        at = from_state(state)
+    pieces, jumps = number, 0
+    before: Piece | None = None
+    while not pieces or at.level != end:
+        if pieces < MOST_PIECES:
+            piece = next_piece(configuration, at.memory, (at.level, end), jumps, before)
+            state = _stated(configuration, at, piece.states, at.level.towards(end, piece.share), piece.middle)
+            before, is_jump = piece if piece.kind == "straight" else None, piece.kind == "jump"
         else:
-            state, kind = _part(configuration, at, end), "jump"
-        in_turn = in_turn + 1 if kind == "jump" else 0
-        event = state.states if kind == "straight" else None
-        reached.append(_booked(state, at) if kind == "jump" else state)
-        at = from_state(reached[-1])
-    *via, last = reached
-    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], in_turn > MOST_JUMPS))
-    passed = tuple(replace(state, states=replace(state.states, problem=None)) for state in via)  # these are large
-    return _told(replace(last, via=passed, notes=notes), began)
+            state, is_jump = _part(configuration, at, end), True
+        jumps = jumps + 1 if is_jump else 0
+        state = _booked(state, at) if is_jump else state
+        yield state, jumps
+        at, pieces = from_state(state), pieces + 1
 
 
 def _number_of(configuration: Configuration, start: Start) -> int:
@@ -273,7 +288,8 @@ def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemor
 
 def _told(state: LoadState, began: float) -> LoadState:
     """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
-    return replace(state, formed=state.outcome, seconds=time.perf_counter() - began)
+    formed = state.outcome
+    return replace(state, states=state.states.light(keep=True), formed=formed, seconds=time.perf_counter() - began)
 
 
 def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:

@@ -59,7 +59,7 @@ class Piece:
     """A piece of the path."""
 
     states: PointStates  # at its end
-    level: LoadLevel  # the same
+    share: float  # of the way that it takes
     kind: Literal["straight", "bent", "jump"]  # linear in the load; as strength falls; across a load where points jump
     middle: PointStates | None = None  # halfway between the loads, of a bent one
 
@@ -87,6 +87,11 @@ class _LoadPath:
         increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_branch(like, free)
 
+    def between(self, first: PointStates, last: PointStates, part: float, share: float) -> PointStates:
+        """The states after a share of the way, which is a part of that from some to others on the same branches."""
+        increment, free = self.configuration.increment(self.level(share), self.was)
+        return increment.between(first, last, part, free)
+
     def on_wearing_branch(self, like: PointStates, share: float) -> PointStates:
         """The same, with what slip on these branches takes."""
         increment, free = self.configuration.increment(self.level(share), self.was)
@@ -111,40 +116,52 @@ def next_piece(
     was: ContactMemory,
     ends: tuple[LoadLevel, LoadLevel],
     jumps: int,
-    before: PointStates | None,
+    before: Piece | None,
 ) -> Piece:
     """The next piece of a way between two loads.
 
-    It sets out from what `was` at the first load; `jumps` are those in turn that have led there. After an event
-    `before` are the states there: few points have other branches beyond, and where one event was the next is mostly
+    It sets out from what `was` at the first load; `jumps` are those in turn that have led there. A straight piece
+    `before` ended at an event there: few points have other branches beyond, and where one event was the next is mostly
     near. Raises SolveError where there are no states.
     """
-    path = _LoadPath(configuration, was, *ends, before)
+    path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
     law = configuration.contact.law
     if starts_in_proportion(configuration, was, path.first):
-        return Piece(path.at(1.0), path.last, "straight")
+        return Piece(path.at(1.0), 1.0, "straight")
     if law.weakens.any() or law.bends.any():
         start = path.at(least)
         probe = max(PROBE, least)
         # wear of less than both is round-off of points left by the load
         if law.bends.any() or (path.wear(start) > 0.0 and path.wear(path.at(probe)) > 0.0):
-            return _bent_piece(path, start, least) or Piece(start, path.level(least), "jump")
-    shares = SHARES if before is None else SHARES[1:]
-    for share in (*(share for share in shares if share > least), least):
+            return _bent_piece(path, start, least) or Piece(start, least, "jump")
+    for share in (*(share for share in _shares(jumps, before) if share > least), least):
         states = path.at(share)
         if path.wear(states) > 0.0:
             continue  # it begins on the way
+        if _breaks(path, states):
+            continue
         begin = path.on_branch(states, 0.0)
-        if not _breaks(path, states) and _leads_back(path, begin, states):
+        if _leads_back(path, begin, states):
             break
     else:
-        return Piece(states, path.level(share), "jump")
+        return Piece(states, share, "jump")
     if share == 1.0:
-        return Piece(states, path.last, "straight")
+        return Piece(states, 1.0, "straight")
     end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
-    return Piece(end if event == 1.0 else path.on_branch(states, event), path.level(event), "straight")
+    return Piece(end if event == 1.0 else path.between(begin, end, event, event), event, "straight")
+
+
+def _shares(jumps: int, before: Piece | None) -> tuple[float, ...]:
+    """The increments that are looked at for the branches of the next piece, in turn.
+
+    After a piece that ended early the next event is mostly near, too. Where it ended as soon as it had been looked at
+    that is the round-off of points which hardly change, and a longer look passes them.
+    """
+    if before is None:
+        return SHARES[1:] if jumps else SHARES
+    return SHARES[2:] if 2.0 * SHARES[2] < before.share < SHARES[1] else SHARES[1:]
 
 
 def starts_in_proportion(configuration: Configuration, was: ContactMemory, level: LoadLevel) -> bool:
@@ -171,7 +188,7 @@ def _bent_piece(path: _LoadPath, start: PointStates, least: float) -> Piece | No
     event, end = _until_event(path, begin, (share, end))
     if event < least:
         event, end = least, path.on_wearing_branch(end, least)
-    return Piece(end, path.level(event), "bent", path.on_wearing_branch(end, 0.5 * event))
+    return Piece(end, event, "bent", path.on_wearing_branch(end, 0.5 * event))
 
 
 def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:

@@ -86,7 +86,7 @@ def other_solutions(problem: ContactProblem, known: Floats) -> Iterator[Floats]:
     """
     least = DIFFERENT * np.abs(problem.free).max(initial=0.0)
     for solution in _attempts(problem):
-        moved = problem.compliance @ (known - solution.traction)
+        moved = problem.points.compliance @ (known - solution.traction)
         if solution.status == "solved" and np.abs(moved).max(initial=0.0) > least:
             yield solution.traction
 
@@ -161,7 +161,7 @@ def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
     """
     if points.problem is None:
         return "no faces touch: there is exactly one solution"
-    if points.problem.motions is not None:
+    if points.problem.n_motions:
         return "not known: contact alone holds a piece of rock, which is not examined"
     if contact.law.dilation.any():
         return "not known: faces that dilate are not examined"
@@ -174,7 +174,7 @@ def proven_limit(contact: ContactSystem, points: PointStates) -> float | None:
     """The friction below which there is certainly one solution; None where all of it is below."""
     problem = points.problem
     assert problem is not None
-    limit = friction_limit(problem.compliance, contact.weights[points.rows])
+    limit = friction_limit(problem.points.compliance, contact.weights[points.rows])
     return None if problem.friction.max() < limit else limit
 
 
@@ -193,7 +193,7 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
         whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]
         breaks = bool((whole & (states != STICK)).any())  # then it is one of another law, with lost cohesion
         if not breaks and not _closes_others(contact, points, p - known):
-            moved = problem.compliance @ (p - known)
+            moved = problem.points.compliance @ (p - known)
             change = np.hypot(*moved.reshape(2, -1))
             order = np.argsort(-change, kind="stable")
             return SecondSolution(limit, rows[order], change[order], states[order])

@@ -7,14 +7,14 @@ slipped before.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from crackgrow.arrays import Bools
 from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.contact.hold import UNBALANCED, least_unbalanced
-from crackgrow.contact.problem import ContactProblem, Motions
+from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.solve import solved
 from crackgrow.errors import NotSolvedError
 from tests.contact_problems import Floats
@@ -56,7 +56,7 @@ def drawn(seed: int) -> Drawn:
     slipped = rng.normal(size=n) * (A @ tractions).std() if rng.random() < 0.3 else np.zeros(n)
     if rng.random() < 0.3:
         dilation = np.minimum(friction, rng.uniform(0.0, 0.3, n))
-    motions = None
+    motions, pull = (np.zeros((0, 0)), np.zeros((0, 0))), np.zeros(0)
     if kind == "blocks":
         jump = _block_motions(weights, n_blocks)
         carried = np.concatenate([np.minimum(tractions[:n], 0.0) - 0.1, np.zeros(n)])
@@ -64,12 +64,12 @@ def drawn(seed: int) -> Drawn:
         carried[n:] = np.clip(tractions[n:], -share, share)
         pull = (jump * np.tile(weights, 2)[:, None]).T @ carried
         seen = np.where(_seen(friction, cohesion, dilation)[:, None], jump, 0.0)
-        motions = Motions(seen, (seen * np.tile(weights, 2)[:, None]).T, pull)
+        motions = seen, (seen * np.tile(weights, 2)[:, None]).T
         if rng.random() < 0.5:  # supports let them turn far
-            A = A + 10.0 ** rng.uniform(0.0, 3.0) * jump @ motions.force
+            A = A + 10.0 ** rng.uniform(0.0, 3.0) * jump @ motions[1]
         if rng.random() < 0.3:  # nothing presses them, or pulls at them
-            motions = replace(motions, pull=np.zeros(len(pull)))
-    problem = ContactProblem(A, A @ tractions, friction, cohesion, dilation, slipped, motions)
+            pull = np.zeros(len(pull))
+    problem = ContactProblem(CondensedPoints(A, *motions), A @ tractions, friction, cohesion, dilation, slipped, pull)
     name = f"{kind}{', graded' if graded else ''}"
     return Drawn(name, problem, weights)
 
@@ -122,11 +122,11 @@ def _block_motions(weights: Floats, n_blocks: int) -> Floats:
 def held(drawn: Drawn) -> bool:
     """Whether limit analysis finds tractions that hold all pieces."""
     problem = drawn.problem
-    if problem.motions is None:
+    if not problem.n_motions:
         return True
-    size, length = float(np.abs(problem.motions.pull).sum()), float(drawn.weights.sum())
+    size, length = float(np.abs(problem.pull).sum()), float(drawn.weights.sum())
     strength = problem.friction, problem.cohesion, np.zeros(problem.n_points)
-    return least_unbalanced(problem.motions, size, length, *strength)[0] <= UNBALANCED
+    return least_unbalanced((problem.points.force, problem.pull), size, length, *strength)[0] <= UNBALANCED
 
 
 def ended(drawn: Drawn) -> tuple[str, int]:

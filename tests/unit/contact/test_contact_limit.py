@@ -10,9 +10,8 @@ import pytest
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.contact.hold import alone, least_unbalanced
-from crackgrow.contact.loose import deflated
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem, Motions
+from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.solid.rigid_modes import FreePiece
 
 pytestmark = pytest.mark.physics
@@ -30,7 +29,7 @@ def block_on_slope(angle: float, height: float, friction: float, cohesion: float
     slip = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
     pull = WEIGHT * np.array([-np.cos(a), np.sin(a), -height * np.sin(a)])
     jump = np.concatenate([gap, slip])
-    motions = Motions(jump, 0.5 * LENGTH * jump.T, pull)
+    motions = 0.5 * LENGTH * jump.T, pull
     return least_unbalanced(motions, WEIGHT, LENGTH, np.full(2, friction), np.full(2, cohesion), np.zeros(2))
 
 
@@ -67,9 +66,9 @@ def block_on_points(friction: float, pull: tuple[float, float, float], cohesion:
     none = np.zeros(n)
     jump = np.column_stack([np.append(none + 1.0, none), np.append(none, none + 1.0), np.append(x, none)])
     weights = np.full(2 * n, 2.0 / n)
-    motions = Motions(jump, (jump * weights[:, None]).T, np.array(pull))
     laws = (np.full(n, friction), np.full(n, cohesion), none, none)
-    return ContactProblem(A, np.append(0.02 * np.sin(9.0 * x), none), *laws, motions)
+    points = CondensedPoints(A, jump, (jump * weights[:, None]).T)
+    return ContactProblem(points, np.append(0.02 * np.sin(9.0 * x), none), *laws, np.array(pull))
 
 
 HELD = [
@@ -106,13 +105,12 @@ def test_how_supports_hold_a_block_once_does_not_matter(
     Where they let it turn far that costs no digits of a block that is settled first.
     """
     problem = block_on_points(friction, pull, cohesion)
-    motions, known = problem.motions, solve_by_newton(problem)
+    points, known = problem.points, solve_by_newton(problem)
     turned = np.random.default_rng(4).normal(size=(3, 3))
-    moved = softness * motions.jump @ (turned @ turned.T)
-    held = replace(
-        problem, compliance=problem.compliance + moved @ motions.force, free=problem.free + moved @ motions.pull
-    )
-    lying, unknowns = deflated(held)
+    moved = softness * points.jump @ (turned @ turned.T)
+    points = replace(points, compliance=points.compliance + moved @ points.force)
+    held = replace(problem, points=points, free=problem.free + moved @ problem.pull)
+    lying, unknowns = held.settled()
     found = solve_by_newton(lying)
     assert found.status == "solved"
     du, exact = problem.jump(known.unknowns), 1e-13 * max(softness, 1e4)
@@ -143,9 +141,8 @@ def test_a_motion_that_nothing_sees_stays_where_it_is() -> None:
 def rocking(friction: float, pull: tuple[float, float, float], free: list[float]) -> ContactProblem:
     """A block on two points, one at each end of its base; motions: up, along, and rotation about the middle."""
     jump = np.array([[1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
-    return ContactProblem(
-        np.eye(4), np.array(free), np.full(2, friction), motions=Motions(jump, jump.T, np.array(pull))
-    )
+    points = CondensedPoints(np.eye(4), jump, jump.T)
+    return ContactProblem(points, np.array(free), np.full(2, friction), pull=np.array(pull))
 
 
 def test_a_block_turns_about_a_corner_until_it_lies_on_the_other() -> None:

@@ -15,7 +15,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.contact.jump import contact_operators
 from crackgrow.contact.mortar import mortar_faces
-from crackgrow.contact.problem import ContactProblem, ContactSolution, Motions
+from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -190,16 +190,20 @@ def test_gaps_that_are_none_do_not_depend_on_how_pieces_are_held() -> None:
     n, n_motions = 6, 3
     half = rng.normal(size=(2 * n, 2 * n))
     A, free, friction = half @ half.T + np.eye(2 * n), rng.normal(size=2 * n), np.full(n, 0.5)
-    B, F = rng.normal(size=(2 * n, n_motions)), rng.normal(size=(n_motions, 2 * n))
+    B = rng.normal(size=(2 * n, n_motions))
+    F = (B * rng.uniform(0.5, 2.0, (2 * n, 1))).T
     p = rng.normal(size=2 * n)
     along, push = rng.normal(size=(n_motions, 2 * n)), 50.0 * rng.normal(size=(2 * n, n_motions))
-    motions, found = Motions(B, F, F @ p), ContactSolution(p, "solved", 0, np.full(n, STICK), np.zeros(n_motions))
+    found = ContactSolution(p, "solved", 0, np.full(n, STICK), np.zeros(n_motions))
     other = A + B @ along + push @ F
     other_free = free + B @ rng.normal(size=n_motions) + push @ (F @ p)
     size = np.abs(other).max() + 1.0
     shift = size * np.outer(B[:, 0], B[:, 0]) + size * F.T @ F  # so that the diagonal is positive
     other, other_free = other + shift, other_free + size * F.T @ (F @ p)
-    problems = [ContactProblem(*each, friction, motions=motions) for each in ((A, free), (other, other_free))]
+    problems = [
+        ContactProblem(CondensedPoints(each, B, F), jumps, friction, pull=F @ p)
+        for each, jumps in ((A, free), (other, other_free))
+    ]
     gaps = [module._nothing(problem, found) for problem in problems]
     np.testing.assert_allclose(gaps[1], gaps[0], rtol=1e-8)
 

@@ -9,7 +9,7 @@ from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, complementarity_residual, project
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem
+from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.errors import NotSolvedError
 from tests.contact_problems import dilating, random_problem, smooth
 
@@ -19,7 +19,7 @@ ROUND_OFF = 1e-14
 def one_point(free_n: float, free_t: float, friction: float, cohesion: float = 0.0, unit: float = 1.0):
     """A_nn = 2, A_tt = 4, no coupling: p_n = free_n / 2, p_t = free_t / 4 where closed and sticking."""
     compliance, free = np.diag([2.0, 4.0]) / unit, np.array([free_n, free_t])
-    return ContactProblem(compliance, free, np.array([friction]), np.array([cohesion * unit]))
+    return ContactProblem(CondensedPoints(compliance), free, np.array([friction]), np.array([cohesion * unit]))
 
 
 # free_n, free_t, friction, cohesion -> p_n, p_t, state
@@ -81,8 +81,10 @@ def test_singular_active_set_gets_the_least_tractions() -> None:
 def test_residual_does_not_depend_on_units(traction_unit, length_unit) -> None:
     A, free, p = np.array([[2.0, 0.5], [0.5, 4.0]]), np.array([-2.0, 8.0]), np.array([-0.7, 0.9])
     friction, cohesion = np.array([0.5]), np.array([0.1])
-    plain = complementarity_residual(ContactProblem(A, free, friction, cohesion), p)
-    scaled = ContactProblem(A * length_unit / traction_unit, free * length_unit, friction, cohesion * traction_unit)
+    plain = complementarity_residual(ContactProblem(CondensedPoints(A), free, friction, cohesion), p)
+    scaled = ContactProblem(
+        CondensedPoints(A * length_unit / traction_unit), free * length_unit, friction, cohesion * traction_unit
+    )
     assert complementarity_residual(scaled, p * traction_unit) == pytest.approx(plain, rel=1e-12)
 
 
@@ -116,18 +118,18 @@ def test_value_that_is_not_finite_names_its_field(name, value) -> None:
     arrays = {"compliance": np.eye(4), "free": np.zeros(4), "friction": np.zeros(2), "cohesion": np.zeros(2)}
     arrays[name].flat[1] = value
     with pytest.raises(NotSolvedError, match=f"contact {name}"):
-        ContactProblem(**arrays)
+        ContactProblem(CondensedPoints(arrays.pop("compliance")), **arrays)
 
 
 def test_rock_that_does_not_resist_and_tractions_that_are_not_finite_are_refused() -> None:
     with pytest.raises(NotSolvedError, match="diagonal: entry 2"):
-        ContactProblem(np.diag([1.0, 1.0, 0.0, 1.0]), np.zeros(4), np.zeros(2))
+        ContactProblem(CondensedPoints(np.diag([1.0, 1.0, 0.0, 1.0])), np.zeros(4), np.zeros(2))
     with pytest.raises(NotSolvedError, match="traction"):
         complementarity_residual(one_point(1.0, 1.0, 0.5), np.array([np.nan, 0.0]))
 
 
 def test_no_points_at_all() -> None:
-    problem = ContactProblem(np.zeros((0, 0)), np.zeros(0), np.zeros(0))
+    problem = ContactProblem(CondensedPoints(np.zeros((0, 0))), np.zeros(0), np.zeros(0))
     assert complementarity_residual(problem, np.zeros(0)) == 0.0
     for solve in (solve_by_newton, solve_by_lemke):
         assert solve(problem).status == "solved"

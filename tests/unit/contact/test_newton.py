@@ -11,9 +11,8 @@ import crackgrow.contact.newton as module
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import SLIP, ActiveSet, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations
-from crackgrow.contact.loose import deflated
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 from tests.contact_problems import crack_problem, dilating, random_problem, smooth, spread_problem
 from tests.stability.contact_at_random import drawn
 
@@ -103,19 +102,19 @@ def test_an_overlap_without_cure_ends_at_the_limit() -> None:
 
 
 def test_without_load_nothing_acts() -> None:
-    unloaded = solved(ContactProblem(np.eye(4), np.zeros(4), np.full(2, 0.3), np.zeros(2)))
+    unloaded = solved(ContactProblem(CondensedPoints(np.eye(4)), np.zeros(4), np.full(2, 0.3), np.zeros(2)))
     assert not unloaded.traction.any()
 
 
 @pytest.mark.parametrize("start", [np.zeros(3), np.array([np.nan, 0.0])])
 def test_wrong_start_is_refused(start) -> None:
     with pytest.raises(ValueError, match="contact start"):
-        solve_by_newton(ContactProblem(np.eye(2), np.zeros(2), np.zeros(1)), start)
+        solve_by_newton(ContactProblem(CondensedPoints(np.eye(2)), np.zeros(2), np.zeros(1)), start)
 
 
 def one_point(friction: float, free_n: float, free_t: float) -> ContactProblem:
     A = np.array([[1.0, 0.5], [0.5, 1.0]])
-    return ContactProblem(A, np.array([free_n, free_t]), np.array([friction]))
+    return ContactProblem(CondensedPoints(A), np.array([free_n, free_t]), np.array([friction]))
 
 
 def test_the_only_solution_is_found_beyond_a_fold() -> None:
@@ -133,14 +132,14 @@ def test_rock_of_any_friction_always_has_a_state(seed: int) -> None:
     solved(spread_problem(n, rng.uniform(0.0, 30.0, n), seed, cohesion))
 
 
-@pytest.mark.parametrize("seed", [437, 509, 585, 765, 795, 895, 1453, 1563, 1574, 3511])
+@pytest.mark.parametrize("seed", [437, 509, 585, 765, 795, 895, 1453, 1563, 3511])
 def test_where_active_sets_come_back_there_is_a_way_out(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = drawn(seed).problem
-    found = solve_by_newton(deflated(problem)[0])
+    problem, _ = drawn(seed).problem.settled()
+    found = solve_by_newton(problem)
     assert found.status == "solved"
-    assert complementarity_residual(deflated(problem)[0], found.unknowns) < EXACT
+    assert complementarity_residual(problem, found.unknowns) < EXACT
     monkeypatch.setattr(module, "MOST_TIMES", 0)
-    assert solve_by_newton(deflated(problem)[0]).status == "limit"
+    assert solve_by_newton(problem).status == "limit"
 
 
 @pytest.mark.parametrize("seed", [*range(6), 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])
@@ -148,7 +147,7 @@ def test_an_update_of_the_factors_solves_the_equations_of_the_other_active_set(s
     """Also where contact alone holds blocks; points open, close, slip one way or the other, stick, and dilate."""
     tried = 0
     for problem in (
-        deflated(drawn(seed).problem)[0],
+        drawn(seed).problem.settled()[0],
         random_problem(12, 0.4, seed),
         crack_problem(40, 0.4, 0.3, np.inf, 0.6, seed),
         dilating(random_problem(12, 0.4, seed), seed),
@@ -160,17 +159,18 @@ def test_an_update_of_the_factors_solves_the_equations_of_the_other_active_set(s
         other = ActiveSet(branches.closed ^ some, slip, np.where(slip == 0, branches.sense, slip))
         for first, last in ((branches, other), (other, branches)):
             fresh = ActiveEquations(problem, last)
-            x = ActiveEquations(problem, first).updated(last, 1.0)
+            x = ActiveEquations(problem, first).solution(problem, last)
             if x is None or fresh.singular:
                 continue
-            np.testing.assert_allclose(x, fresh.solution, rtol=0.0, atol=1e-7 * np.abs(fresh.solution).max())
+            exact = fresh.solution(problem, last)
+            np.testing.assert_allclose(x, exact, rtol=0.0, atol=1e-7 * np.abs(exact).max())
             tried += 1
     assert tried >= 4
 
 
 def test_an_update_is_made_where_few_points_leave_their_branches_alone() -> None:
     problem = random_problem(12, 0.4, 0)
-    equations = ActiveEquations(problem, active_set(problem, np.full(24, -1.0), np.zeros(24)))
-    other = ActiveSet(~equations.active.closed, equations.active.slip, equations.active.sense)
-    assert equations.updated(other, 0.5) is None
-    assert equations.updated(equations.active, 0.0) is not None
+    active = active_set(problem, np.full(24, -1.0), np.zeros(24))
+    other = ActiveSet(~active.closed, active.slip, active.sense)
+    assert ActiveEquations(problem, active).solution(problem, other, 0.5) is None
+    assert ActiveEquations(problem, active).solution(problem, active, 0.0) is not None

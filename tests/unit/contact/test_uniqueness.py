@@ -11,7 +11,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import ContactProblem
+from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
@@ -33,7 +33,9 @@ C = 0.5
 
 
 def one_point(friction: float, free_n: float, free_t: float, c: float = C) -> ContactProblem:
-    return ContactProblem(np.array([[1.0, c], [c, 1.0]]), np.array([free_n, free_t]), np.array([friction]))
+    return ContactProblem(
+        CondensedPoints(np.array([[1.0, c], [c, 1.0]])), np.array([free_n, free_t]), np.array([friction])
+    )
 
 
 def by_hand(friction: float, free_n: float, free_t: float, c: float = C) -> list[tuple[float, float]]:
@@ -88,7 +90,7 @@ def test_without_coupling_any_friction_leaves_one_solution() -> None:
     assert friction_limit(np.zeros((0, 0)), np.zeros(0)) == np.inf
     for seed in range(20):
         free = np.random.default_rng(seed).normal(size=6)
-        assert len(every_solution(ContactProblem(compliance, free, np.full(3, 1e3)))) == 1
+        assert len(every_solution(ContactProblem(CondensedPoints(compliance), free, np.full(3, 1e3)))) == 1
 
 
 @pytest.mark.physics
@@ -100,7 +102,7 @@ def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) ->
         number = len(every_solution(problem))
         assert number >= 1
         several += number > 1
-        if friction < friction_limit(problem.compliance, np.ones(n)):
+        if friction < friction_limit(problem.points.compliance, np.ones(n)):
             below += 1
             assert number == 1
     assert below >= 20  # so that both happen
@@ -108,7 +110,7 @@ def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) ->
 
 
 def test_the_limit_depends_neither_on_units_nor_on_how_densely_points_lie() -> None:
-    compliance = spread_problem(3, 0.0, 1).compliance
+    compliance = spread_problem(3, 0.0, 1).points.compliance
     weights = np.array([0.2, 1.0, 3.0])
     limit = friction_limit(compliance, np.ones(3))
     assert friction_limit(1e-12 * compliance, np.ones(3)) == pytest.approx(limit)
@@ -120,7 +122,7 @@ def test_the_limit_depends_neither_on_units_nor_on_how_densely_points_lie() -> N
 def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> None:
     part = np.array([[1.0, C], [C, 1.0]])
     compliance = np.kron(part, np.eye(2))
-    problem = ContactProblem(compliance, np.array([1.0, 1.0, 8.0, 8.0]), np.full(2, 3.0))
+    problem = ContactProblem(CondensedPoints(compliance), np.array([1.0, 1.0, 8.0, 8.0]), np.full(2, 3.0))
     assert len(every_solution(problem)) == 9
     found = solved(problem, "newton")
     assert list(other_solutions(problem, found.traction))
@@ -129,7 +131,7 @@ def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> Non
 def test_points_that_share_a_load_in_any_way_are_no_second_solution() -> None:
     """Two points at one place: how they share the pressure is open, where the faces lie is not."""
     compliance = np.kron(np.diag([1.0, 1.0]), np.ones((2, 2)))
-    problem = ContactProblem(compliance, np.array([-1.0, -1.0, 0.1, 0.1]), np.full(2, 0.5))
+    problem = ContactProblem(CondensedPoints(compliance), np.array([-1.0, -1.0, 0.1, 0.1]), np.full(2, 0.5))
     found = solve_by_newton(problem)
     assert found.status == "solved"
     assert friction_limit(compliance, np.ones(2)) == 0.0
@@ -147,7 +149,7 @@ def test_no_solution_is_an_error_that_names_the_friction(solver: str) -> None:
 
 def in_rock(problem: ContactProblem) -> tuple[ContactSystem, np.ndarray]:
     """Rock whose contact points have a given compliance, and the loads that give their free jumps."""
-    stiffness, none = np.linalg.inv(problem.compliance), np.zeros(problem.n_points)
+    stiffness, none = np.linalg.inv(problem.points.compliance), np.zeros(problem.n_points)
     return rock_of(stiffness, contact_law(problem.friction, none, none)), stiffness @ problem.free
 
 
@@ -176,7 +178,7 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
         assert second.limit < 10.0
         assert second.change[0] == second.change.max() > 0.0
         known = np.concatenate([outcome.points.normal, outcome.points.tangential])
-        moved = [problem.compliance @ (p - known) for p in every_solution(problem)]
+        moved = [problem.points.compliance @ (p - known) for p in every_solution(problem)]
         largest = [np.hypot(*x.reshape(2, 2)) for x in moved]
         assert any(np.allclose(x[second.points], second.change, atol=1e-8) for x in largest)
     assert n_several >= 4
