@@ -30,7 +30,7 @@ SHOWN_SURFACES: Final = 12  # of more the rest is summed up
 LOADS: Final[Mapping[type, str]] = {
     model.Gravity: "gravity on {load.body}",
     model.FluidPressure: "pressure {pressure} in {load.surface}",
-    model.FluidVolume: "{load.volume:g} m^2 of fluid in {load.surface}",
+    model.FluidVolume: "a volume of fluid in {load.surface}",
     model.EdgePressure: "pressure {pressure} on {load.region.body}.{load.region.edge}",
     model.FarField: "far-field stress on the outline of {load.body}",
     model.PointForce: "a force at a point of {load.body}",

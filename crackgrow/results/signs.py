@@ -125,7 +125,7 @@ class Sheet:
             self.label(load.point - 1.3 * way, f"F = {np.hypot(*load.force):g} N/m{held}", LOAD)
         elif isinstance(load, model.FluidPressure | model.FluidVolume):  # off both faces of a crack or an interface
             if isinstance(load, model.FluidVolume):
-                self.title, words = f"volume in {load.surface}", f"V = {load.volume:g} m²"
+                self.title, words = f"volume in {load.surface}", f"V = {1e6 * load.volume:g} mm²"
             else:
                 self.title, words = f"pressure in {load.surface}", f"p = {component_text(load.pressure)}{held}"
             lines = [crack.points for crack in case.cracks if crack.surface == load.surface]
