@@ -99,7 +99,7 @@ class Format:
         if cls in self._keys:
             return self._keys[cls]
         parts = (self.part(name) for name in self.declared if name.split()[0] == cls.__name__)
-        found = {key: field for part in parts for key, field in getattr(part, "spec", part).fields.items()}
+        found = {key: field for part in parts for key, field in part.fields.items()}
         return self._keys.setdefault(cls, found)
 
     def made(self, cls: Callable[..., T], values: Resolved, **others: object) -> T:
@@ -149,8 +149,8 @@ class Format:
                 nothing = value is None or (isinstance(value, tuple) and not value)
                 if (nothing and its.default is OPTIONAL) or (value is None and word is None):
                     continue
-                if isinstance(spec, Measured) and not spec.holds(value):
-                    continue  # nothing, said by a number that the key does not take
+                if isinstance(spec, Measured) and spec.kind in UNITS and not spec.holds(value):
+                    continue  # nothing, said by a quantity that the key does not take
                 found[key] = word if value is None else self._written(spec, value)
         return found
 
