@@ -67,7 +67,8 @@ def draw_scene(path: Path, case: Case, squares: Floats) -> None:
             _name_crack(sheet, crack, whole=len(case.cracks) <= MOST_WHOLE_NAMES)
     tips = [np.stack(list(ends)) for ends in (_tips(crack).values() for crack in case.cracks) if ends]
     part_labels(sheet, np.concatenate([np.zeros((0, 2)), *tips, *(line for i in case.interfaces for line in i.lines)]))
-    write_atomically(path, lambda temporary: figure.savefig(temporary, format=path.suffix[1:].lower()))
+    looks: dict[str, Any] = {"format": path.suffix[1:].lower(), "metadata": {"Date": None}}  # the same at any time
+    write_atomically(path, lambda temporary: figure.savefig(temporary, **looks))
 
 
 @own_style()

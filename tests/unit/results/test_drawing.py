@@ -61,6 +61,14 @@ def test_arrows_push_on_the_edge_or_pull_from_it() -> None:
         np.testing.assert_allclose([tail[0] for tail, _ in arrows], 0.031 * (np.arange(7) - 3) / 7, atol=1e-15)
 
 
+def test_the_same_scene_is_the_same_file(tmp_path: Path) -> None:
+    case = shipped_case("two_flaws", ["numerics.spacing=4"])
+    paths = [tmp_path / name for name in ("a.svg", "b.svg")]
+    for path in paths:
+        draw_scene(path, case, squares_of(case))
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+
+
 @pytest.mark.physics
 @pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
 def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:

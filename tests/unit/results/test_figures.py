@@ -8,6 +8,7 @@ from itertools import combinations
 from pathlib import Path
 
 import matplotlib as mpl
+import matplotlib.artist
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
@@ -21,7 +22,7 @@ from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.report.charts import stress_strain
-from crackgrow.results.style import own_style
+from crackgrow.results.style import load_matplotlib, own_style
 from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_case, make_frame, make_paths, make_result
@@ -153,6 +154,12 @@ def test_pictures_take_no_notice_of_settings_and_know_no_formulas(
             raise ValueError("no picture")
         assert {key: mpl.rcParams[key] for key in ODD} == ODD  # the user's again, also after an error
     assert (tmp_path / "odd.png").read_bytes() == (tmp_path / "usual.png").read_bytes()
+
+
+def test_docstrings_of_matplotlib_are_left_out_of_what_a_run_loads_alone() -> None:
+    tables = matplotlib.artist.kwdoc
+    load_matplotlib()
+    assert matplotlib.artist.kwdoc is tables
 
 
 @pytest.mark.physics
