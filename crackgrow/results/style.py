@@ -49,17 +49,6 @@ def pass_over_settings() -> None:
     os.environ["MATPLOTLIBRC"] = os.devnull
 
 
-def load_matplotlib() -> None:
-    """Load what draws, but for the tables of properties in its docstrings, which take a third of that time."""
-    import matplotlib.artist
-
-    names, told = vars(matplotlib.artist), matplotlib.artist.kwdoc
-    names["kwdoc"] = lambda artist: ""
-    import matplotlib.figure
-
-    names["kwdoc"] = told
-
-
 @contextlib.contextmanager
 def own_style() -> Iterator[None]:
     """Matplotlib's own settings until the end of the block, and then the user's again."""

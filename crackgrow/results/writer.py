@@ -20,7 +20,6 @@ from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, R
 from crackgrow.results.lock import FolderLock, earlier_files
 from crackgrow.results.log import RunLog, event_line, largest_K, told_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
-from crackgrow.results.style import load_matplotlib
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
 
@@ -150,7 +149,6 @@ class RunWriter:
             self._log.tell(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)
         if first and self.case.output.figures:
-            load_matplotlib()
             from crackgrow.results import figures  # here: loading matplotlib takes half a second
 
             figures.draw_sigma_1(self.folder / "figures" / "sigma_1_first.png", self.case, result)
