@@ -1,4 +1,4 @@
-"""The page: what it shows of a run and of its steps, which move with the slider, and the file.
+"""The page: what its template, `page.html`, shows of a run and of its steps, which move with the slider, and the file.
 
 Pictures are those of `crackgrow render`, or else the figures of the run.
 """
@@ -10,29 +10,21 @@ import io
 import json
 import re
 from collections.abc import Mapping, Sequence
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import yaml
+from jinja2 import Environment
 
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_text
-from crackgrow.results.declarations import LOADER
 from crackgrow.results.drawing import scene_svg, step_colour
 from crackgrow.results.folder import PICTURE, REPORT, FolderError, RunFolder, TextTable, open_run, own_files
 from crackgrow.results.log import load_words
 from crackgrow.results.report.charts import charts
-from crackgrow.results.report.markup import (
-    case_cards,
-    chart_cards,
-    page_of,
-    quality_cards,
-    scene_card,
-    section,
-    step_cards,
-)
-from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, rounded_all, shown, unit_of
+from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, counted, cut, rounded_all, shown, unit_of
 from crackgrow.run.result import CHECK_LIMITS
 
 CHECKS = {  # columns of steps.csv, in the words of the page
@@ -42,6 +34,7 @@ CHECKS = {  # columns of steps.csv, in the words of the page
     "overlap_share": "overlap anywhere along the faces, by what is small beside jump and displacement",
     "energy_error": "error of the energy balance",
 }
+SHOWN_WARNINGS = 200  # of more the first ones are shown
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
 MOST_TIP_ROWS = 8_000  # about 1 MB
 OF_TIPS = ("crack", "tip", "K_I", "K_II", "K_growth", "sigma_1", "sigma_3", "criticality", "criterion", "kink_deg",
@@ -78,18 +71,27 @@ def page(run: RunFolder) -> str:
         "charts": charts(run),
         "pictures": pictures(run),
     }
-    scene = scene_svg(run, data["tips"]["steps"])
-    ramp = ", ".join(step_colour(step, 9) for step in range(1, 10))
-    events = event_rows(run.table("events")) if len(run.table("events")) else None
-    sections = [
-        section("step by step", [scene_card(run, scene, ramp), *step_cards(run, data)], "cards steps"),
-        *([section("plots", chart_cards(data))] if data["charts"] else []),
-        section("quality", quality_cards(run, check_rows(run), events)),
-        section("settings", case_cards(run, described_actions(run))),
-    ]
-    # no text in the data can end the element of the page's scripts
-    told = json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c")
-    return page_of(run, told, sections)
+    environment = Environment(autoescape=True, trim_blocks=True, lstrip_blocks=True)
+    environment.filters |= {"shown": shown, "counted": counted}
+    return environment.from_string(_own_file("page.html")).render(
+        file=_own_file,
+        run=run,
+        summary=run.summary,
+        scene=scene_svg(run, data["tips"]["steps"]),
+        last_made=int(run.table("paths").steps().max(initial=0)),
+        ramp=", ".join(step_colour(step, 9) for step in range(1, 10)),
+        checks=check_rows(run),
+        warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
+        events=event_rows(run.table("events")) if len(run.table("events")) else None,
+        actions=described_actions(run),
+        data=data,
+        # no text in the data can end the element of the page's scripts
+        json=json.dumps(data, ensure_ascii=False, allow_nan=False, separators=(",", ":")).replace("<", "\\u003c"),
+    )
+
+
+def _own_file(name: str) -> str:
+    return files("crackgrow.results.report").joinpath(name).read_text(encoding="utf-8")
 
 
 def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
@@ -110,7 +112,7 @@ def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
 
 def described_actions(run: RunFolder) -> list[tuple[str, str]]:
     """What holds and what loads the specimen, in words: name, and what case.yaml says of it, in SI."""
-    told, rows = yaml.load(run.case_text, LOADER), []
+    told, rows = yaml.safe_load(run.case_text), []
     for kind in ("supports", "loads"):
         for number, item in enumerate(told[kind]):
             text = json.dumps(item, ensure_ascii=False)[1:-1].replace('"', "")
