@@ -22,7 +22,7 @@ from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.folder import RunFolder
 from crackgrow.results.report.charts import stress_strain
-from crackgrow.results.style import load_matplotlib, own_style
+from crackgrow.results.style import own_style
 from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_case, make_frame, make_paths, make_result
@@ -158,7 +158,6 @@ def test_pictures_take_no_notice_of_settings_and_know_no_formulas(
 
 def test_docstrings_of_matplotlib_are_left_out_of_what_a_run_loads_alone() -> None:
     tables = matplotlib.artist.kwdoc
-    load_matplotlib()
     assert matplotlib.artist.kwdoc is tables
 
 
