@@ -156,11 +156,6 @@ def test_pictures_take_no_notice_of_settings_and_know_no_formulas(
     assert (tmp_path / "odd.png").read_bytes() == (tmp_path / "usual.png").read_bytes()
 
 
-def test_docstrings_of_matplotlib_are_left_out_of_what_a_run_loads_alone() -> None:
-    tables = matplotlib.artist.kwdoc
-    assert matplotlib.artist.kwdoc is tables
-
-
 @pytest.mark.physics
 def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "matplotlibrc").write_text("lines.linewidth: thick\nno such key: 1\n")
