@@ -8,7 +8,6 @@ from itertools import combinations
 from pathlib import Path
 
 import matplotlib as mpl
-import matplotlib.artist
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
