@@ -140,12 +140,6 @@ class Configuration:
         return bool(law.cohesion.any() or law.breakable.any() or law.bends.any())
 
     @property
-    def proportional(self) -> bool:
-        """Whether states from rest on are in proportion to the load factor: nothing else has a size."""
-        a, _ = self.scene.given_parts
-        return not (self.sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
-
-    @property
     def forgets(self) -> bool:
         """Whether points have plain friction alone, so that slip does not depend on the way of loads that grow."""
         law = self.contact.law

@@ -96,23 +96,6 @@ class LoadState:
         """Contact points and samples of all surfaces."""
         return along_surfaces(self.configuration, self.outcome)
 
-    def scaled_to(self, factor: float) -> LoadState:
-        """The state under another load factor, where states are in proportion to it."""
-        share = factor / self.factor
-        energy = self.energy
-        work, strain, dissipated, released = (
-            share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
-        )
-        return replace(
-            self,
-            level=self.level._replace(factor=factor),
-            states=self.states.scaled(share),
-            energy=Energy(work, strain, dissipated, released, energy.error),
-            round_off=share**2 * self.round_off,
-            conjugates=share * self.conjugates,
-            formed=self.outcome.scaled(share),
-        )
-
     def light(self) -> LoadState:
         """The state without what its contact was found by, which is large."""
         return replace(self, states=self.states.light())
