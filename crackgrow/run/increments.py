@@ -31,8 +31,7 @@ from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
-from crackgrow.run.configuration import SIGNS, Configuration, Excavated
-from crackgrow.run.load_level import LoadLevel
+from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
