@@ -14,10 +14,9 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import segment_directions
-from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.configuration import Configuration, LoadLevel, assemble
 from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import increment, unloaded
-from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
 

@@ -156,10 +156,6 @@ class ContactProblem:
         m = self.free.size
         return np.asarray(self.free - self.points.compliance @ x[:m] + self.points.jump @ x[m:])
 
-    def scaled(self, share: float) -> ContactProblem:
-        """The problem under `share` times the loads, of faces that nothing but their friction holds."""
-        return replace(self, free=share * self.free, slipped=share * self.slipped, pull=share * self.pull)
-
     def settled(self) -> tuple[ContactProblem, Callable[[Floats], Floats]]:
         """The same problem with loose pieces settled (`CondensedPoints.settled`), and all unknowns of its own."""
         if not self.n_motions:

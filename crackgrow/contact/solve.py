@@ -147,17 +147,6 @@ class PointStates:
         solution = self.solution and replace(self.solution, equations=None)
         return replace(self, solution=solution, problem=self.problem if keep else None)
 
-    def scaled(self, share: float) -> PointStates:
-        """The states under `share` times the loads, where they are in proportion to them."""
-        numbers = {
-            name: share * getattr(self, name)
-            for name in ("normal", "tangential", "gap", "slip", "dilation", "touching")
-        }
-        solution, problem = self.solution, self.problem and self.problem.scaled(share)
-        if solution is not None:
-            solution = replace(solution, traction=share * solution.traction, motion=share * solution.motion)
-        return replace(self, **numbers, solution=solution, problem=problem)
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactOutcome:
@@ -172,20 +161,6 @@ class ContactOutcome:
     notes: tuple[str, ...]  # what the user should know of how it was solved
     residual: float = float("nan")  # of equilibrium, relative; nan where it was not looked at
     largest_terms: float = float("nan")  # N/m: the absolute terms of a force in the rock, where their sum is largest
-
-    def scaled(self, share: float) -> ContactOutcome:
-        """The outcome of `share` times the loads, where states are in proportion to them."""
-        names = ("slip", "risen", "normal", "tangential", "dilation")
-        memory = replace(self.memory, **{name: share * getattr(self.memory, name) for name in names})
-        return replace(
-            self,
-            u=share * self.u,
-            multipliers=share * self.multipliers,
-            points=self.points.scaled(share),
-            memory=memory,
-            penetration=share * self.penetration,
-            largest_terms=abs(share) * self.largest_terms,
-        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -15,10 +15,9 @@ from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import Excavated
+from crackgrow.run.configuration import Excavated, LoadLevel
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import Origin, Start
-from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.result import Checkpoint, CrackPath, Energy, Event, event_of, event_record
 from crackgrow.run.starting import new_crack
 

@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 from scipy.sparse import csr_array, vstack
@@ -28,7 +29,6 @@ from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
 from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.ragged import distinct
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
-from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
@@ -48,6 +48,17 @@ TAKEN_BACK = 1e-12
 
 ROUND_OFF = 1e-15
 """Of the largest force of any load: the same, where loads at a place are themselves the round-off of larger forces."""
+
+
+class LoadLevel(NamedTuple):
+    """How much of the loads acts: a place on their way."""
+
+    factor: float  # of the loads that are scaled
+    holding: float = 1.0  # how much of those that are held acts
+
+    def towards(self, last: LoadLevel, share: float) -> LoadLevel:
+        """The place after a share of the way to the `last` one, which is the last one itself after all of it."""
+        return last if share == 1.0 else LoadLevel(*(a + share * (b - a) for a, b in zip(self, last, strict=True)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -139,12 +150,6 @@ class Configuration:
         law = self.contact.law
         # what breaks is gone from the least slip on
         return bool(law.cohesion.any() or law.breakable.any() or law.bends.any())
-
-    @property
-    def proportional(self) -> bool:
-        """Whether states from rest on are in proportion to the load factor: nothing else has a size."""
-        a, _ = self.scene.given_parts
-        return not (self.sized or self.constant.any() or (a != 0.0 and self.held.given.any()))
 
     @property
     def forgets(self) -> bool:

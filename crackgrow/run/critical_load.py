@@ -4,8 +4,7 @@ The load rises from the held loads alone; contact points remember on the way, an
 (`path`). The first state on it that meets the criterion, and the one before it, enclose the critical factor: the
 stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there, and
 only where it is met at the end. Where contact that breaks makes the criticality jump past 1, the critical factor is the
-one behind the jump. Where nothing but the loads has a size the path is one piece from rest on, and all states are in
-proportion to the first that is found.
+one behind the jump.
 """
 
 from __future__ import annotations
@@ -123,7 +122,6 @@ class _Search:
         self._unborne = np.inf  # the least load factor that no solution was found at
         self._why: FreePieceError | NotSolvedError | None = None  # it has none, or none was found
         self._n_unborne = 0  # load factors known to have none
-        self._scale: LoadState | None = None  # all states are in proportion to it
         self.n_increments = 0
         ends, sites = configuration.cover.tip_ends, configuration.sites
         grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
@@ -191,13 +189,8 @@ class _Search:
 
     def _increment(self, start: Start, factor: float) -> LoadState:
         self.n_increments += 1
-        if self._scale is not None:
-            return self._scale.scaled_to(factor)
         with timed(self._seconds, "contact"):
-            state = increment(self._configuration, start, factor)
-        if self._configuration.proportional and start is self._start and factor > 0.0 and not state.via:
-            self._scale = state
-        return state
+            return increment(self._configuration, start, factor)
 
     def _evaluated(self, state: LoadState) -> _Trial:
         """The trial of a state."""

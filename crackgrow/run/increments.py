@@ -31,8 +31,7 @@ from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
-from crackgrow.run.configuration import SIGNS, Configuration, Excavated
-from crackgrow.run.load_level import LoadLevel
+from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
@@ -95,23 +94,6 @@ class LoadState:
     def along_surfaces(self) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
         """Contact points and samples of all surfaces."""
         return along_surfaces(self.configuration, self.outcome)
-
-    def scaled_to(self, factor: float) -> LoadState:
-        """The state under another load factor, where states are in proportion to it."""
-        share = factor / self.factor
-        energy = self.energy
-        work, strain, dissipated, released = (
-            share**2 * part for part in (energy.work, energy.strain, energy.dissipated, energy.released)
-        )
-        return replace(
-            self,
-            level=self.level._replace(factor=factor),
-            states=self.states.scaled(share),
-            energy=Energy(work, strain, dissipated, released, energy.error),
-            round_off=share**2 * self.round_off,
-            conjugates=share * self.conjugates,
-            formed=self.outcome.scaled(share),
-        )
 
     def light(self) -> LoadState:
         """The state without what its contact was found by, which is large."""

@@ -18,8 +18,7 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import SLIP, ContactMemory
 from crackgrow.contact.solve import PointStates
-from crackgrow.run.configuration import Configuration
-from crackgrow.run.load_level import LoadLevel
+from crackgrow.run.configuration import Configuration, LoadLevel
 
 SHARES = (1.0, 1e-3, 1e-6, 1e-8)
 """Of the rest of the way, the increments that are looked at for the branches of the next piece.

@@ -17,10 +17,9 @@ import numpy as np
 from crackgrow.case.model import CoulombContact
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.configuration import Configuration, LoadLevel, assemble
 from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import LoadState, held_loads, increment
-from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import history_of

@@ -71,12 +71,12 @@ def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[floa
     stress = max(tip.verdict.sigma_1 for tip in at_one.tips)
     assert found.state.factor == pytest.approx(0.5e6 / stress, rel=1e-9)
     assert criticality(found) == pytest.approx(1.0, abs=1e-9)
-    assert len(factors) == 1
+    assert len(factors) == 2
     for guess in (1e-3, 0.7, 40.0, found.state.factor):
         factors.clear()
         again = critical_load.critically_loaded(configuration, guess)
         assert again.state.factor == pytest.approx(found.state.factor, rel=1e-9)
-        assert len(factors) == 1
+        assert len(factors) <= 2
 
 
 CLOSED = ("cracks.flaw.contact.friction=0.3", "growth.criterion=directional_strength")
@@ -103,12 +103,13 @@ def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criteri
 
 
 @pytest.mark.parametrize("dilation", [0.0, 5.0])
-def test_where_only_loads_have_a_size_states_are_in_proportion_to_them(dilation: float, factors: list[float]) -> None:
+def test_where_only_loads_have_a_size_the_way_to_the_critical_one_does_not_matter(
+    dilation: float, factors: list[float]
+) -> None:
     settings = (f"cracks.flaw.contact.dilation_angle={dilation}",)
     configuration = ready(case_of("compression30", *CLOSED, *settings))
-    assert configuration.proportional
     found = critical_load.critically_loaded(configuration, 0.07).state
-    assert factors == [0.07]
+    assert len(factors) <= 3
     alone = increment(configuration, held_loads(configuration), found.factor)
     for of in ("outcome.u", "outcome.multipliers", "outcome.points.normal", "outcome.points.tangential",
                "outcome.points.slip", "outcome.memory.slip", "conjugates", "states.tractions"):  # fmt: skip
@@ -124,15 +125,6 @@ def test_where_only_loads_have_a_size_states_are_in_proportion_to_them(dilation:
     assert complementarity_residual(one.problem, found.states.solution.unknowns) < 1e-9
     later = increment(configuration, from_state(found), 1.1 * found.factor)
     assert later.energy.error < 1e-9
-
-
-@pytest.mark.parametrize(
-    "sized",
-    ["cracks.flaw.contact.cohesion=0.1", "cracks.flaw.contact.residual_friction=0.1", "loads.0.held=true"],
-)
-def test_what_has_a_size_of_its_own_takes_the_proportion_away(sized: str) -> None:
-    configuration = ready(case_of("compression30", *CLOSED, sized))
-    assert not configuration.proportional
 
 
 SHEAR = {"right": [0, 6], "left": [0, -6], "top": [6, 0], "bottom": [-6, 0]}

@@ -16,10 +16,9 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
-from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.configuration import Configuration, LoadLevel, assemble
 from crackgrow.run.evaluation import evaluated
 from crackgrow.run.increments import INCREMENTS, LoadState, from_state, held_loads, increment, mapped, unloaded
-from crackgrow.run.load_level import LoadLevel
 from crackgrow.run.scene import Scene, make_scene
 from tests.scenes import shipped_case
 from tests.solving import solve_step
