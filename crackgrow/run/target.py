@@ -126,7 +126,9 @@ def quantities(solution: StepSolution, own_factor: float) -> Quantities:
     """What a solution says of all that errors are stated of."""
     state, tips = solution.state, solution.tips
     intensities = [tip.intensity for tip in tips]
-    forces = np.array([reaction.force for reaction in reactions(state)]).reshape(-1, 2)
+    of_volumes = -state.outcome.multipliers[state.configuration.held.load >= 0]  # pressure times the length wetted
+    forces = np.array([*(reaction.force for reaction in reactions(state)), *((f, 0.0) for f in of_volumes)])
+    forces = forces.reshape(-1, 2)
     loads = state.configuration.loads(state.level)
     moves = [not _sticks(state, tip.crack) for tip in state.cover.tips]
     length = max((float(arc_lengths(line)[-1]) for line in _lines(solution)), default=0.0)
