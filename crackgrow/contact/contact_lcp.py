@@ -44,9 +44,9 @@ def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     lcp = _contact_lcp(problem)
     result = lemke(lcp.M, lcp.q, lcp.d)
     p, du = _tractions(problem, lcp.size * result.z / lcp.root, lcp.size * lcp.root * result.w)
-    active = active_set(problem, p, du)
-    x, polished = np.append(p, _motion(problem, p, du)), solve_active(problem, active)
-    residual, polished_residual = (complementarity_residual(problem, unknowns) for unknowns in (x, polished))
+    active, (lying, unknowns) = active_set(problem, p, du), problem.settled()
+    x, polished = np.append(p, _motion(problem, p, du)), unknowns(solve_active(lying, active))
+    residual, polished_residual = (complementarity_residual(problem, each) for each in (x, polished))
     if polished_residual <= residual:
         x, residual = polished, polished_residual
     held = residual <= SOLVED_RESIDUAL  # of large problems round-off makes a ray where the law holds
