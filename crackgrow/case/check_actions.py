@@ -205,6 +205,11 @@ def check_loads(scene: Scene) -> Faults:
         if set(load.get("interface", ())) in bonded:
             why = "no fluid gets between faces that never part; give it a law of contact"
             yield (*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}"
+        others = [other for number, other in scene.listed("loads") if number < index and "crack" in other]
+        same = [other for other in others if other["crack"] == load.get("crack")]
+        if any("volume" in each for each in (*same, load)) and same:
+            why = "the volume of a fluid gives its pressure, so it is the only fluid there"
+            yield (*key, "crack"), f"crack '{load['crack']}' has a fluid already; {why}"
         if places is not None:
             for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
                 yield from _without_value(scene, (*key, kind), load[kind], places)

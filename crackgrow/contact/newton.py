@@ -39,9 +39,8 @@ def solve_by_newton(
     """Tractions of the contact problem; status "solved", or "limit" with the last ones found.
 
     `start` (2 n + l,) are unknowns to start from; None: all points stick. `near` are equations that may be close. An
-    iteration is one linear solve, where few
-    points leave their branches by an update of the factors. Where an active set comes back the solution is looked for
-    from others that are near (`_by_proximal_points`).
+    iteration is one linear solve, where few points leave their branches by an update of the factors. Where an active
+    set comes back the solution is looked for from others that are near (`_by_proximal_points`).
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.

@@ -36,7 +36,7 @@ from crackgrow.run.surface_laws import SurfaceLaw, laws_at_points
 from crackgrow.solid.dependent import with_dependent_held
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import boxes_of_functions
-from crackgrow.solid.rigid_modes import check_held, free_motions
+from crackgrow.solid.rigid_modes import check_held, check_not_seen, free_motions
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import Constraints
 
@@ -320,8 +320,10 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         check_magnitude("prescribed displacements", held.given, LARGEST, "m")
         bodies = [g.crack.body for g in growing]
         scaled, constant = _loads(scene, cover, bodies)
-        free = free_motions(cover, held.matrix)
+        volumes = held.load >= 0
+        free = free_motions(cover, csr_array(held.matrix[~volumes]))
         check_held(free, _patches_at(cover, faces))
+        check_not_seen(free, csr_array(held.matrix[volumes]))
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)

@@ -156,7 +156,7 @@ class Scene:
 
     def _with_fluids_beyond(self, growing: Sequence[GrowingCrack]) -> tuple[model.Load, ...]:
         """The loads with each fluid in the cracks that it reaches: what starts on its crack, and where it is connected
-        what touches. Cracks with a fluid of their own keep that.
+        what touches. Cracks with a fluid of their own keep that, and those that two fluids reach have the first.
         """
         loads = self.case.loads
         fluids = [load for load in loads if isinstance(load, model.FluidPressure | model.FluidVolume)]
@@ -180,7 +180,9 @@ class Scene:
                 for one, other in (*started, *(touching if load.connected else ())):
                     if one == number and other not in own and other not in filled:
                         filled.append(other)
-            found[id(load)] = replace(load, beyond=tuple(names[number] for number in filled if number not in own))
+            beyond = [number for number in filled if number not in own]
+            found[id(load)] = replace(load, beyond=tuple(names[number] for number in beyond))
+            own.update(beyond)
         return tuple(found.get(id(load), load) for load in loads)
 
     def with_grading(self, grading: Grading) -> Scene:

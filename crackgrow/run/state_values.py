@@ -105,8 +105,11 @@ def reactions(state: LoadState) -> tuple[Reaction, ...]:
     Those of rock that is gone are zero.
     """
     at_start = state.scene.at_start
-    loads = enumerate(state.scene.case.loads)
-    volumes = [(f"loads.{n}", volume_pressure(state, n)) for n, load in loads if isinstance(load, FluidVolume)]
+    at, here = (  # excavation takes out loads, but no cracks
+        [number for number, load in enumerate(scene.case.loads) if isinstance(load, FluidVolume)]
+        for scene in (at_start, state.scene)
+    )
+    volumes = [(f"loads.{n}", volume_pressure(state, number)) for n, number in zip(at, here, strict=True)]
     return (
         *_of_supports(state),
         *_on_surfaces(state, (*at_start.interfaces, *at_start.foundations)),

@@ -65,6 +65,7 @@ def step_warnings(
         *_unstable(solution),
         *_large_displacements(solution, faces),
         *dry_joints(solution.scene, solution.cover),
+        *_suction(solution),
         *_on_points(solution),
     ]
     return tuple(sorted(found, key=lambda warning: warning.rank))
@@ -245,6 +246,14 @@ def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) ->
     size, what = max(found)
     if size > WarningCause.NOT_SMALL.limit:
         yield WarningCause.NOT_SMALL.at(size=size, what=what.format(f"{100.0 * size:.2g} %"))
+
+
+def _suction(solution: StepSolution) -> Iterator[StepWarning]:
+    """Volumes of fluid that would pull at the faces."""
+    state, cause = solution.state, WarningCause.SUCTION
+    for reaction in reactions(state):
+        if reaction.pressure < -cause.limit * mean_stress(state):  # no volume: nan
+            yield cause.at(reaction.where, -reaction.pressure)
 
 
 def _on_points(solution: StepSolution) -> Iterator[StepWarning]:

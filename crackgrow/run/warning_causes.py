@@ -18,6 +18,7 @@ class WarningCause(Enum):
     UNBALANCED = auto()
     FREE_EDGES = auto()
     DRY = auto()
+    SUCTION = auto()
     POINT_FORCE = auto()
     CONTRADICTION = auto()
     RESIDUAL = auto()

@@ -181,6 +181,15 @@ def check_held(motions: RigidMotions, touching: Ints) -> None:
         raise FreePieceError(f"{piece} is free to move: {piece.motion}", "it needs supports of its own")
 
 
+def check_not_seen(motions: RigidMotions, volumes: csr_array) -> None:
+    """Raise FreePieceError for a free piece that moves against a volume of fluid: rows (k, n_dofs) of mean openings."""
+    seen = np.abs(motions.seen_by(volumes)).max(axis=0, initial=0.0) > HOLDS_NOTHING
+    for piece in motions.pieces:
+        own = motions.free[:, 3 * piece.number : 3 * piece.number + 3]
+        if np.abs(own[seen]).max(initial=0.0) > HOLDS_NOTHING:
+            raise FreePieceError(f"{piece} is held by a volume of fluid", "it needs supports of its own, or a pressure")
+
+
 def all_pieces(cover: Cover) -> list[Ints]:
     """Physical patches of each piece of rock that no way inside the rock joins to the others."""
     return _pieces(cover)[0]

@@ -9,6 +9,7 @@ import pytest
 
 import crackgrow
 from crackgrow.case.model import Case
+from crackgrow.errors import CaseError, SolveError
 from tests.scenes import specimen
 
 JOINT = {"path": [[-10, -8], [10, -8]], "contact": {"friction": 0.3}}
@@ -69,3 +70,41 @@ def test_a_fluid_enters_the_joint_that_its_crack_grows_into(connected: bool) -> 
     opening = [max(side.opening.max() for side in step.faces if side.crack == "joint") for step in steps]
     assert opening[0] < 1e-6
     assert (opening[-1] > 5e-6) == connected
+
+
+def test_a_volume_is_the_only_fluid_of_its_crack() -> None:
+    case = tee({"volume": 0.2}).to_dict()
+    for other in ({"volume": "1 mm^2"}, {"pressure": "1 MPa"}):
+        with pytest.raises(CaseError, match=r"loads\.2\.crack: crack 'flaw' has a fluid already"):
+            Case.from_dict({**case, "loads": [*case["loads"], {"crack": "flaw", **other}]})
+
+
+def test_the_first_of_two_fluids_that_reach_a_joint_fills_it() -> None:
+    """Two cracks on one joint, all under the same pressure: it is not counted twice."""
+    other = {**FLAW, "path": [[4, -8], [4, -16]]}
+    scene = specimen({"joint": JOINT, "flaw": FLAW, "other": other}, (60.0, 60.0), numerics={"spacing": 2})
+
+    def K(*loads: dict[str, Any]) -> np.ndarray:
+        return K_of(Case.from_dict({**scene, "supports": "minimal", "loads": [PRESSED, *loads]}))
+
+    fluid = {"pressure": 5, "connected": True}
+    connected = K({"crack": "flaw", **fluid}, {"crack": "other", **fluid})
+    given = K(*({"crack": name, "pressure": 5} for name in ("flaw", "other", "joint")))
+    np.testing.assert_allclose(connected, given, atol=1e-9 * np.abs(given).max())
+
+
+def test_a_fluid_that_would_pull_is_told() -> None:
+    """Faces that are pulled apart farther than the volume lets them."""
+    scene = specimen({"flaw": {"path": [[-6, 0], [6, 0]], "contact": "none"}}, (60.0, 60.0), numerics={"spacing": 3})
+    pulled = {**scene, "loads": [*scene["loads"], {"crack": "flaw", "volume": 1e-6}]}
+    assert any("would pull" in text for text in crackgrow.solve(Case.from_dict(pulled)).result.warnings)
+
+
+def test_a_volume_beside_a_loose_piece_is_refused() -> None:
+    """A crack from edge to edge: what lies beyond it is held by contact alone, and moves against the fluid."""
+    cracks = {"through": {"path": [[-30, 0], [30, 0]], "contact": {"friction": 0.5}, "tips": "none"}}
+    scene = specimen(cracks, (60.0, 60.0), numerics={"spacing": 5})
+    held = [{"on": {"edge": "bottom"}, "displacement": {"x": 0, "y": 0}}]
+    loads = [{"on": {"edge": "top"}, "traction": [0, -2]}, {"crack": "through", "volume": 0.1}]
+    with pytest.raises(SolveError, match="is held by a volume of fluid; it needs supports"):
+        crackgrow.solve(Case.from_dict({**scene, "supports": held, "loads": loads}))
