@@ -16,6 +16,7 @@ MAX_COPIES = 100_000  # of values that stand for aliases
 
 _CORE = "tag:yaml.org,2002:"
 NO_TAG = ""
+UNKNOWN = "alias without an anchor"
 _SCALAR_TAGS = {NO_TAG, "int", "float", "bool", "null"}
 
 
@@ -141,8 +142,6 @@ def _in_words(error: yaml.MarkedYAMLError, text: str) -> str:
         return f"{told}: indent with spaces, not with a tab"
     if problem.startswith("mapping values are not allowed"):
         return f"{told}: a text with ': ' in it stands in quotes, and keys of one mapping stand in one column"
-    if problem.startswith("found undefined alias"):
-        return f"{told}: no value before it has this anchor"
     if problem.startswith("but found another document"):
         return f"{told}: a case file holds one"
     if (error.context or "").startswith("while parsing a flow"):
@@ -164,6 +163,17 @@ class _Loader(yaml.SafeLoader):
         if kind is yaml.ScalarNode and implicit[0]:
             return NO_TAG
         return str(super().resolve(kind, value, implicit))  # type: ignore[no-untyped-call]
+
+    def compose_node(self, parent: yaml.Node | None, index: Any) -> Any:
+        """Compose a node. An alias without an anchor is one with a tag of its own; an anchor may be given anew."""
+        event: Any = self.peek_event()  # type: ignore[no-untyped-call]
+        if isinstance(event, yaml.AliasEvent) and event.anchor not in self.anchors:
+            self.get_event()  # type: ignore[no-untyped-call]
+            begin: Any = event.start_mark
+            return yaml.ScalarNode(UNKNOWN, event.anchor or "", begin)
+        if isinstance(event, yaml.NodeEvent) and not isinstance(event, yaml.AliasEvent) and event.anchor:
+            self.anchors.pop(event.anchor, None)
+        return super().compose_node(parent, index)
 
 
 class _Builder:
@@ -211,6 +221,10 @@ class _Builder:
         return Listing([self.node(its, (*path, k), depth + 1) for k, its in enumerate(given.value)], place)
 
     def scalar(self, given: yaml.ScalarNode, path: Path, place: Place) -> Node:
+        if given.tag == UNKNOWN:
+            name = clean(given.value)
+            self.report.fault(path, f"alias *{name}: no value before it has the anchor &{name}", place)
+            return Broken(place)
         plain = given.tag != _CORE + "str"
         if plain and given.tag.removeprefix(_CORE) not in _SCALAR_TAGS:
             return self.refused_tag(given.tag, path, place)

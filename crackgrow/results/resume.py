@@ -41,7 +41,7 @@ from crackgrow.results.tables import lines_before
 from crackgrow.results.units import cut
 from crackgrow.run.result import Checkpoint
 
-FORMAT: Final = 10
+FORMAT: Final = 11
 KEYS: Final = {"format", "program", "case", "step", "run", "results"}  # of the header
 FLUSHED_EVERY: Final = 1.0  # s: so often a checkpoint is flushed to the disk, which can take longer than a small step
 

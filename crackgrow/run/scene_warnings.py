@@ -129,7 +129,7 @@ def _of_growth(scene: Scene) -> Iterator[StepWarning]:
         strength = scene.case.bodies[body].strength
         length = None if strength is None or growth.criterion in BY_K else shear_radius(growth, strength)
         share = 0.0 if length is None else length / line_length(crack.points)
-        if length is not None and share > cause.limit:
+        if length is not None and share > cause.limit and (crack.tip_at_start or crack.tip_at_end):
             percent = 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))
             yield cause.at(crack.surface.words, share, radius=Metres(length), percent=percent)
     at, cause = growth.initiation.at, WarningCause.SHORT_START

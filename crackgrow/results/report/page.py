@@ -20,6 +20,7 @@ from jinja2 import Environment
 
 from crackgrow.case.model import Case
 from crackgrow.results.atomic import write_text
+from crackgrow.results.declarations import LOADER
 from crackgrow.results.drawing import scene_svg, step_colour
 from crackgrow.results.folder import PICTURE, REPORT, FolderError, RunFolder, TextTable, open_run, own_files
 from crackgrow.results.log import load_words
@@ -112,7 +113,7 @@ def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
 
 def described_actions(run: RunFolder) -> list[tuple[str, str]]:
     """What holds and what loads the specimen, in words: name, and what case.yaml says of it, in SI."""
-    told, rows = yaml.safe_load(run.case_text), []
+    told, rows = yaml.load(run.case_text, LOADER), []
     for kind in ("supports", "loads"):
         for number, item in enumerate(told[kind]):
             text = json.dumps(item, ensure_ascii=False)[1:-1].replace('"', "")

@@ -59,7 +59,7 @@ DEEP = b"".join(b"a%d: &a%d [*a%d]\n" % (n, n, n - 1) for n in range(1, 60))
         (b"%YAML 9.9\n---\na: 1\n", 1, "not valid YAML"),
         (b"plain words\n", 1, "holds no mapping"),
         (b"- a\n- b\n", 1, "holds no mapping"),
-        (b"*me\n", 1, "undefined alias 'me': no value before it has this anchor"),
+        (b"*me\n", 1, "alias *me: no value before it has the anchor &me"),
         (b"!!python/object/apply:os.system ['exit 3']\n", 1, "is not allowed"),
         (b"\n" + b"[" * 100_000, 2, "nested deeper than"),
         (b"\n" + b"{a: " * 100_000, 2, "nested deeper than"),
