@@ -205,9 +205,12 @@ def check_loads(scene: Scene) -> Faults:
         if set(load.get("interface", ())) in bonded:
             why = "no fluid gets between faces that never part; give it a law of contact"
             yield (*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}"
-        others = [other for number, other in scene.listed("loads") if number < index and "crack" in other]
-        same = [other for other in others if other["crack"] == load.get("crack")]
-        if any("volume" in each for each in (*same, load)) and same:
+        same = [
+            its
+            for n, its in scene.listed("loads")
+            if n <= index and "crack" in load and its.get("crack") == load["crack"]
+        ]
+        if len(same) > 1 and any("volume" in its for its in same):
             why = "the volume of a fluid gives its pressure, so it is the only fluid there"
             yield (*key, "crack"), f"crack '{load['crack']}' has a fluid already; {why}"
         if places is not None:

@@ -12,15 +12,8 @@ from crackgrow.case.shapes import Resolved
 KEY = ("loading", "stages")
 UNLOAD = ("growth", "unload_between_steps")
 
-LOADS = (
-    "traction",
-    "far_field",
-    "gravity",
-    "pressure",
-    "volume",
-    "stress",
-    "force",
-)  # the key that holds the size of a load
+LOADS = ("traction", "far_field", "gravity", "pressure", "volume", "stress", "force")
+"""The key that holds the size of a load."""
 
 
 def check_loading(scene: Scene) -> Faults:

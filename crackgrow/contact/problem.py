@@ -186,9 +186,7 @@ class ContactSolution:
     iterations: int  # linear solves of Newton, pivots of Lemke
     state: Ints  # (n,) OPEN, STICK or SLIP
     motion: Floats = field(default_factory=lambda: np.zeros(0))  # (l,) amplitudes of the rigid motions
-    equations: ActiveEquations | None = (
-        None  # that were factorized last, of Newton: a problem that is close needs few more
-    )
+    equations: ActiveEquations | None = None  # that Newton factorized last; a problem that is close needs few more
 
     @property
     def unknowns(self) -> Floats:

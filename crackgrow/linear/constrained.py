@@ -46,12 +46,12 @@ class ConstrainedSystem:
         self._share = abs(constraints)
         self._compliance = np.zeros(constraints.shape[0]) if compliance is None else compliance
         self._n_rigid = int(np.sum(self._compliance == 0.0))
-        self._factorization = Factorization(stiffness, constraints[: self._n_rigid], boxes)
-        self._compliant = csr_array(constraints[self._n_rigid :])
-        self._alone = self._factorization.solve(
-            self._compliant.T.toarray(), np.zeros((self._n_rigid, self._compliant.shape[0]))
-        )
-        self._stiff = np.linalg.inv(self._compliant @ self._alone[0] + np.diag(self._compliance[self._n_rigid :]))
+        self._factorization = Factorization(stiffness, csr_array(constraints[: self._n_rigid]), boxes)
+        self._stiff = np.zeros((0, 0))
+        if n_compliant := constraints.shape[0] - self._n_rigid:
+            self._compliant = csr_array(constraints[self._n_rigid :])
+            self._alone = self._factorization.solve(self._compliant.T.toarray(), np.zeros((self._n_rigid, n_compliant)))
+            self._stiff = np.linalg.inv(self._compliant @ self._alone[0] + np.diag(self._compliance[self._n_rigid :]))
 
     def release(self) -> None:
         """Let go of the factors: nothing is solved any more."""

@@ -323,7 +323,8 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         volumes = held.load >= 0
         free = free_motions(cover, csr_array(held.matrix[~volumes]))
         check_held(free, _patches_at(cover, faces))
-        check_not_seen(free, csr_array(held.matrix[volumes]))
+        if volumes.any():
+            check_not_seen(free, csr_array(held.matrix[volumes]))
     with timed(seconds, "factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)

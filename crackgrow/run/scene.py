@@ -160,7 +160,7 @@ class Scene:
         """
         loads = self.case.loads
         fluids = [load for load in loads if isinstance(load, model.FluidPressure | model.FluidVolume)]
-        if not any(load.connected for load in fluids) and len(growing) == len(self.case.cracks):
+        if not fluids or not (any(load.connected for load in fluids) or len(growing) > len(self.case.cracks)):
             return loads
         parted = [
             line

@@ -39,7 +39,7 @@ MOST_NAMED = 6
 LEAST_SUPPORT = 2.0
 """Half width of a patch, in spacings, below which rock that hardly changes its volume locks."""
 
-Fluid = model.FluidPressure | model.FluidVolume | model.EdgePressure
+FluidLoad = model.FluidPressure | model.FluidVolume | model.EdgePressure
 
 
 def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
@@ -228,12 +228,12 @@ def dry_joints(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
 
     The fluid is in another surface, or on an edge that the dry one ends on.
     """
-    fluids = [load for load in scene.case.loads if isinstance(load, Fluid)]
+    fluids = [load for load in scene.case.loads if isinstance(load, FluidLoad)]
     if not fluids:
         return
     surfaces = zip((*cover.cracks, *scene.interfaces), scene.laws, strict=False)
     lines = [(line.name, shapely.LineString(line.points)) for line, law in surfaces if not law.bonded]
-    wet: list[tuple[str, Fluid, shapely.Geometry]] = []
+    wet: list[tuple[str, FluidLoad, shapely.Geometry]] = []
     for load in fluids:
         if isinstance(load, model.Fluid):
             wet += [(name.words, load, line) for name, line in lines if load.fills(name)]
@@ -250,7 +250,7 @@ def dry_joints(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
                 yield WarningCause.DRY.at(f"{name.words} at {words}", dry=name.words, fluid=words)
 
 
-def _presses(scene: Scene, load: Fluid, fluid: shapely.Geometry, dry: shapely.Geometry) -> bool:
+def _presses(scene: Scene, load: FluidLoad, fluid: shapely.Geometry, dry: shapely.Geometry) -> bool:
     """Whether a fluid presses where something dry meets it, beside round-off of what it does elsewhere."""
     if isinstance(load, model.FluidVolume):
         return True

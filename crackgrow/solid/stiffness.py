@@ -50,6 +50,7 @@ def _pattern(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
         for f in function[at[e] : at[e + 1]]:
             held[held_start[f + 1]] = e
             held_start[f + 1] += 1
+    # room for some columns a row; more is made where it is short
     start, column, met = np.zeros(n + 1, np.int64), np.empty(32 * n, np.int64), np.full(n, -1)
     for row in range(n):
         end = start[row]
