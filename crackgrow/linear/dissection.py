@@ -5,6 +5,9 @@ boxes on its two sides into two parts that are not coupled; those that it crosse
 lines along ends of boxes it is that with the least (n_cut + FREE)^2 n / (n_left n_right): many on both of its sides,
 few between them, for the work of a front grows faster than it does. Where boxes are of several sizes the middle of the
 plane would cross what is small and many.
+
+Functions on the two sides of a crack are not coupled, though their boxes overlap. Where a line and the cracks together
+leave a part in several pieces, each is a part of its own, at no cost: as one they would fill each other's rows.
 """
 
 from __future__ import annotations
@@ -21,26 +24,28 @@ FREE = 10
 """Functions: to cut fewer saves nothing any more."""
 
 
-def dissected(low: Ints, high: Ints) -> tuple[Ints, Ints, Ints]:
+def dissected(low: Ints, high: Ints, start: Ints, column: Ints) -> tuple[Ints, Ints, Ints]:
     """The part (n,) of each box from `low` to `high` (n, 2), the parent (parts,) of each part, and an order (n,).
 
+    `column` (q,), row by row from `start` (n + 1,) on, are those that each is coupled to, before it and itself.
     Children come before parents, the last part has no parent (-1). The order goes along the plane, whatever the parts.
     """
     ends = np.stack([low[:, 0], low[:, 1], high[:, 0], high[:, 1]])
     orders = np.argsort(ends, axis=1, kind="stable")
     along = np.lexsort((low[:, 1], low[:, 0]))
-    part, parent = _cut(ends, orders)
+    part, parent = _cut(ends, orders, start, column)
     return part, parent, along
 
 
 @kernel
-def _cut(ends: Ints, orders: Ints) -> tuple[Ints, Ints]:
+def _cut(ends: Ints, orders: Ints, start: Ints, column: Ints) -> tuple[Ints, Ints]:
     """Parts as of `dissected`, of boxes with `ends` (4, n), low x and y, high x and y, in the order of each (4, n)."""
     n = ends.shape[1]
-    side, kept = np.zeros(n, np.int64), np.empty(n, np.int64)
-    begin, end, parent = [0], [n], [-1]
+    side, kept, above = np.zeros(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
+    begin, end, parent = [0], [0], [-1]  # the last part, for what is in several pieces from the beginning
     part = np.zeros(n, np.int64)
-    current = 0
+    _add_pieces(orders, 0, n, 0, (start, column), (side, above, kept), (begin, end, parent))
+    current = 1
     while current < len(begin):  # parts that are cut later have larger numbers; they are turned round at the end
         a, b = begin[current], end[current]
         axis, at = 0, 0
@@ -61,6 +66,8 @@ def _cut(ends: Ints, orders: Ints) -> tuple[Ints, Ints]:
                     cost = (b - a - left - right + FREE) ** 2 * (b - a) / (left * right)
                     if cost < best:
                         best, axis, at = cost, across, line
+        for k in range(a, b):
+            part[orders[0, k]] = current
         if best < np.inf:
             left, right = 0, 0
             for k in range(a, b):
@@ -68,26 +75,10 @@ def _cut(ends: Ints, orders: Ints) -> tuple[Ints, Ints]:
                 side[i] = 0 if ends[2 + axis, i] <= at else 1 if ends[axis, i] >= at else 2
                 left += side[i] == 0
                 right += side[i] == 1
-                if side[i] == 2:
-                    part[i] = current
             for row in orders:
-                kept[a:b] = row[a:b]
-                p, q = a, a + left
-                for k in range(a, b):
-                    i = kept[k]
-                    if side[i] == 0:
-                        row[p] = i
-                        p += 1
-                    elif side[i] == 1:
-                        row[q] = i
-                        q += 1
+                _sort(row, a, b, side, np.array([a, a + left, a + left + right]), kept)
             for first, last in ((a, a + left), (a + left, a + left + right)):
-                begin.append(first)
-                end.append(last)
-                parent.append(current)
-        else:
-            for k in range(a, b):
-                part[orders[0, k]] = current
+                _add_pieces(orders, first, last, current, (start, column), (side, above, kept), (begin, end, parent))
         current += 1
     # numbered so that a subtree is in one piece, children before parents
     size = np.ones(current, np.int64)
@@ -97,11 +88,81 @@ def _cut(ends: Ints, orders: Ints) -> tuple[Ints, Ints]:
     number[0], free[0] = current - 1, 0
     up = np.full(current, -1)
     for p in range(1, current):
-        above = parent[p]
-        free[p] = free[above]
-        free[above] += size[p]
+        over = parent[p]
+        free[p] = free[over]
+        free[over] += size[p]
         number[p] = free[p] + size[p] - 1
-        up[number[p]] = number[above]
+        up[number[p]] = number[over]
     for i in range(n):
         part[i] = number[part[i]]
     return part, up
+
+
+@kernel
+def _add_pieces(
+    orders: Ints,
+    a: int,
+    b: int,
+    current: int,
+    couplings: tuple[Ints, Ints],
+    work: tuple[Ints, Ints, Ints],
+    parts: tuple[list[int], list[int], list[int]],
+) -> None:
+    """Add the pieces that the functions at the places a to b hang together in as parts, with the parent `current`.
+
+    Small pieces are one part as long as it is not cut. In `orders` (4, n) those of a part come to lie together.
+    """
+    (start, column), (side, above, kept), (begin, end, parent) = couplings, work, parts
+    for i in orders[0, a:b]:
+        side[i], above[i], kept[i] = -1, i, -1
+    for i in orders[0, a:b]:  # what is coupled gets the same first one (Tarjan 1975)
+        for j in column[start[i] : start[i + 1] - 1]:
+            if side[j] == -1:
+                one, other = _first(above, i), _first(above, j)
+                above[max(one, other)] = min(one, other)
+    size, n = np.zeros(b - a, np.int64), 0
+    for i in orders[0, a:b]:
+        first = _first(above, i)
+        if kept[first] < 0:
+            kept[first] = n
+            n += 1
+        size[kept[first]] += 1
+    of_piece, place, small, m = np.empty(n, np.int64), np.empty(n, np.int64), -1, 0
+    at = np.zeros(n + 1, np.int64)
+    for piece in range(n):
+        joins = size[piece] <= LEAF and small >= 0 and at[small] + size[piece] <= LEAF
+        of_piece[piece] = small if joins else m
+        at[of_piece[piece]] += size[piece]
+        if not joins:
+            small = m if size[piece] <= LEAF else small
+            m += 1
+    for i in orders[0, a:b]:
+        side[i] = of_piece[kept[_first(above, i)]]
+    last = a
+    for p in range(m):
+        begin.append(last)
+        end.append(last + at[p])
+        parent.append(current)
+        last, place[p] = last + at[p], last
+    if m > 1:
+        for row in orders:
+            _sort(row, a, b, side, place.copy(), kept)
+
+
+@kernel
+def _first(above: Ints, i: int) -> int:
+    """Find the one that stands for the piece of i; what is passed is set to what stood above it."""
+    while above[i] != i:
+        above[i] = above[above[i]]
+        i = above[i]
+    return i
+
+
+@kernel
+def _sort(row: Ints, a: int, b: int, side: Ints, place: Ints, kept: Ints) -> None:
+    """Sort the numbers at the places a to b of `row` by `side`, whose values begin at `place`; the sort is stable."""
+    kept[a:b] = row[a:b]
+    for k in range(a, b):
+        i = kept[k]
+        row[place[side[i]]] = i
+        place[side[i]] += 1

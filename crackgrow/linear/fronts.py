@@ -57,7 +57,7 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
     overlap.
     """
     n, m = matrix.n_functions, constraints.shape[0]
-    part, parent, along = dissected(low, high)
+    part, parent, along = dissected(low, high, matrix.start, matrix.column)
     indptr, indices = constraints.indptr.astype(np.int64), constraints.indices.astype(np.int64)
     front = np.append(part, np.full(m, len(parent) - 1))
     begins = _together(front, parent, indptr, indices // 2)

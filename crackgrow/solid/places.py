@@ -5,31 +5,32 @@ from __future__ import annotations
 import numpy as np
 
 from crackgrow.arrays import Ints
+from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.squares import QUANTA
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
 
 
 def boxes_of_functions(cover: Cover) -> tuple[Ints, Ints]:
-    """Lower left and upper right corners (n_functions, 2) of the supports: those of patches, or of those of a tip.
+    """Lower left and upper right corners (n_functions, 2) of what functions are on, in quanta: of all their elements.
 
-    Functions of a crumb share the node next to it.
+    A function beside a crack has its box on its own side of it.
     """
-    lattice, first = cover.lattice, cover.patches.n_of_lattice
-    nodes = np.rint(QUANTA * cover.patches.nodes).astype(np.int64)
-    half = np.rint(QUANTA * cover.patches.half).astype(np.int64)[:, None]
-    for crumb, middle in enumerate(QUANTA * cover.patches.nodes[first:].reshape(-1, 3, 2).mean(axis=1)):
-        near = np.argmin(np.abs(lattice.nodes.places - middle).max(axis=1))
-        mine = slice(first + 3 * crumb, first + 3 * crumb + 3)
-        nodes[mine], half[mine] = lattice.nodes.places[near], lattice.nodes.half[near]
-    boxes = [(nodes - half, nodes + half), *(_of_tip(tip, nodes, half) for tip in cover.tips)]
-    low, high = (np.concatenate(corners) for corners in zip(*boxes, strict=True))
-    return low, high
+    rings, functions = cover.elements.rings, cover.functions_on(np.arange(cover.elements.n))
+    first = np.searchsorted(rings.face, np.arange(cover.elements.n))
+    corners = QUANTA * cover.elements.vertices[rings.start]
+    low = np.floor(np.minimum.reduceat(corners, first)).astype(np.int64)  # outwards: elements may be thin
+    high = np.ceil(np.maximum.reduceat(corners, first)).astype(np.int64)
+    least, most = _boxes(low, high, functions.start, functions.values, cover.n_dofs // 2)
+    return least, most
 
 
-def _of_tip(tip: Tip, nodes: Ints, half: Ints) -> tuple[Ints, Ints]:
-    """Corners (n, 2) of the functions of a tip, whose patches have `nodes` (patches, 2) and `half` (patches, 1)."""
-    begin = np.searchsorted(tip.carriers.number, np.arange(tip.carriers.n))
-    low = np.minimum.reduceat((nodes - half)[tip.patches], begin)
-    high = np.maximum.reduceat((nodes + half)[tip.patches], begin)
-    return np.repeat(low, N_TIP_FUNCTIONS, axis=0), np.repeat(high, N_TIP_FUNCTIONS, axis=0)
+@kernel
+def _boxes(low: Ints, high: Ints, start: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
+    """Boxes (n, 2) round those of the elements of each function; these are listed by element, from `start` on."""
+    least, most = np.full((n, 2), np.iinfo(np.int64).max), np.full((n, 2), np.iinfo(np.int64).min)
+    for e in range(len(low)):
+        for i in function[start[e] : start[e + 1]]:
+            for axis in range(2):
+                least[i, axis] = min(least[i, axis], low[e, axis])
+                most[i, axis] = max(most[i, axis], high[e, axis])
+    return least, most
