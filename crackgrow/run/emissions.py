@@ -16,7 +16,7 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.run.result import Event, EventKind
 
 Course = Mapping[tuple[str, EventKind], Event]
-"""The events of surfaces since the step began, by surface and kind, in the order in which they begin; without a step."""
+"""The events of surfaces since the step began, by surface and kind, in the order of their beginning; without a step."""
 
 NO_STEP = -1
 

@@ -26,7 +26,6 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
-from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
@@ -95,7 +94,7 @@ class LoadState:
     @cached_property
     def along_surfaces(self) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
         """Contact points and samples of all surfaces."""
-        return along_surfaces(self.configuration, self.outcome)
+        return along_surfaces(self)
 
     def light(self) -> LoadState:
         """The state without what its contact was found by, which is large."""
@@ -173,7 +172,7 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
         if surface.name not in numbers:
             continue
         mine, s = _on_old_faces(faces.points, numbers[surface.name], surface)
-        jump[mine] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
+        jump[mine] = old.jumps(state.level, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
             (elastic, old.contact.law.shear_compliance * points.tangential),

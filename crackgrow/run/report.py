@@ -140,7 +140,7 @@ def _load_displacement(solution: StepSolution) -> float:
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total
-    return float(np.abs(solution.configuration.given(solution.state.level)).max(initial=0.0))
+    return solution.configuration.farthest(solution.state.level)
 
 
 def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float) -> set[str]:
