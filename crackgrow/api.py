@@ -23,13 +23,13 @@ from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import load_words
 from crackgrow.results.summary import Tally, peak_memory_mb, summarize
-from crackgrow.results.tables import RunTables, event_rows, frame_of_results, path_rows
+from crackgrow.results.tables import Row, RunTables, end_rows, frame_of_results, path_rows
 from crackgrow.results.vtk_frames import as_pyvista
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loop import Steps, for_each, solved_steps
 from crackgrow.run.report import estimate_maker, frame_maker
-from crackgrow.run.result import CrackPath, Event, Frame, RunEnd, StepResult
+from crackgrow.run.result import CrackPath, Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
 
 if TYPE_CHECKING:
@@ -114,12 +114,12 @@ class _Tables(RunTables):
 
     def _frame(self, name: str) -> pd.DataFrame:
         cracks, events = self._at_the_end
-        more = {"paths": path_rows(cracks), "events": event_rows(events)}
+        more = {"paths": path_rows(cracks), "events": events}
         return frame_of_results(name, self.results, more.get(name, ()))
 
     @property
-    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Event]]:
-        """The cracks, and what they have met after the last of the steps."""
+    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Row]]:
+        """The cracks, and the rows of events after the last of the steps."""
         return self.results[-1].cracks, ()
 
 
@@ -231,8 +231,8 @@ class Run(_Tables):
         return summarize(self.case, tally, self.end, sum(tally.seconds.values()), peak_memory_mb())
 
     @property
-    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Event]]:
-        return self.end.cracks, self.end.events
+    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Row]]:
+        return self.end.cracks, end_rows(self.end)
 
     def solution(self, step: int) -> Solution:
         """A step with its fields, for stress and displacement at points; raises IndexError if there is no such step.

@@ -152,5 +152,6 @@ def _has_scaled(scene: Scene) -> bool:
     free = [load for load in scene.resolved["loads"] if not load.get("held", False)]
     sizes = [next(load[key] for key in LOADS if key in load) for load in free]
     sizes += [list(support.get("displacement", {}).values()) for support in scene.resolved["supports"]]
+    sizes += [support.get("moves", []) for support in scene.resolved["supports"]]
     parts = [part for size in sizes for part in (size if isinstance(size, list) else [size])]
     return any(isinstance(part, str) or part != 0.0 for part in parts)

@@ -192,10 +192,11 @@ class EdgeSupport(Drawn):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactSupport(Drawn):
-    """A rigid foundation under an edge, which the body can lift off from."""
+    """A rigid foundation under an edge, which the body can lift off from; or a platen that moves."""
 
     region: EdgeRegion
     contact: CoulombContact
+    moves: tuple[float, float] = (0.0, 0.0)  # m, at load factor 1
 
     @property
     def surface(self) -> SurfaceName:

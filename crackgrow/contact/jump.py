@@ -29,6 +29,13 @@ def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, F
     return jump[:, 0] * nx + jump[:, 1] * ny, jump[:, 0] * ny - jump[:, 1] * nx
 
 
+def averaged(faces: ContactFaces, jumps: Floats) -> Floats:
+    """Average gaps, then slips (2 contact points,) m, of jumps (n, 2) m at the integration points."""
+    nx, ny = faces.points.normal.T
+    both = (jumps[:, 0] * nx + jumps[:, 1] * ny, jumps[:, 0] * ny - jumps[:, 1] * nx)
+    return np.concatenate([faces.functions @ (faces.lengths * along) / faces.weights for along in both])
+
+
 def contact_operators(cover: Cover, faces: ContactFaces) -> tuple[csr_array, csr_array]:
     """Matrices (contact points, n_dofs) that give the average gap and the average slip, m, of every contact point."""
     if faces.n == 0:

@@ -171,6 +171,7 @@ class Increment:
     memory: ContactMemory  # of the increment before
     pull: Floats  # (l,) N/m: what the loads do on the rigid motions
     tolerance: float  # m: less overlap is none
+    moved: Floats  # (2 n,) m: jumps that foundations take away by moving
 
     def solved(self, free: Floats, start: PointStates | None = None) -> PointStates:
         """The states of all points, with the jumps `free` (2 n,) m without tractions.
@@ -211,7 +212,7 @@ class Increment:
         while state.solution is not None:
             there = known or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
             known = None
-            more, now_off = _missing(self.contact, free, state, there[0])
+            more, now_off = _missing(self.contact, free, state, self.contact.operator @ there[0] - self.moved, there[0])
             if not now_off <= ILL_CONDITIONED and last_off == np.inf:
                 raise ill_conditioned(f"wrong by {now_off:.1g} of the jumps")
             if not now_off < last_off:
@@ -474,13 +475,15 @@ def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
     return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
 
 
-def _missing(contact: ContactSystem, free: Floats, state: PointStates, u: Floats) -> tuple[Floats, float]:
-    """Jumps (2 n,) m of the displacements `u` (n_dofs,) less those by the compliance; relative to the jumps, the most.
+def _missing(
+    contact: ContactSystem, free: Floats, state: PointStates, found: Floats, u: Floats
+) -> tuple[Floats, float]:
+    """Jumps `found` (2 n,) m of displacements less those by the compliance; relative to the jumps, the most.
 
     The compliance is good to the round-off of one elimination, the displacements are refined.
     """
     jumps = np.concatenate([state.opening, state.slip])
-    more = contact.operator @ u - jumps
+    more = found - jumps
     faint = FAINT * float((contact.operator_sizes @ np.abs(u)).max())
     off, farthest = float(np.abs(more).max()), max(float(np.abs(np.concatenate([jumps, free])).max()), faint)
     return more, off / farthest if farthest > 0.0 else 0.0

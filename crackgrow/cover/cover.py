@@ -32,6 +32,7 @@ class Foundation:
 
     name: SurfaceName
     region: EdgeRegion
+    moves: tuple[float, float] = (0.0, 0.0)  # m, at load factor 1
 
 
 @dataclass(frozen=True, eq=False)

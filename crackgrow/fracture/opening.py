@@ -92,3 +92,15 @@ def peaks_of(angles: Floats, values: Floats) -> tuple[Floats, Floats]:
     bends = (i > 0) & (i < last) & even & (curvature < 0.0)
     shift = np.divide(0.5 * (before - after), curvature, out=np.zeros(len(values)), where=bends)
     return at - 0.25 * (before - after) * shift, angles[i] + shift * (angles[i] - angles[below])
+
+
+def kinked_release(K: tuple[float, float], kink: float, young_prime: float) -> float:
+    """Energy (J/m^2) that a tip with K_I, K_II (Pa sqrt(m)) releases as it begins to grow along a kink (rad).
+
+    (k_1^2 + k_2^2) / E' of the K right behind the kink, Cotterell, Rice 1980: to first order in the kink, which is 2 %
+    low at 20 degrees and 12 % at 72. Faces that would overlap release nothing by that.
+    """
+    K_I, K_II = K
+    opens = max(float(hoop_K(K_I, K_II, kink)), 0.0)
+    shears = 0.5 * np.cos(0.5 * kink) * (K_I * np.sin(kink) + K_II * (3.0 * np.cos(kink) - 1.0))
+    return float((opens**2 + shears**2) / young_prime)

@@ -129,7 +129,11 @@ def _support_lines(case: Case) -> list[str]:
     foundations = [support for support in case.supports if isinstance(support, model.ContactSupport)]
     return [
         f"supports: {n_points} at points, {n_edges} on edges, {counted(len(foundations), 'rigid foundation')}",
-        *(f"foundation on edge {f.region.edge} of {f.region.body}: {_law(f.contact)}" for f in foundations),
+        *(
+            f"{'platen that moves' if any(f.moves) else 'foundation'} on edge {f.region.edge} of {f.region.body}: "
+            f"{_law(f.contact)}"
+            for f in foundations
+        ),
     ]
 
 

@@ -148,17 +148,25 @@ def draw_curves(folder: Path, run: RunFolder) -> None:
 
 
 def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequence[int], *, peak: bool = False) -> None:
-    """Plot charts of one line each beside each other, some points with the number of their step, a line at the peak."""
+    """Plot charts of a line each beside each other, some points with the number of their step, a line at the peak.
+
+    Other series are marks, in a legend.
+    """
     figure = Figure(figsize=(4.6 * len(charts), 4.0), dpi=DPI)
     table = figure.subplots(1, len(charts), squeeze=False)
     for axes, chart in zip(table[0], charts, strict=True):
-        (line,) = chart["series"]
+        line, *marks = chart["series"]
         x, y = (np.array(line[name], dtype=float) for name in "xy")
         axes.plot(x, y, "o-", color="tab:blue", markersize=3.5, linewidth=1.0)
         if peak:
             axes.axhline(np.nanmax(y), color="0.6", linewidth=0.6, linestyle="--")
         for place, steps in _labels(x, y, named):
             axes.annotate(", ".join(steps), place, xytext=(4, -9), textcoords="offset points", fontsize=7)
+        for mark in marks:
+            places = (np.array(mark[name], dtype=float) for name in "xy")
+            axes.plot(*places, "o", color=mark["colour"], markersize=6, fillstyle="none", label=mark["name"])
+        if marks:
+            axes.legend(fontsize=7)
         axes.margins(x=0.1)  # room for the words at the right end
         axes.locator_params(axis="x", nbins=5)
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)

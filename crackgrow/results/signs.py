@@ -91,6 +91,9 @@ class Sheet:
         line, outward = stretches[len(stretches) // 2]
         if isinstance(support, model.ContactSupport):
             words = f"rigid foundation, μ = {support.contact.friction:g}"
+            if any(support.moves):
+                middle = line.mean(axis=0)
+                self.arrow(middle - ARROW * size * _unit(support.moves), middle, GIVEN)
             self.label(line.mean(axis=0) + 0.075 * size * outward, words, LAW)
             return
         places = np.array([place for place, _ in _spread(stretches, APART * size)])

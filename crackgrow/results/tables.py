@@ -11,7 +11,7 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import GrowingFile
 from crackgrow.results.declarations import FILES, PHASES, RUN, File
-from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, StepResult
+from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, RunEnd, StepResult
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -56,8 +56,6 @@ def lines_before(path: Path, step: int) -> list[str]:
     header, *rows = path.read_text(encoding="utf-8").split("\n")[:-1]  # a last row without an end was cut off
     if path.name != "history.csv" and header.split(",") != list(HEADERS[path.stem]):
         raise ValueError(f"another header: {header}")
-    if path.name == "events.csv":
-        step -= 1  # events come with the step after theirs, to which an advance has led
     return [header, *(row for row in rows if int(row.partition(",")[0]) < step)]
 
 
@@ -124,8 +122,17 @@ def history_rows(result: StepResult) -> list[Row]:
 
 
 def event_rows(events: Iterable[Event]) -> list[Row]:
-    """Rows of events.csv: the step whose advance made the event, the place in m."""
+    """Rows of events.csv, places in m."""
     return [_row(FILES["events.csv"], (event,), _place(event.point)) for event in events]
+
+
+def end_rows(end: RunEnd) -> list[Row]:
+    """Rows of events.csv of the end of a run, the piece of rock that has come loose last."""
+    events, nowhere = list(end.events), np.full(2, np.nan)
+    if end.status == "broke_through":
+        step = max((int(crack.steps.max()) for crack in end.cracks), default=0)
+        events.append(Event(step, "loose", "", "", nowhere, end.reason))
+    return event_rows(events)
 
 
 def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
@@ -153,7 +160,7 @@ GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
     ],
     "history": history_rows,
     "steps": lambda of: [step_row(of)],
-    "events": lambda of: event_rows(of.events),
+    "events": lambda of: event_rows((*of.events, *of.emissions)),
 }
 """What a step adds to the tables that grow with the steps."""
 

@@ -158,7 +158,7 @@ class RunWriter:
         with self._lock.held():
             try:
                 self._write_paths(end.cracks)
-                self._extend("events", tables.event_rows(end.events))
+                self._extend("events", tables.end_rows(end))
                 self._log_events(end.events)
                 last, output = self._last, self.case.output
                 if last is not None and output.frames == "first_and_last" and len(self._tally.steps) > 1:

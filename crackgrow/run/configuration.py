@@ -15,9 +15,9 @@ from scipy.sparse import csr_array, vstack
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
-from crackgrow.contact.faces import ContactFaces
+from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.contact.hold import alone, check_can_hold
-from crackgrow.contact.jump import contact_operators
+from crackgrow.contact.jump import averaged, contact_operators, gap_and_slip
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
@@ -93,6 +93,7 @@ class Configuration:
     held: Constraints  # with given displacements at load factor 1
     contact: ContactSystem
     faces: ContactFaces
+    moves: Floats  # (surfaces, 2) m: how far foundations move at load factor 1
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
     seconds: dict[str, float]
 
@@ -115,6 +116,22 @@ class Configuration:
         """Given displacements (m,) m."""
         return np.asarray(self.shares(level)[2] * self.held.given)
 
+    def farthest(self, level: LoadLevel) -> float:
+        """The largest of the given displacements, of supports and of foundations, m."""
+        most = max(float(np.abs(of).max(initial=0.0)) for of in (self.held.given, self.moves))
+        return abs(float(self.shares(level)[2])) * most
+
+    def jumps(self, level: LoadLevel, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
+        """Gap and slip (n,) m at points of surfaces, of displacements `u` (n_dofs,) m under a load."""
+        moved, (nx, ny) = self.shares(level)[2] * self.moves[points.surface], points.normal.T
+        gap, slip = gap_and_slip(self.cover, points, u)
+        return gap - (moved[:, 0] * nx + moved[:, 1] * ny), slip - (moved[:, 0] * ny - moved[:, 1] * nx)
+
+    @cached_property
+    def _moved(self) -> Floats:
+        """Jumps (2 n,) m that foundations take away from contact points as they move at load factor 1."""
+        return averaged(self.faces, self.moves[self.faces.points.surface])
+
     def shares(self, level: LoadLevel) -> Floats:
         """What the scaled loads, the constant ones and given displacements (3,) are multiplied by.
 
@@ -123,7 +140,9 @@ class Configuration:
         """
         a, b = self.scene.given_parts
         shares = np.array([level.factor, level.holding, a + b * level.factor])
-        moved = self.held.given.any() and abs(shares[2]) > TAKEN_BACK * (abs(a) + abs(b * level.factor))
+        moved = (self.held.given.any() or self.moves.any()) and abs(shares[2]) > TAKEN_BACK * (
+            abs(a) + abs(b * level.factor)
+        )
         return shares if moved or self._acts(level) else np.zeros(3)
 
     def _acts(self, level: LoadLevel) -> bool:
@@ -173,8 +192,10 @@ class Configuration:
         units, share = self._units, self.shares(level)
         along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(level)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
-        length = max(length, float(np.abs(self.given(level)).max(initial=0.0)))
-        return Increment(self.contact, memory, units.pull @ share, OVERLAP * length), units.jumps @ share
+        tolerance = OVERLAP * max(length, self.farthest(level))
+        return Increment(
+            self.contact, memory, units.pull @ share, tolerance, share[2] * self._moved
+        ), units.jumps @ share
 
     def states(self, level: LoadLevel, memory: ContactMemory, near: PointStates | None = None) -> PointStates:
         """States of the contact points after an increment. Raises SolveError where there are none.
@@ -182,7 +203,7 @@ class Configuration:
         FreePieceError says which piece contact does not hold. `near` are states that may be close.
         """
         check_magnitude("loads", self.loads(level), LARGEST, "N/m")
-        check_magnitude("prescribed displacements", self.given(level), self._farthest, "m")
+        check_magnitude("prescribed displacements", np.array([self.farthest(level)]), self._farthest, "m")
         increment, free = self.increment(level, memory)
         check_magnitude("displacements", free, self._farthest, "m")
         try:
@@ -294,7 +315,9 @@ class Configuration:
         mirrored = np.outer(SIGNS, SIGNS) * conjugates.T  # the same of reciprocal rock, but for round-off
         conjugates = 0.5 * (conjugates + mirrored)
         pull = np.zeros((0, 3)) if loose is None else np.stack([loose.along(load) for load in loads.T], axis=1)
-        return _Units(self.contact.operator @ u, conjugates, pull)
+        jumps = self.contact.operator @ u
+        jumps[:, 2] -= self._moved
+        return _Units(jumps, conjugates, pull)
 
     def _without_tractions(self, shares: Floats) -> tuple[Floats, Floats]:
         """Displacements (n_dofs,) m and multipliers (m,) under such `shares` (3,) of the loads; of k states: (3, k)."""
@@ -334,7 +357,10 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     solver = case.numerics.contact.solver
     loads, given = _each_load(scaled, constant), np.outer(held.given, (0.0, 0.0, 1.0))
     contact = ContactSystem(system, *operators, weights, law, solver, loose, loads, given)
-    return Configuration(scene, growing, cover, stiff, held, contact, faces, sites, seconds)
+    moves = np.zeros((len(cover.surfaces), 2))
+    for n, foundation in enumerate(reversed(scene.foundations), 1):  # they are the last of the surfaces
+        moves[-n] = foundation.moves
+    return Configuration(scene, growing, cover, stiff, held, contact, faces, moves, sites, seconds)
 
 
 def _each_load(scaled: Floats, constant: Floats) -> Floats:

@@ -15,7 +15,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
 
@@ -26,12 +26,12 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
-from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
+from crackgrow.run.emissions import Course, Moves, released_by, told
 from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
@@ -61,6 +61,7 @@ class LoadState:
     round_off: float  # J/m, of the energies: round-off
     conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
     seconds: float  # of all increments
+    course: Course = field(default_factory=dict)  # what faces have done since the step began
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
     formed: ContactOutcome | None = None  # None: displacements are formed when they are asked for
@@ -93,7 +94,7 @@ class LoadState:
     @cached_property
     def along_surfaces(self) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
         """Contact points and samples of all surfaces."""
-        return along_surfaces(self.configuration, self.outcome)
+        return along_surfaces(self)
 
     def light(self) -> LoadState:
         """The state without what its contact was found by, which is large."""
@@ -116,6 +117,7 @@ class Start:
     conjugates: Floats
     round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
     grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
+    course: Course = field(default_factory=dict)  # what faces have done since the step began
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -145,7 +147,13 @@ def from_state(state: LoadState) -> Start:
     What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
     displacements would not be on any path of it.
     """
-    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off)
+    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off, course=state.course)
+
+
+def next_load(state: LoadState) -> Start:
+    """Go on from a state with the next load of the case, which is a step of its own unless cracks grow."""
+    start = from_state(state)
+    return start if state.scene.case.growth is not None else replace(start, course={})
 
 
 def mapped(state: LoadState, configuration: Configuration) -> Start:
@@ -164,7 +172,7 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
         if surface.name not in numbers:
             continue
         mine, s = _on_old_faces(faces.points, numbers[surface.name], surface)
-        jump[mine] = gap_and_slip(old.cover, points_at(old.cover, index, s), outcome.u)[1]
+        jump[mine] = old.jumps(state.level, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
             (elastic, old.contact.law.shear_compliance * points.tangential),
@@ -223,7 +231,7 @@ def follow(configuration: Configuration, start: Start, end: LoadLevel) -> Iterat
         else:
             state, is_jump = _part(configuration, at, end), True
         jumps = jumps + 1 if is_jump else 0
-        state = _booked(state, at) if is_jump else state
+        state = _jumped(state, at) if is_jump else state
         yield state, jumps
         at, pieces = from_state(state), pieces + 1
 
@@ -248,7 +256,8 @@ def equilibrated(state: LoadState, configuration: Configuration) -> Start:
     start = replace(start, memory=_kept(state, configuration, start.memory))
     states = configuration.states(state.level, start.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
-    return from_state(_booked(_stated(configuration, start, states, state.level), start))
+    found = from_state(_booked(_stated(configuration, start, states, state.level), start))
+    return replace(found, course=next_load(state).course)
 
 
 def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemory) -> ContactMemory:
@@ -325,9 +334,28 @@ def _stated(
         work -= SIGNS * bulge @ more
     strain, terms = _strain(state)
     round_off = max(terms, start.round_off)  # work that comes back keeps the round-off of what it was
-    dissipated = none.dissipated + _dissipated(configuration, was, state, middle)
+    slides, by_point = _dissipated(configuration, was, state, middle)
+    dissipated = none.dissipated + 0.5 * float(configuration.contact.weights @ by_point)
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), round_off)
-    return replace(state, energy=energy, round_off=round_off)
+    moves = _moves(state, start, slides)
+    course = told(start.course, moves, 0.5 * configuration.contact.weights * by_point)
+    return replace(state, energy=energy, round_off=round_off, course=course)
+
+
+def _moves(state: LoadState, start: Start, slides: Bools) -> Moves:
+    """What contact points do between a start and a state."""
+    configuration, was, now, law = state.configuration, start.memory, state.memory, state.configuration.contact.law
+    faces, cover = configuration.faces, configuration.cover
+    return Moves(
+        names=[str(surface.name) for surface in cover.surfaces],
+        surface=faces.surface,
+        points=cover.lattice.to_metres(faces.nodes.points),
+        load_factor=start.level.factor,
+        slip=np.abs(now.slip - was.slip),
+        slides=slides,
+        parts=was.closed & ~now.closed & ((was.normal < 0.0) | was.coheres(law)),
+        breaks=~was.broken & now.broken & law.breakable,
+    )
 
 
 def _strain(state: LoadState) -> tuple[float, float]:
@@ -349,19 +377,22 @@ def _strain(state: LoadState) -> tuple[float, float]:
 
 def _dissipated(
     configuration: Configuration, was: ContactMemory, state: LoadState, middle: PointStates | None
-) -> float:
-    """What friction and dilation take from what `was` to a state, by the law, J/m; on a bent way by its `middle`."""
-    weights, law = configuration.contact.weights, configuration.contact.law
+) -> tuple[Bools, Floats]:
+    """Which points (n,) slide from what `was` to a state; twice what friction and dilation take there (n,), J/m^2.
+
+    It is by the law; on a bent way by its `middle`.
+    """
+    law = configuration.contact.law
     now, states = state.memory, state.states
     closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         closed[taken] = states.active.closed
         slides[taken] = (states.active.slip != 0) & (states.active.closed | states.coheres[taken])
-    bulge = np.zeros(len(weights)) if middle is None else _bulge(law, was, now, middle)
+    bulge = np.zeros(len(slides)) if middle is None else _bulge(law, was, now, middle)
     resisted = _resisted(law, was, now, bulge, states.trial.opened)
     by_slip = resisted * np.abs(now.slip - was.slip)
     by_dilation = (was.normal + now.normal + bulge / 3.0) * (now.dilation - was.dilation)
-    return 0.5 * float(weights @ (np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0)))
+    return slides, np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0)
 
 
 def _bulge(law: ContactLaw, was: ContactMemory, now: ContactMemory, middle: PointStates) -> Floats:
@@ -419,3 +450,10 @@ def _booked(state: LoadState, start: Start) -> LoadState:
     missing = _missing(state.energy) - _missing(start.energy)
     released = replace(state.energy, released=state.energy.released + missing)
     return replace(state, energy=_checked(released, state.round_off))
+
+
+def _jumped(state: LoadState, start: Start) -> LoadState:
+    """A state to which points have jumped, with what is released by it booked to their surfaces."""
+    booked, weights = _booked(state, start), state.configuration.contact.weights
+    moves, released = _moves(state, start, state.states.state == SLIP), booked.energy.released - start.energy.released
+    return replace(booked, course=released_by(state.course, moves, weights, released))

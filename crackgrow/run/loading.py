@@ -14,7 +14,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.evaluation import StepSolution, evaluated, with_ranges
-from crackgrow.run.increments import FROM_REST, LoadState, Origin, from_state, held_loads, increment, mapped
+from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, mapped, next_load
 from crackgrow.run.scene import Scene
 from crackgrow.run.stages import through_stages
 from crackgrow.run.state_values import history_of
@@ -150,7 +150,7 @@ def _through_history(configuration: Configuration, first: int = 0, origin: Origi
     for factor in loading.factors[first:]:
         state = increment(configuration, origin.start or held_loads(configuration), factor)
         yield state, origin
-        origin = Origin(start=from_state(state))
+        origin = Origin(start=next_load(state))
 
 
 def _solved(states: States, n: int | None = None, paid: Configuration | None = None) -> StepSolution:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Container, Generator
+from collections.abc import Callable, Generator
 from dataclasses import replace
 from functools import partial
 from typing import TypeVar
@@ -118,7 +118,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + time)
         grows_on = state.step < growth.steps
         advances = chosen_advances(growth, solution, state.cracks) if grows_on else Advances(state.cracks)
-        yield _reported(state, solution, advances.sites), solution
+        yield _reported(state, solution, advances), solution
         if len(advances.sites) == 0:
             return ended(state, solution, growth)
         at = BeforeAdvance(solution.scene, advances.cracks, state.step + 1, advances.lengths)
@@ -171,8 +171,8 @@ def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
         return float("nan")
 
 
-def _reported(state: RunState, solution: StepSolution, chosen: Container[int] = ()) -> StepResult:
-    """The step's result, with what a run can go on from; of its tips the `chosen` advance."""
+def _reported(state: RunState, solution: StepSolution, advances: Advances | None = None) -> StepResult:
+    """The step's result, with what a run can go on from."""
     output = solution.scene.case.output
-    result = step_result(state, solution, chosen, output.frames != "none" or output.figures)
+    result = step_result(state, solution, advances or Advances(state.cracks), output.frames != "none" or output.figures)
     return replace(result, checkpoint=packed(state, solution))

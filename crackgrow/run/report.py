@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import cache, partial
 
@@ -16,16 +16,19 @@ from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.fracture.advance import STARTS, advancing_sites
+from crackgrow.fracture.opening import kinked_release
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import make_frame
+from crackgrow.run.growth import Advances
 from crackgrow.run.result import (
     ContactPoints,
     CrackFaces,
     CrackPath,
+    Event,
     Frame,
     FrameOnDemand,
     StartResult,
@@ -40,8 +43,8 @@ STILL = 1e-6
 """Of what the stress could make a crack of its length slip: faces have not moved by less, 3e-9 of it in 56 joints."""
 
 
-def step_result(state: RunState, solution: StepSolution, chosen: Container[int], with_frame: bool) -> StepResult:
-    """The result of a step, of whose tips the `chosen` advance."""
+def step_result(state: RunState, solution: StepSolution, advances: Advances, with_frame: bool) -> StepResult:
+    """The result of a step, after which its tips advance."""
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, state.paths
     contact, faces = solution.state.along_surfaces
@@ -58,7 +61,7 @@ def step_result(state: RunState, solution: StepSolution, chosen: Container[int],
         load_factor=solution.state.factor,
         cracks=paths,
         events=state.events,
-        tips=tuple(_tip(solution, tip, tip in chosen, errors, still) for tip in range(len(solution.tips))),
+        tips=tuple(_tip(solution, tip, tip in advances.sites, errors, still) for tip in range(len(solution.tips))),
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
@@ -89,6 +92,10 @@ def step_result(state: RunState, solution: StepSolution, chosen: Container[int],
         stress=_stress(solution, faces),
         history=history([*solution.passed, solution.state]),
         start=_start(solution),
+        emissions=(
+            *(replace(event, step=state.step) for event in solution.state.course.values()),
+            *_growing(state.step, solution, advances),
+        ),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
@@ -133,7 +140,7 @@ def _load_displacement(solution: StepSolution) -> float:
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
         return float(solution.state.conjugates[0]) / total
-    return float(np.abs(solution.configuration.given(solution.state.level)).max(initial=0.0))
+    return solution.configuration.farthest(solution.state.level)
 
 
 def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float) -> set[str]:
@@ -181,6 +188,20 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still
         K_range=state.K_range,
         growth_per_cycle=speed if in_cycles else nan,
     )
+
+
+def _growing(step: int, solution: StepSolution, advances: Advances) -> Iterator[Event]:
+    """The tips that grow, each with the energy that K says is released along its advance."""
+    cover, growth = solution.cover, solution.scene.case.growth
+    for tip in sorted(set(advances.sites.tolist()) & set(range(len(solution.tips)))):
+        state, (index, at_end) = solution.tips[tip], cover.tip_ends[tip]
+        assert growth is not None
+        assert state.verdict is not None  # it was chosen by it
+        modulus = solution.state.materials[solution.scene.crack_bodies[index]].young_prime
+        length = advances.lengths.get((index, at_end), growth.increment)
+        energy = length * kinked_release(state.K, state.verdict.kink, modulus)
+        place, name = cover.lattice.to_metres(cover.tips[tip].point), str(cover.cracks[index].name)
+        yield Event(step, "growth", name, end_word(at_end), place, "", solution.state.factor, energy)
 
 
 def _start(solution: StepSolution) -> StartResult | None:

@@ -159,19 +159,26 @@ class FrameOnDemand:
         return self._frame
 
 
-EventKind = Literal["coalescence", "hole", "break_through", "interface", "initiation"]
+EventKind = Literal[
+    "coalescence", "hole", "break_through", "interface", "initiation", "slip", "opening", "break", "growth", "loose"
+]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Event:
-    """A tip has met something in its advance: it ends there; or a crack has started (initiation): where, and how."""
+    """A tip has met something in its advance: it ends there; or a crack has started (initiation): where, and how.
 
-    step: int  # whose advance made it
+    Also what is told of in the table alone: faces slip, open or break, a tip grows, a piece comes loose.
+    """
+
+    step: int  # whose advance made it, or in which it happens
     kind: EventKind
-    crack: str
-    tip: Literal["start", "end"]
+    crack: str  # or another surface
+    tip: Literal["start", "end", ""]  # "" of faces
     point: Floats  # (2,) m
     met: str  # "crack 'b'", "its own path", "hole0 of body 'rock'", "the outline of body 'rock'", "interface 'a/b'"
+    load_factor: float = float("nan")  # at which it happens
+    energy: float = float("nan")  # J per metre of thickness, that is dissipated or released
 
     @property
     def words(self) -> str:
@@ -256,6 +263,7 @@ class StepResult:
     crack_length: float  # m, of all cracks
     seconds: dict[str, float]  # by phase: cover, assembly, factorize, contact, criterion, output
     step_warnings: tuple[StepWarning, ...]  # what makes the step doubtful, the most important first
+    emissions: tuple[Event, ...] = ()  # of faces on the way of the loads, as they begin, and of tips that grow
     norm_error: float = float("nan")  # percent of the energy norm, estimated for step 0; nan for others
     stress: float = 0.0  # Pa: the size of that which the loads make, by which K can be nothing
     history: History | None = None  # where the case names points

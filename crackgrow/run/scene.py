@@ -294,7 +294,9 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
         regions=tuple(shapely.Polygon(b.rings[0].points, [r.points for r in b.rings[1:]]) for b in case.bodies),
         bodies=tuple(BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name) for b in case.bodies),
         interfaces=tuple(interfaces),
-        foundations=tuple(Foundation(name, each.region) for name, each in zip(names, supports, strict=True)),
+        foundations=tuple(
+            Foundation(name, each.region, each.moves) for name, each in zip(names, supports, strict=True)
+        ),
         crack_bodies=crack_bodies,
         lengths=tuple(rim_lengths(rims, joined, held, loaded, case.origin)),
         laws=(

@@ -27,7 +27,6 @@ from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.face_loads import wetted_length
 from crackgrow.contact.faces import joined, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.elements import locate
@@ -35,7 +34,6 @@ from crackgrow.cover.shapes import CrackGeometry, body_index
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.quadrature.elements import element_points
 from crackgrow.quadrature.rims import points_on_outlines
-from crackgrow.run.configuration import Configuration
 from crackgrow.run.result import ContactPoints, CrackFaces, History, Reaction
 from crackgrow.solid.recovery import displacement_at, stress_at
 from crackgrow.vectors import outward_normals
@@ -53,19 +51,18 @@ Components = tuple[float, float, float]
 """xx, yy and xy of a symmetric tensor."""
 
 
-def along_surfaces(
-    configuration: Configuration, outcome: ContactOutcome
-) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
+def along_surfaces(state: LoadState) -> tuple[ContactPoints, tuple[CrackFaces, ...]]:
     """Contact points and samples of all surfaces; opening and slip are the jump of displacement at the points.
 
     Samples are the ends of all edges and the contact points, each place once.
     """
+    configuration, outcome = state.configuration, state.outcome
     cover, faces, points = configuration.cover, configuration.faces, outcome.points
     lattice, samples = cover.lattice, []
     for index, surface in enumerate(cover.surfaces):
         s = np.sort(np.concatenate([surface.edges.s.ravel(), faces.s[faces.surface == index]]))
         samples.append(points_at(cover, index, s[np.diff(s, prepend=-np.inf) > SAME_PLACE]))
-    jumps = np.stack(gap_and_slip(cover, joined([faces.nodes, *samples]), outcome.u))
+    jumps = np.stack(configuration.jumps(state.level, joined([faces.nodes, *samples]), outcome.u))
     jump, *along = np.split(jumps, np.cumsum([len(part.s) for part in (faces.nodes, *samples)])[:-1], axis=1)
     contact = ContactPoints(
         crack=tuple(str(cover.surfaces[index].name) for index in faces.surface.tolist()),
@@ -82,7 +79,7 @@ def along_surfaces(
     found = []
     for index, (surface, sample, (opening, slip)) in enumerate(zip(cover.surfaces, samples, along, strict=True)):
         normal, tangential = between_contact_points(faces, index, sample.s, points.normal, points.tangential)
-        state = np.append(points.state, OPEN)[nearest_contact_point(faces, index, sample.s)]  # the last serves -1
+        nearest = nearest_contact_point(faces, index, sample.s)
         found.append(
             CrackFaces(
                 crack=str(surface.name),
@@ -92,7 +89,7 @@ def along_surfaces(
                 slip=slip,
                 normal_traction=normal,
                 tangential_traction=tangential,
-                state=state,
+                state=np.append(points.state, OPEN)[nearest],  # the last serves -1
                 cell_size=surface.in_cells.size(sample.s) * lattice.spacing,
             )
         )

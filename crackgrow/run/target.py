@@ -13,7 +13,6 @@ from crackgrow.accuracy.companion import Errors, Grading, Quantities, coarsened,
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import OPEN, STICK
 from crackgrow.contact.faces import points_at
-from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.tips import Tip
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.stress_intensity import StressIntensity
@@ -198,5 +197,6 @@ def _jumps(state: LoadState) -> Floats:
     for index, surface in enumerate(cover.surfaces):
         s = surface.edges.s
         places = s.min() + np.linspace(0.0, 1.0, PLACES) * (s.max() - s.min())
-        found.append(np.column_stack(gap_and_slip(cover, points_at(cover, index, places), state.outcome.u)))
+        points = points_at(cover, index, places)
+        found.append(np.column_stack(state.configuration.jumps(state.level, points, state.outcome.u)))
     return np.concatenate(found)

@@ -67,11 +67,11 @@ function drawLine(svg, line, across, down) {
   const known = line.x.map((value, k) => value !== null && line.y[k] !== null);
   const at = (k) => `${across(line.x[k]).toFixed(1)},${down(line.y[k]).toFixed(1)}`;
   const path = line.x.map((_, k) => known[k] ? (k > 0 && known[k - 1] ? "L" : "M") + at(k) : "").join("");
-  element(svg, "path", {d: path, fill: "none", stroke: line.colour, "stroke-width": 1.5, "stroke-dasharray": line.dash});
+  if (!line.marks) element(svg, "path", {d: path, fill: "none", stroke: line.colour, "stroke-width": 1.5, "stroke-dasharray": line.dash});
   line.x.forEach((_, k) => {
     if (!known[k]) return;
     const [cx, cy] = at(k).split(",");
-    const dot = element(svg, "circle", {cx, cy, r: line.fills ? 3.2 : 2, fill: line.fills ? line.fills[k] : line.colour, stroke: line.colour});
+    const dot = element(svg, "circle", {cx, cy, r: line.fills ? 3.2 : line.marks ? 4 : 2, fill: line.fills ? line.fills[k] : line.colour, stroke: line.colour});
     element(dot, "title", {}, `${line.name}: ${line.x[k]}, ${line.y[k]}`);
   });
 }

@@ -1,7 +1,7 @@
 """The plots against the steps and the curves over each other, as data that `chart.js` draws, and figures of the run.
 
 A chart has title, xlabel, ylabel and series; a series has name, colour, dash, x, y and `steps`, the step of each of its
-points.
+points. One that is `marks` is no line.
 """
 
 from __future__ import annotations
@@ -33,6 +33,8 @@ HISTORIES = (
 ENERGY_COLUMNS = ("work", "strain_energy", "dissipation", "released_energy")
 NO_UNIT = ((1.0, ""),)
 STRAINS = ((1e-3, "1e-3"),)
+EMISSIONS = {"break": "bonds break", "slip": "faces slip", "opening": "faces open", "growth": "tips grow"}
+"""Kinds of events that happen on the way of the loads, in words."""
 DISPLACEMENT = "displacement of the loads"
 STEADY = 1e-6  # of the largest stress: one that varies by less is the same in all steps, but for round-off
 
@@ -53,6 +55,8 @@ def charts(run: RunFolder) -> list[Chart]:
     found += [_chart(DISPLACEMENT.capitalize(), DISPLACEMENT, way, LENGTHS, steps)]
     energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
     found.append(_chart("Energies", "energy per thickness", energies, ENERGIES, steps))
+    if events := event_energies(run):
+        found.append(_chart("Energy of events", "energy per thickness", events, ENERGIES, steps))
     if run.case.rate_law is not None:
         cycles = isinstance(run.case.rate_law, Fatigue)
         clock = ("cycles", table.numbers("cycles"), NO_UNIT) if cycles else ("time", table.numbers("time"), TIMES)
@@ -111,8 +115,50 @@ def stress_strain(run: RunFolder) -> Chart | None:
     size, unit = unit_of(stress[axis].tolist(), STRESSES)
     peak = int(np.nanargmax(sign * stress[axis]))
     title = f"Stress and strain, peak {sign * stress[axis][peak] / size:.4g} {unit} at step {run.solved[peak]}"
-    over = (along.replace("stress", "strain"), sign * strain[axis], STRAINS)
-    return _chart(title, along, {along: sign * stress[axis]}, STRESSES, run.solved, over=over)
+    x, y = sign * strain[axis], sign * stress[axis]
+    over = (along.replace("stress", "strain"), x, STRAINS)
+    chart = _chart(title, along, {along: y}, STRESSES, run.solved, over=over)
+    for (kind, words), colour in zip(EMISSIONS.items(), COLOURS[1:], strict=False):
+        steps, places = _beginnings(run, kind, np.stack([x, y]))
+        if steps:
+            at = {name: rounded_all(of, by) for name, of, by in zip("xy", places, (STRAINS[0][0], size), strict=True)}
+            chart["series"].append(
+                {"name": f"first: {words}", "colour": colour, "dash": "", "steps": steps, "marks": True, **at}
+            )
+    return chart
+
+
+def _beginnings(run: RunFolder, kind: str, curve: Floats) -> tuple[list[int], Floats]:
+    """Steps (n,) and places (2, n) on a curve (2, steps) at which a kind of event first happens to each surface or tip.
+
+    Between two loads curves are straight. A step of growth begins unloaded: where held loads act alone is not known.
+    """
+    factor, grows = run.table("steps").numbers("load_factor"), run.case.growth is not None
+    rest = np.full(2, np.nan if any(load.held for load in run.case.loads) else 0.0)
+    steps, places, seen = [], [], set[tuple[str, str]]()
+    for row in run.table("events").rows():
+        if row["kind"] != kind or (row["crack"], row["tip"]) in seen:
+            continue
+        seen.add((row["crack"], row["tip"]))
+        k, at = run.solved.index(int(row["step"])), float(row["load_factor"])
+        first = grows or k == 0
+        before, start = (0.0, rest) if first else (factor[k - 1], curve[:, k - 1])
+        share = (at - before) / (factor[k] - before) if factor[k] != before else 1.0
+        places.append(curve[:, k] if share == 1.0 else start + share * (curve[:, k] - start))
+        steps.append(run.solved[k])
+    return steps, np.array(places).T
+
+
+def event_energies(run: RunFolder) -> dict[str, Floats]:
+    """Energy (J/m) of the events of each kind, step by step; of kinds that have any."""
+    table, steps = run.table("events"), np.array(run.solved)
+    energy, kinds, found = np.nan_to_num(table.numbers("energy")), np.array(table.words("kind")), dict[str, Floats]()
+    for kind, words in EMISSIONS.items():
+        mine = (kinds == kind) & np.isin(table.steps(), steps)
+        if energy[mine].any():
+            found[words] = np.zeros(len(steps))
+            np.add.at(found[words], np.searchsorted(steps, table.steps()[mine]), energy[mine])
+    return found
 
 
 def _tip_charts(run: RunFolder) -> list[Chart]:

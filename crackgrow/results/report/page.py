@@ -38,6 +38,7 @@ CHECKS = {  # columns of steps.csv, in the words of the page
 SHOWN_WARNINGS = 200  # of more the first ones are shown
 MOST_CONTACT_ROWS = 20_000  # about 1.3 MB; of longer tables every second, third... step is kept
 MOST_TIP_ROWS = 8_000  # about 1 MB
+MOST_EVENTS = 1_000
 OF_TIPS = ("crack", "tip", "K_I", "K_II", "K_growth", "sigma_1", "sigma_3", "criticality", "criterion", "kink_deg",
            "advanced")  # fmt: skip
 LABELS = {"K_growth": "grows at K", "kink_deg": "kink", "advanced": "advances"}  # of columns with other names
@@ -137,7 +138,8 @@ def tip_data(run: RunFolder) -> dict[str, Any]:
 
 def event_rows(events: TextTable) -> tuple[list[str], list[list[Any]]]:
     """Header and rows of the table of events, places in a unit in which they are read easily."""
-    return _with_units(events, tuple(events.columns), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
+    header, rows = _with_units(events, tuple(events.columns), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
+    return header, rows[:MOST_EVENTS]
 
 
 def _unit(table: TextTable, units: Sequence[Unit], *names: str) -> Unit:

@@ -72,7 +72,7 @@ def _segments(court: Court, name: str, last: int) -> None:
     points, steps = run.path(name, last)
     if run.growth is None:
         return
-    events = run.tables["events"]
+    events = run.meetings
     lengths = np.hypot(*np.diff(points, axis=0).T) / run.growth["increment"]
     for length, before, after in zip(lengths, steps[:-1], steps[1:], strict=True):
         made = max(before, after)

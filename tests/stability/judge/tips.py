@@ -98,7 +98,7 @@ def _kinks(court: Court, tip: pd.Series, step: int) -> None:
         return
     if run.growth["criterion"] == "max_hoop_stress":
         court.check("kink of K", abs(tip["kink_deg"] - hoop_kink(*_K(tip))), 0.01, step, name)
-    events, following, at_end = run.tables["events"], step + 1, tip["tip"] == "end"
+    events, following, at_end = run.meetings, step + 1, tip["tip"] == "end"
     met = ((events["step"] == following) & (events["crack"] == name) & (events["tip"] == tip["tip"])).any()
     points, _ = run.path(name, following)
     points = points if at_end else points[::-1]

@@ -59,6 +59,12 @@ class WrittenRun:
         """Pa: the least Young's modulus."""
         return min(float(body["material"]["young"]) for body in self.case["bodies"].values())
 
+    @property
+    def meetings(self) -> pd.DataFrame:
+        """Events of tips that have met something, and of cracks that have started: they come of an advance."""
+        events = self.tables["events"]
+        return events[events["kind"].isin(["coalescence", "hole", "break_through", "interface", "initiation"])]
+
     def path(self, crack: str, step: int) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (n, 2) of a crack as it was in a step, and the steps (n,) that made them."""
         paths = self.tables["paths"]

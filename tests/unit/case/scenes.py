@@ -57,7 +57,11 @@ EVERYTHING: dict[str, Any] = {
         {"between": ["plug", "block"], "contact": "bonded"},
     ],
     "supports": [
-        {"on": {"body": "foundation", "edge": "bottom"}, "contact": {"friction": 0.3, "cohesion": 1}},
+        {
+            "on": {"body": "foundation", "edge": "bottom"},
+            "contact": {"friction": 0.3, "cohesion": 1},
+            "moves": [0, 0.5],
+        },
         {
             "on": {"body": "block", "edge": "wall", "from": 5, "to": "25 mm"},
             "displacement": {"x": "0.09*x - 0.1", "y": "min(x, 2, y)**2 + sin(pi*y/20)"},

@@ -84,7 +84,7 @@ def test_everything(tmp_path: Path):
     bottom, wall, _ = case.supports
     assert [type(support) for support in case.supports] == [ContactSupport, EdgeSupport, PointSupport]
     np.testing.assert_allclose(wall.region.limits, [[0.75, 1], [0, 0.75]], atol=1e-15)
-    assert (wall.region.sides.tolist(), bottom.contact.cohesion) == ([2, 3], 1e6)
+    assert (wall.region.sides.tolist(), bottom.contact.cohesion, bottom.moves) == ([2, 3], 1e6, (0.0, 5e-4))
     points = np.array([[-0.01, 0.005], [0.004, 0.02]])
     x, y = (component(points) for component in wall.displacement)
     np.testing.assert_allclose(x, [-1e-3, 0.26e-3], rtol=1e-14)  # 0.09 * (-10) - 0.1 = -1 mm

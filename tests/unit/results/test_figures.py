@@ -14,13 +14,13 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
 
-from crackgrow.case import Case
+from crackgrow.case import Case, model
 from crackgrow.plan.cost import squares_of
 from crackgrow.results import drawn_frame, figures
 from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.folder import RunFolder
-from crackgrow.results.report.charts import stress_strain
+from crackgrow.results.report.charts import event_energies, stress_strain
 from crackgrow.results.style import own_style
 from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
@@ -35,17 +35,24 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     return found
 
 
-def run_of(folder: Path, case: Case, **columns: Sequence[float]) -> RunFolder:
-    """A run with these columns in its steps.csv; one of its two surfaces slips."""
+def run_of(
+    folder: Path, case: Case, events: Sequence[tuple[object, ...]] = (), **columns: Sequence[float]
+) -> RunFolder:
+    """A run with these columns in its steps.csv; one of its two surfaces slips.
+
+    Of events there are step, kind, crack, load and energy.
+    """
     n_steps = len(next(iter(columns.values())))
     slip, usual = columns.pop("slip", [0.0] * n_steps), {"mean_stress_xx": 0.0, "mean_stress_xy": 0.0}
     usual |= {f"mean_strain_{xx}": 0.0 for xx in ("xx", "yy", "xy")} | {"mean_stress_yy": 0.0}
+    usual["load_factor"] = 1.0
     steps = {"step": range(n_steps), **{name: [value] * n_steps for name, value in usual.items()}, **columns}
     rows = [*((k, "flaw", slip[k]) for k in range(n_steps)), (0, "other", 0.0)]  # the other one goes with its rock
     folder.mkdir(exist_ok=True)
     for name, header, table in (
         ("steps", steps, zip(*steps.values(), strict=True)),
         ("contact", ("step", "crack", "slip"), rows),
+        ("events", ("step", "kind", "crack", "load_factor", "energy", "tip"), [(*event, "") for event in events]),
     ):
         lines = [header, *table]
         (folder / f"{name}.csv").write_text("".join(",".join(map(str, line)) + "\n" for line in lines))
@@ -194,3 +201,48 @@ def test_the_curve_is_of_the_axis_that_bears_more_and_none_of_round_off(
         assert found is not None
         assert found["ylabel"] == f"{sense} stress along {axis} [MPa]"
         assert found["series"][0]["y"] == values
+
+
+EVENTS = (
+    (0, "slip", "flaw", 0.5, 2.0), (1, "coalescence", "flaw", "nan", "nan"), (1, "slip", "flaw", 1.0, 1.0),
+    (1, "slip", "other", 1.5, 4.0), (1, "break", "other", 1.75, 8.0), (2, "opening", "flaw", 2.0, 0.0),
+)  # fmt: skip
+
+
+def pulled(folder: Path, case: Case) -> RunFolder:
+    """Three loads, under which strain comes before stress and then behind."""
+    stress, strain = [1e6, 2e6, 2.5e6], [1e-3, 2e-3, 4e-3]
+    return run_of(folder, case, EVENTS, mean_stress_yy=stress, mean_strain_yy=strain, load_factor=[1.0, 2.0, 3.0])
+
+
+def marks(run: RunFolder) -> dict[str, list[tuple[float | None, float | None, int]]]:
+    """Places and steps of the events on the curve, by what they are called."""
+    chart = stress_strain(run)
+    assert chart is not None
+    return {
+        line["name"]: list(zip(line["x"], line["y"], line["steps"], strict=True))
+        for line in chart["series"]
+        if line.get("marks")
+    }
+
+
+def test_what_happens_first_to_each_surface_is_on_the_curve_between_the_loads(tmp_path: Path) -> None:
+    """Loads go on from each other without growth; with it each step begins unloaded, as the first of them does."""
+    static = replace(make_case(), growth=None, loading=model.LoadHistory((1.0, 2.0, 3.0)))
+    assert marks(pulled(tmp_path / "static", static)) == {
+        "first: faces slip": [(0.5, 0.5, 0), (1.5, 1.5, 1)],
+        "first: bonds break": [(1.75, 1.75, 1)],
+        "first: faces open": [(2.0, 2.0, 2)],
+    }
+    grown = marks(pulled(tmp_path / "grown", make_case()))
+    assert grown["first: faces open"] == [(pytest.approx(8.0 / 3.0, rel=1e-3), pytest.approx(5.0 / 3.0, rel=1e-3), 2)]
+    held = replace(static, loads=(model.Gravity(held=True, body="rock", acceleration=(0.0, 0.0)),))
+    assert marks(pulled(tmp_path / "held", held))["first: faces slip"] == [(None, None, 0), (1.5, 1.5, 1)]
+
+
+def test_the_energy_of_events_is_that_of_their_steps(tmp_path: Path) -> None:
+    found = event_energies(pulled(tmp_path, make_case()))
+    assert {name: energy.tolist() for name, energy in found.items()} == {
+        "bonds break": [0.0, 8.0, 0.0],
+        "faces slip": [2.0, 5.0, 0.0],
+    }

@@ -139,7 +139,8 @@ def test_results_are_the_same_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Ru
             elif one[column].dtype.kind == "f":
                 alike = [other for other in one if other.partition(".")[2] == column.partition(".")[2]]
                 of_loads = LOADS if "force" in column else 0.0  # that balance: reactions are their round-off
-                size = FORMULA * max(np.abs(one[alike if "." in column else [column]].to_numpy()).max(), of_loads)
+                known = one[alike if "." in column else [column]].to_numpy()
+                size = FORMULA * max(np.abs(known[np.isfinite(known)]).max(initial=0.0), of_loads)
                 np.testing.assert_allclose(other[column], one[column], FORMULA, size, err_msg=f"{name}.{column}")
             else:
                 assert one[column].equals(other[column]), f"{name}.{column}"
@@ -165,7 +166,7 @@ def test_what_is_told_of_places_is_on_the_map(
     assert "'joints-1' (the shape) at (466006.5 m, 6700004.25 m)" in told
     folder = files[1].parent
     log = (folder / "out" / "run.log").read_text()
-    event = there.events.iloc[0]
+    event = there.events[there.events["met"] != ""].iloc[0]
     assert f"({event.x:.4f}"[:9] in log
     assert cli.main(["check", str(files[1]), "--picture", str(folder / "scene.svg")]) == 0
     assert "(466006.5 m, 6700004.25 m)" in capsys.readouterr().out

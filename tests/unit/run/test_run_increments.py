@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 
 import crackgrow.run.increments as increments
+from crackgrow.arrays import Bools, Floats
 from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.faces import points_at
@@ -331,7 +332,12 @@ def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPat
     case = shipped_case("compression30", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"])
     assert not any(words in warning for warning in next(grow(case)).warnings)
     true = increments._dissipated
-    monkeypatch.setattr(increments, "_dissipated", lambda *state: share * true(*state))
+
+    def wrong(*of: Any) -> tuple[Bools, Floats]:
+        slides, by_point = true(*of)
+        return slides, share * by_point
+
+    monkeypatch.setattr(increments, "_dissipated", wrong)
     assert any(words in warning for warning in next(grow(case)).warnings)
 
 

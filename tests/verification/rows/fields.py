@@ -1,4 +1,4 @@
-"""Fields without a tip: patch tests, Kirsch's plate with a hole, Lame's ring."""
+"""Fields without a tip: patch tests, Kirsch's plate with a hole, Lame's ring, a block between platens."""
 
 from __future__ import annotations
 
@@ -166,4 +166,24 @@ def _rings() -> Iterator[Row]:
         yield Row(name, "stress over pressure", value, 0.0, "Lame 1852; Timoshenko, Goodier 1970", 1e-2)
 
 
-ROWS = [*_patches(), *_holes(), *_rings()]
+def between_platens(friction: float, accuracy: str) -> float:
+    """Apparent modulus of a block of 40 x 80 mm that platens press, over Young's."""
+    platens = f"contact: {{friction: {friction}, cohesion: 0}}"
+    block = f"""{HEAD.replace("strain", "stress")}
+bodies: {{rock: {{shape: {{rectangle: {{center: [0, 0], width: 40, height: 80}}}}, {ROCK}}}}}
+supports: [{{on: {{edge: bottom}}, {platens}}}, {{on: {{edge: top}}, {platens}, moves: [0, -0.08]}}]
+"""
+    result = solved_text(block, f"numerics.accuracy={accuracy}").result
+    return result.mean_stress[1] / result.mean_strain[1] / (YOUNG * 1e6)
+
+
+def _platens() -> Iterator[Row]:
+    """The value of friction without end is that of quadratic elements, graded to the corners, to 1e-6."""
+    name = "block between platens, friction"
+    yield Row(f"{name} 0", "modulus over E", partial(between_platens, 0.0, "standard"), 1.0, "Hooke's law", 1e-9)
+    for accuracy, tolerance in (("standard", 2e-4), ("fine", 5e-5)):
+        value = partial(between_platens, 9.0, accuracy)
+        yield Row(f"{name} 9, {accuracy}", "modulus over E", value, 1.0086939, "finite elements", tolerance)
+
+
+ROWS = [*_patches(), *_holes(), *_rings(), *_platens()]

@@ -11,7 +11,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from crackgrow.run.result import CrackPath
+from crackgrow.run.result import CrackPath, RunEnd, StepResult
 from tests.verification.row import Row
 from tests.verification.solutions import Floats, case_of
 from tests.whole_run import whole_run
@@ -93,6 +93,20 @@ loads:
 growth: {{steps: 60, increment: 10, criterion: max_hoop_stress}}
 """
 
+ROUND = [[float(50.0 * np.cos(t)), float(50.0 * np.sin(t))] for t in np.linspace(0.0, np.pi, 61)]
+HALF_DISK = f"""{HEAD}
+bodies:
+  half:
+    shape: {{polygon: {ROUND}}}{PMMA}
+cracks:
+  notch: {{path: {{points: [[0, 0], [ACROSS, UP]]}}, contact: none, tips: end}}
+supports:
+  - {{at: [-SPAN, 0], displacement: {{x: 0, y: 0}}}}
+  - {{at: [SPAN, 0], displacement: {{y: 0}}}}
+loads: [{{at: [0, 50], force: [0, -1 kN/mm]}}]
+growth: {{steps: STEPS, increment: 2, criterion: max_hoop_stress}}
+"""
+
 
 @cache
 def grown(text: str, **words: float) -> tuple[CrackPath, ...]:
@@ -126,6 +140,25 @@ def beyond_the_force() -> float:
     return float(x - 722.0)
 
 
+def bent(degrees: float, span: float, steps: int) -> tuple[list[StepResult], RunEnd]:
+    """A semi-circular bend specimen with a notch of 25 mm, degrees from the load, on rollers at +- span (mm)."""
+    across, up = 25.0 * np.sin(np.deg2rad(degrees)), 25.0 * np.cos(np.deg2rad(degrees))
+    return whole_run(case_of(HALF_DISK, ACROSS=across, UP=up, SPAN=span, STEPS=steps))
+
+
+def bend_factor() -> float:
+    """K_I over P sqrt(pi a) / (2 R), with rollers at half the radius."""
+    (step,), _ = bent(0.0, 25.0, 0)
+    return step.tips[0].K_I / (step.load_factor * 1e6 * np.sqrt(np.pi * 0.025) / 0.1)
+
+
+def beside_the_load(degrees: float) -> float:
+    """Where the crack leaves the half disk, from the load, over the radius."""
+    end = bent(degrees, 21.5, 25)[1].cracks[0].points[-1]
+    assert np.hypot(*end) > 0.0498
+    return float(np.hypot(*(end - [0.0, 0.05])) / 0.05)
+
+
 def _rows() -> Iterator[Row]:
     for angle, measured in KINKS.items():
         name = f"slanted crack, {angle} degrees to the load"
@@ -138,6 +171,13 @@ def _rows() -> Iterator[Row]:
     yield Row("beam with three holes", "end from the middle hole [mm]", from_middle_hole, 0.0, source, 1e-3)
     source = "Arrea, Ingraffea 1982"
     yield Row("four-point shear beam", "end beyond the force [mm]", beyond_the_force, 0.0, source, 0.0, "at least")
+    name, source = "semi-circular bend", "Kuruppu et al. 2014 (ISRM), a fit"
+    yield Row(f"{name}, straight notch", "K_I / (P sqrt(pi a) / 2R)", bend_factor, 3.680, source, 0.02)
+    for degrees in (20.0, 40.0):
+        value, source = partial(beside_the_load, degrees), "Ayatollahi, Aliha 2006: to the load"
+        yield Row(
+            f"{name}, notch at {degrees:g} degrees", "end from the load, over R", value, 0.1, source, 0.0, "at most"
+        )
 
 
 ROWS = [*_rows()]

@@ -1,0 +1,106 @@
+"""What faces and tips do on the way of the loads: their energies are the step's, and what begins first is first."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import crackgrow
+from crackgrow.fracture.opening import kinked_release
+from crackgrow.run.result import StepResult
+from tests.scenes import shipped_case
+from tests.whole_run import whole_run
+
+FLAW = "cracks.flaw.contact"
+DRAFT = ("numerics.accuracy=draft", "output.frames=none", "output.figures=false", "output.report=false")
+
+
+def energy(step: StepResult, kind: str) -> float:
+    """Of all emissions of a kind, J/m."""
+    return sum(event.energy for event in step.emissions if event.kind == kind)
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings"),
+    [
+        ("cyclic_friction", ("numerics.spacing=5",)),  # slips to and fro
+        ("vein_in_tension", ()),  # breaks
+        ("09_wear", ()),  # wears by slip
+        ("interface_friction04", ()),
+        ("confined30", (f"{FLAW}.cohesion=5", "growth.steps=2")),  # slips, breaks and opens from rest, then grows
+    ],
+)
+def test_emissions_of_a_step_add_up_to_its_energies(scene: str, settings: tuple[str, ...]) -> None:
+    case = shipped_case(scene, (*DRAFT, *settings))
+    steps, _ = whole_run(case)
+    energies = np.array([(step.energy.dissipated, step.energy.released) for step in steps])
+    if case.growth is None:
+        energies = np.diff(energies, axis=0, prepend=np.zeros((1, 2)))
+    told = [(energy(step, "slip"), energy(step, "break")) for step in steps]
+    assert np.abs(energies).max() > 0.0
+    np.testing.assert_allclose(told, energies, rtol=0, atol=1e-12 * np.abs(energies).max())
+
+
+def flaws(*which: tuple[str, float, float]) -> str:
+    """Flaws with cohesion and friction in the plate under 100 MPa, each a name, its height and its angle to x."""
+    law = "contact: {friction: 0.2, cohesion: 3}"
+    paths = (f"{name}: {{path: {{center: [0, {y}], length: 8, angle: {angle}}}, {law}}}" for name, y, angle in which)
+    return f"cracks={{{', '.join(paths)}}}"
+
+
+def slips(*which: tuple[str, float, float]) -> dict[str, float]:
+    """The load factors at which they begin to slip, in the order of the table."""
+    (step,), _ = whole_run(shipped_case("compression30", (*DRAFT, flaws(*which), "growth.steps=0")))
+    found = [event for event in step.emissions if event.crack == which[0][0]]
+    assert [event.kind for event in found][:2] == ["break", "slip"]
+    return {event.crack: event.load_factor for event in step.emissions if event.kind == "slip"}
+
+
+@pytest.mark.parametrize("angle", [30.0, 50.0])
+def test_faces_slip_at_the_load_at_which_the_plane_through_them_would(angle: float) -> None:
+    """Stress in the plate is uniform until then: p sin cos = c + mu p cos^2."""
+    s, c = np.sin(np.deg2rad(angle)), np.cos(np.deg2rad(angle))
+    assert slips(("flaw", 0, angle))["flaw"] == pytest.approx(3.0 / (s * c - 0.2 * c**2) / 100.0, rel=1e-7)
+
+
+def test_the_flaw_that_slips_first_is_the_first_in_the_table() -> None:
+    first = slips(("flat", 14, 30), ("steep", -14, 50))
+    assert list(first) == ["steep", "flat"]
+    assert first["steep"] < first["flat"]
+
+
+def test_faces_open_where_they_were_pressed_and_the_load_takes_that_back() -> None:
+    """A plate is pressed by 6 MPa and pulled by as much as 10: its crack opens at 0.6 of that, and told it is once."""
+    loads = "loads=[{far_field: [0, -6, 0], held: true}, {far_field: [0, 10, 0]}]"
+    case = shipped_case("tension0", (*DRAFT, loads, f"{FLAW}={{friction: 0.3, cohesion: 0}}", "growth.steps=0"))
+    (step,), _ = whole_run(case)
+    (opening,) = (event for event in step.emissions if event.kind == "opening")
+    assert opening.load_factor == pytest.approx(0.6, rel=1e-6)
+
+
+def test_growth_under_load_releases_what_its_events_say() -> None:
+    """G rises by some percent along an increment of a fiftieth of the crack, and is told of its beginning."""
+    settings = ("growth.steps=2", "growth.increment=0.2", "growth.unload_between_steps=false", "loading={history: [1]}")
+    first, second, third = whole_run(shipped_case("tension0", (*DRAFT, *settings, "numerics.accuracy=fine")))[0]
+    for before, after in ((first, second), (second, third)):
+        released = after.energy.released - before.energy.released
+        assert 0.97 * released < energy(before, "growth") < released
+
+
+def test_a_tip_releases_what_Irwin_says_and_beside_it_what_a_kink_does() -> None:
+    """By the series of Amestoy and Leblond 1992 at 20 degrees, where the first order is 2 % low."""
+    assert kinked_release((3.0, 4.0), 0.0, 2.0) == pytest.approx(12.5, rel=1e-15)
+    assert kinked_release((-3.0, 0.0), 0.0, 2.0) == 0.0  # faces that overlap
+    m = 1.0 / 9.0
+    k_1 = 1.5 * np.pi * m - (10.0 * np.pi / 3.0 + np.pi**3 / 16.0) * m**3
+    k_2 = 1.0 - (4.0 + 3.0 * np.pi**2 / 8.0) * m**2 + (8 / 3 + 29 * np.pi**2 / 18 - 5 * np.pi**4 / 128) * m**4
+    assert kinked_release((0.0, 1.0), -m * np.pi, 1.0) == pytest.approx(k_1**2 + k_2**2, rel=0.025)
+
+
+def test_a_piece_that_comes_loose_is_the_last_event() -> None:
+    """A crack grows through the plate."""
+    run = crackgrow.run_case(shipped_case("tension0", (*DRAFT, "growth.increment=6", "growth.steps=9")))
+    assert run.status == "broke_through"
+    last = run.events.iloc[-1]
+    assert (last["kind"], last["met"]) == ("loose", run.reason)
+    assert run.events["step"].is_monotonic_increasing
