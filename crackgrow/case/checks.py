@@ -7,8 +7,8 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from crackgrow.case.check_regions import knows
-from crackgrow.case.format import FORMAT
 from crackgrow.case.cracked import fault_of_crack
+from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.model import STEEPEST, CoulombContact
 from crackgrow.case.report import Faults, Path, quoted

@@ -13,8 +13,8 @@ from crackgrow.case.check_loading import check_loading
 from crackgrow.case.check_regions import check_regions, place_points, settle_bodies
 from crackgrow.case.check_strength import check_initiation, check_rate_law, check_strength, settle_direction
 from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
-from crackgrow.case.cracked import parted
 from crackgrow.case.crack_sets import place_ends_and_sets
+from crackgrow.case.cracked import parted
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports

@@ -160,7 +160,7 @@ class Crack(Drawn):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Interface:
+class Interface(Drawn):
     """Where two bodies share a boundary."""
 
     bodies: tuple[str, str]

@@ -20,7 +20,7 @@ class SurfaceName:
     number: int | None = None  # of one of several; None: there is but one, or all are meant
 
     def __str__(self) -> str:
-        """The name in results: "crack", "first/second", "first+second", "body.edge", and ".number" behind it for one of several."""
+        """The name in results: "crack", "first/second", "first+second", "body.edge"; and ".number" for one of many."""
         name = _BETWEEN[self.kind].join(self.of)
         return name if self.number is None else f"{name}.{self.number}"
 

@@ -173,8 +173,8 @@ def _of_faces(cover: Cover, u: Floats, tip: InterfaceTip, radii: Floats, tractio
 
 
 def _turned(gradient: Floats, tip: InterfaceTip) -> Floats:
-    """Gradient (2, 2, n) [component, direction] in the tip's axes of derivatives (2, n, 2) [direction, point, component]."""
-    return np.einsum("dnc,ac,bd->abn", gradient, tip.rotation, tip.rotation)
+    """Gradient (2, 2, n) [component, direction] in the tip's axes of derivatives (2, n, 2) by x and by y."""
+    return np.asarray(np.einsum("dnc,ac,bd->abn", gradient, tip.rotation, tip.rotation))
 
 
 def _stiffness(one: PlaneElasticity, other: PlaneElasticity) -> float:

@@ -221,7 +221,8 @@ def _interface_tips(state: LoadState) -> tuple[tuple[InterfaceTip, Release], ...
     cover, materials, u = state.cover, state.materials, state.outcome.u
     forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
     return tuple(
-        (tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces)) for tip in interface_tips(cover)
+        (tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces))
+        for tip in interface_tips(cover)
     )
 
 
