@@ -24,6 +24,7 @@ import shapely
 from crackgrow.approximation.basis import basis_at
 from crackgrow.arrays import Floats
 from crackgrow.contact.faces import points_at
+from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import ends_at_bonds
@@ -33,7 +34,6 @@ from crackgrow.fracture.tip_rule import (
     FACE_PANEL,
     GROWTH,
     N_ANGULAR,
-    N_FACE,
     N_RADIAL,
     PANEL,
     panel_ends,
@@ -156,20 +156,19 @@ def _of_half(
 
 
 def _of_faces(cover: Cover, u: Floats, tip: InterfaceTip, radii: Floats, traction: FaceTraction) -> Floats:
-    """What tractions on the faces add to G (radii,) J/m^2."""
-    r, weight = panels_from_tip(panel_ends(radii, FACE_PANEL * PANEL * tip.size, FACE_PANEL * GROWTH), N_FACE)
-    s = tip.from_start(cover, r)
-    normal, tangential = traction(s)
-    if not normal.any() and not tangential.any():
+    """What tractions on the faces add to G (radii,) J/m^2: a sum over short parts, on each of which these are constant.
+
+    The jump itself is known better than its derivative, which is singular; at the tip it is zero.
+    """
+    r = panel_ends(radii, FACE_PANEL * PANEL * tip.size, FACE_PANEL * GROWTH)
+    middle = 0.5 * (r[1:] + r[:-1])
+    tractions = np.stack(traction(tip.from_start(cover, middle)))
+    if not tractions.any():
         return np.zeros(len(radii))
-    faces = points_at(cover, tip.surface, s)
-    plus, minus = (
-        np.einsum("dnc,d->nc", basis_at(cover, faces.points, on).fields(u)[1:], tip.rotation[0])
-        for on in (faces.plus, faces.minus)
-    )
-    jump, (nx, ny) = plus - minus, faces.normal.T
-    work = normal * np.sum(jump * faces.normal, axis=1) + tangential * (jump[:, 0] * ny - jump[:, 1] * nx)
-    return np.asarray(cover.lattice.spacing * weighted_by_step(r, weight, work[None], radii)[:, 0])
+    jump = np.stack(gap_and_slip(cover, points_at(cover, tip.surface, tip.from_start(cover, r)), u))
+    jump[:, 0] = 0.0
+    work = -np.sum(tractions * np.diff(jump, axis=1), axis=0)
+    return weighted_by_step(middle, np.ones(len(middle)), work[None], radii)[:, 0]
 
 
 def _turned(gradient: Floats, tip: InterfaceTip) -> Floats:
