@@ -12,7 +12,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.layout import SMALLEST, Scene
 from crackgrow.case.segments import line_length
 from crackgrow.case.shapes import Resolved, frozen
-from crackgrow.geometry.polyline import kink_angles
+from crackgrow.vectors import cross
 
 STRAIGHT = np.deg2rad(0.5)
 """rad: a boundary that turns less at a tip is straight there."""
@@ -67,8 +67,8 @@ def fault_of_crack(scene: Scene, interface: Resolved) -> str:
     for line in left:
         for before, behind in ((crack, line), (line, crack)):
             if np.hypot(*(before[-1] - behind[0])) <= scene.tolerance:
-                (turn,) = np.abs(kink_angles(np.stack([before[-2], behind[0], behind[1]])))
-                if turn > STRAIGHT:
+                step, next_step = before[-1] - before[-2], behind[1] - behind[0]
+                if abs(np.arctan2(cross(step, next_step), step @ next_step)) > STRAIGHT:
                     where = scene.point(behind[0])
                     return f"an end of the cracked part {where} lies on a corner of the interface; wanted: beside it"
     return ""
