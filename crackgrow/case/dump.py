@@ -70,7 +70,8 @@ def yaml_text(resolved: object) -> str:
 
 def written(case: Case) -> dict[str, Any]:
     """The case as a mapping in its format, whether or not it reads back: what is drawn as it was given."""
-    found = FORMAT.written(case)
+    as_given = tuple(interface for interface in case.interfaces if not interface.beside_crack)
+    found = FORMAT.written(replace(case, interfaces=as_given))
     units = {"length": "m", "stress": "Pa", **({"origin": list(case.origin)} if any(case.origin) else {})}
     loading = found["loading"] or ("critical" if isinstance(case.loading, CriticalLoad) else REDUCTION)
     every = {**found, "units": units, "loading": loading}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
@@ -14,6 +14,7 @@ from crackgrow.case.check_regions import check_regions, place_points, settle_bod
 from crackgrow.case.check_strength import check_initiation, check_rate_law, check_strength, settle_direction
 from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
+from crackgrow.case.cracked import parted
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
@@ -130,7 +131,7 @@ def _built(name: str, scene: Scene) -> model.Case:
         name=name,
         bodies=tuple(_body(scene.bodies[key], body) for key, body in resolved["bodies"].items()),
         cracks=tuple(_crack(scene, key, crack) for key, crack in resolved["cracks"].items()),
-        interfaces=tuple(_interface(scene, its) for its in resolved["interfaces"]),
+        interfaces=tuple(part for its in resolved["interfaces"] for part in _interface(scene, its)),
         supports=tuple(_item(scene, "Support", ("supports", k), its) for k, its in enumerate(resolved["supports"])),
         loads=tuple(_item(scene, "Load", ("loads", k), its) for k, its in enumerate(resolved["loads"])),
         loading=_loading(resolved),
@@ -164,9 +165,15 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
     )
 
 
-def _interface(scene: Scene, interface: Resolved) -> model.Interface:
+def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
+    """An interface; of one with a cracked part this, then what is bonded."""
     first, second = (scene.bodies[name] for name in interface["between"])
-    return FORMAT.made(model.Interface, interface, lines=shared_lines(first, second, scene.tolerance))
+    lines = shared_lines(first, second, scene.tolerance)
+    if "cracked" in interface:
+        crack, lines = parted(lines, interface["cracked"], scene.reach) or ((), lines)
+        yield FORMAT.made(model.Interface, interface, lines=(crack,))
+        interface = {**interface, "contact": "bonded"}
+    yield FORMAT.made(model.Interface, interface, lines=lines, beside_crack="cracked" in interface)
 
 
 def _item(scene: Scene, kind: str, key: Path, item: Resolved, **others: Any) -> Any:

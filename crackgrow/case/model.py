@@ -160,17 +160,18 @@ class Crack(Drawn):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Interface:
+class Interface(Drawn):
     """Where two bodies share a boundary."""
 
     bodies: tuple[str, str]
     lines: tuple[Floats, ...]  # each (n, 2) m, open polylines; the first body lies on the left
     contact: CoulombContact | Literal["bonded"]
+    beside_crack: bool = False  # whether it is what is bonded of a boundary that has a cracked part
 
     @property
     def surface(self) -> SurfaceName:
         """Which surface all of its lines are."""
-        return SurfaceName("interface", self.bodies)
+        return SurfaceName("bond" if self.beside_crack else "interface", self.bodies)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -7,19 +7,20 @@ from collections.abc import Sequence, Set
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
-_BETWEEN: Final = {"crack": "", "interface": "/", "foundation": "."}
+_BETWEEN: Final = {"crack": "", "interface": "/", "bond": "+", "foundation": "."}
 
 
 @dataclass(frozen=True, slots=True)
 class SurfaceName:
-    """Which surface it is: a crack, a line between two bodies, or an edge on a rigid foundation."""
+    """Which surface it is: a crack, a line between two bodies, what is bonded of a cracked one, or an edge on a rigid
+    foundation."""
 
-    kind: Literal["crack", "interface", "foundation"]
+    kind: Literal["crack", "interface", "bond", "foundation"]
     of: tuple[str, ...]  # the crack; the two bodies; the body and its edge
     number: int | None = None  # of one of several; None: there is but one, or all are meant
 
     def __str__(self) -> str:
-        """The name in results: "crack", "first/second", "body.edge", and ".number" behind it for one of several."""
+        """The name in results: "crack", "first/second", "first+second", "body.edge"; and ".number" for one of many."""
         name = _BETWEEN[self.kind].join(self.of)
         return name if self.number is None else f"{name}.{self.number}"
 
@@ -43,7 +44,7 @@ class SurfaceName:
 
     def bounds(self, bodies: Set[str]) -> bool:
         """Whether it is an interface of one of some bodies."""
-        return self.kind == "interface" and not bodies.isdisjoint(self.of)
+        return self.kind in ("interface", "bond") and not bodies.isdisjoint(self.of)
 
 
 def end_word(at_end: bool) -> Literal["start", "end"]:

@@ -18,6 +18,7 @@ end.
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Sequence
 from itertools import pairwise
 
 import numpy as np
@@ -33,6 +34,7 @@ from crackgrow.contact.faces import (
     stretch_ends,
 )
 from crackgrow.cover.cover import Cover, Surface
+from crackgrow.cover.shapes import ends_at_bonds
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
 
@@ -78,8 +80,9 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float, *, nested: b
     nodes: each piece of that between nodes, and at ends, is halved.
     """
     ends = {surface: stretch_ends(cover, surface, 0.5 if nested else 1.0) for surface in touching}
-    passed = _passed(cover)
-    parts = [_on_surface(cover, index, (spacing, nested), ends[index], passed) for index in touching]
+    passed, tips = _passed(cover), [*ends_at_bonds([surface.line for surface in cover.surfaces])]
+    at_tip = {index: [at_end for number, at_end in tips if number == index] for index in touching}
+    parts = [_on_surface(cover, index, (spacing, nested), ends[index], passed, at_tip[index]) for index in touching]
     return joined_faces(cover, ends, parts)
 
 
@@ -89,12 +92,14 @@ def _passed(cover: Cover) -> Counter[bytes]:
     return Counter(place.tobytes() for places in inner for place in places)
 
 
-def _on_surface(cover: Cover, index: int, asked: tuple[float, bool], ends: Floats, passed: Counter[bytes]) -> Part:
+def _on_surface(
+    cover: Cover, index: int, asked: tuple[float, bool], ends: Floats, passed: Counter[bytes], at_bonds: Sequence[bool]
+) -> Part:
     """Integration points, lengths, functions, and arc lengths and stretches of the nodes of one surface."""
     along, (spacing, nested) = cover.surfaces[index].in_cells, asked
     larger = 2.0 if nested else 1.0  # cells of the companion, over those here
     in_cells = along.at(ends) / larger
-    kinds = _kinds(cover.surfaces[index], ends, in_cells, passed)
+    kinds = _kinds(cover.surfaces[index], ends, in_cells, passed, at_bonds)
     limits = enumerate(pairwise(in_cells.tolist()))
     places = [_places(*stretch, spacing, kinds[number], nested=nested) for number, stretch in limits]
     nodes = [along.place(larger * there) for there in places]
@@ -117,7 +122,7 @@ def _on_surface(cover: Cover, index: int, asked: tuple[float, bool], ends: Float
     return points, lengths, functions, s, stretch
 
 
-def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[bytes]) -> Ints:
+def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[bytes], at_bonds: Sequence[bool]) -> Ints:
     """What both ends (m, 2) of each of the m stretches of a surface are, which lie at `ends` (m + 1,): arc lengths.
 
     `in_cells` (m + 1,) are the same in cells; `passed` says how many surfaces go on at junctions.
@@ -132,6 +137,8 @@ def _kinds(surface: Surface, ends: Floats, in_cells: Floats, passed: Counter[byt
             kind[number] = JUNCTION
             goes_on = 0 < number < m and passed[line.points[vertex].tobytes()] == 1
             at_corner[number] = goes_on or not surface.name.is_crack
+    for at_end in at_bonds:  # a node there would share the pressure with the bond's, and friction would be off by that
+        kind[-at_end], at_corner[-at_end] = TIP, False
     both = np.arange(m)[:, None] + np.arange(2)
     has_room = np.diff(in_cells)[:, None] >= CORNER_ROOM - SAME_PLACE
     of_stretch = np.where(at_corner[both] & has_room, RIM, kind[both])

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -12,9 +13,15 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case.surface import SurfaceName
+from crackgrow.geometry.polyline import tip_direction
+from crackgrow.geometry.tolerance import SAME_PLACE
 
 if TYPE_CHECKING:
     from crackgrow.case.model import Body
+
+
+IN_LINE = -0.9999
+"""Cosine between the outward directions of two lines that go on in each other, within 0.8 degrees."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,6 +47,22 @@ class CrackGeometry:
     def seen_from(self, at_end: bool) -> Floats:
         """Its vertices (n, 2) from the end, or from the start, on."""
         return np.asarray(self.points[::-1] if at_end else self.points)
+
+
+def ends_at_bonds(lines: Sequence[CrackGeometry]) -> Iterator[tuple[int, bool]]:
+    """The tips of cracked interfaces among lines: a line's number, and whether it is its end.
+
+    They are the ends in line with what is bonded between the same bodies.
+    """
+    bonds = [line for line in lines if line.name.kind == "bond"]
+    for number, line in enumerate(lines):
+        for at_end in (False, True) if line.name.kind == "interface" else ():
+            tip, outward = line.seen_from(at_end)[0], tip_direction(line.points, at_end)
+            for bond, its_end in product(bonds, (False, True)):
+                apart = np.abs(bond.seen_from(its_end)[0] - tip).max()
+                in_line = outward @ tip_direction(bond.points, its_end) < IN_LINE
+                if bond.name.of == line.name.of and apart < SAME_PLACE and in_line:
+                    yield number, at_end
 
 
 def body_index(bodies: Sequence[BodyGeometry | Body], name: str) -> int:

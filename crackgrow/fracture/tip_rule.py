@@ -95,7 +95,7 @@ def weighted_by_step(r: Floats, weight: Floats, values: Floats, radii: Floats) -
 def _circles(tip: TipView, size: float, radii: Floats) -> Circles:
     kinks = tip.radii[1:][tip.radii[1:] < radii[-1]]
     kinks = kinks[np.unique(kinks // (KINK * size), return_index=True)[1]]
-    r, weight = _panels_from_tip(_stops(np.append(kinks, radii), PANEL * size, GROWTH), N_RADIAL)
+    r, weight = panels_from_tip(panel_ends(np.append(kinks, radii), PANEL * size, GROWTH), N_RADIAL)
     x, w = gauss(N_ANGULAR)
     t = crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x)
     return Circles(r, weight, t, 2.0 * np.pi * w)
@@ -105,8 +105,8 @@ def _face_line(tip: TipView, size: float, radii: Floats) -> FaceLine:
     arcs = arc_lengths(tip.path)
     ends = _arc_at(tip, arcs, radii)
     kinks = arcs[1:][arcs[1:] < ends[-1]]
-    stops = _stops(np.append(kinks, ends), FACE_PANEL * PANEL * size, FACE_PANEL * GROWTH)
-    arc, weight = _panels_from_tip(stops, N_FACE)
+    stops = panel_ends(np.append(kinks, ends), FACE_PANEL * PANEL * size, FACE_PANEL * GROWTH)
+    arc, weight = panels_from_tip(stops, N_FACE)
     segment = np.searchsorted(arcs, arc, side="right") - 1
     toward_tip = -segment_directions(tip.path)[segment]
     place = tip.path[segment] - (arc - arcs[segment])[:, None] * toward_tip
@@ -114,7 +114,7 @@ def _face_line(tip: TipView, size: float, radii: Floats) -> FaceLine:
     return FaceLine(arc, weight, place, toward_tip, r, crack_angle(tip, r))
 
 
-def _stops(given: Floats, short: float, growth: float) -> Floats:
+def panel_ends(given: Floats, short: float, growth: float) -> Floats:
     """Ends (n,) of panels from 0 on, with the `given` ones (m,): at most `short`, or `growth` times the way, long."""
     stops = [0.0]
     for end in np.sort(given).tolist():
@@ -125,7 +125,7 @@ def _stops(given: Floats, short: float, growth: float) -> Floats:
     return np.array(stops)
 
 
-def _panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
+def panels_from_tip(stops: Floats, n: int) -> tuple[Floats, Floats]:
     """Gauss points and weights between stops, for half powers of the distance from the tip."""
     stops = np.sqrt(stops)
     x, w = gauss(n)

@@ -34,7 +34,7 @@ PICTURE = "render/FIELD/step_NNNN.png"
 OWN: Final = (*(file.name for file in RUN if not file.name.startswith("export/")), "render/FIELD/animation.mp4")
 """Names of all that a run writes, and of what is drawn of it; what is exported is the user's."""
 
-OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", HISTORY)
+OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", "interface_tips.csv", HISTORY)
 """Tables that may have rows of a step that a run was killed in: they count where steps.csv has the step."""
 
 FINISHED: Final = ("completed", "arrested", "broke_through")

@@ -154,6 +154,9 @@ def step_row(result: StepResult, seconds_frames: float = 0.0) -> Row:
 
 GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
     "tips": lambda of: [_row(FILES["tips.csv"], (tip, of), _place(tip.point)) for tip in of.tips],
+    "interface_tips": lambda of: [
+        _row(FILES["interface_tips.csv"], (tip, of), _place(tip.point)) for tip in of.interface_tips
+    ],
     "contact": contact_rows,
     "reactions": lambda of: [
         (int(of.step), one.where, *one.force, one.pressure, float(of.load_factor)) for one in of.reactions
@@ -183,7 +186,7 @@ class RunTables:
     """
 
     steps, tips, paths, contact = TableOf(), TableOf(), TableOf(), TableOf()
-    reactions, history, events = TableOf(), TableOf(), TableOf()
+    reactions, history, events, interface_tips = TableOf(), TableOf(), TableOf(), TableOf()
 
     def path(self, crack: str) -> Floats:
         """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""

@@ -20,6 +20,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
+from crackgrow.fracture.interface_tips import InterfaceTip, Release, interface_tips, released
 from crackgrow.fracture.opening import share_across
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
@@ -73,6 +74,7 @@ class StepSolution:
     state: LoadState
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
+    interface_tips: tuple[tuple[InterfaceTip, Release], ...]
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
@@ -132,8 +134,8 @@ def evaluated(state: LoadState) -> StepSolution:
     seconds = {**configuration.seconds, "contact": state.seconds}
     with timed(seconds, "criterion"):
         fields = _stress_fields(state)
-        tips, starts = _tip_states(state, fields), _start_states(state, fields)
-    return StepSolution(state, tips, starts, seconds)
+        tips, starts, bonds = _tip_states(state, fields), _start_states(state, fields), _interface_tips(state)
+    return StepSolution(state, tips, starts, bonds, seconds)
 
 
 def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
@@ -214,24 +216,35 @@ def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
     return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
 
 
-def _tractions(state: LoadState, crack: int) -> FaceTraction:
-    """All that acts between the faces of a crack."""
+def _interface_tips(state: LoadState) -> tuple[tuple[InterfaceTip, Release], ...]:
+    """The tips of cracked interfaces, with the energy that they release."""
+    cover, materials, u = state.cover, state.materials, state.outcome.u
+    forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
+    return tuple(
+        (tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces))
+        for tip in interface_tips(cover)
+    )
+
+
+def _tractions(state: LoadState, surface: int) -> FaceTraction:
+    """All that acts between the faces of a crack or an interface."""
     scene, cover, outcome = state.scene, state.cover, state.outcome
     faces, law = state.configuration.faces, state.configuration.contact.law
-    pointwise = scene.laws[crack].elastic and scene.case.numerics.contact.discretization == "gauss"
+    name = cover.surfaces[surface].name
+    pointwise = scene.laws[surface].elastic and scene.case.numerics.contact.discretization == "gauss"
     fluids = enumerate(scene.case.loads)
-    volumes = [n for n, load in fluids if isinstance(load, FluidVolume) and load.fills(cover.cracks[crack].name)]
+    volumes = [n for n, load in fluids if isinstance(load, FluidVolume) and load.fills(name)]
     injected = sum(volume_pressure(state, number) for number in volumes)
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
         if pointwise:
-            normal, tangential = elastic_tractions(cover, faces, crack, s, law, outcome)
+            normal, tangential = elastic_tractions(cover, faces, surface, s, law, outcome)
         else:
             points = outcome.points
-            normal, tangential = between_contact_points(faces, crack, s, points.normal, points.tangential)
-        if scene.has_fluid(crack):
-            places = cover.lattice.to_metres(points_at(cover, crack, s).points)
-            normal = normal - scene.fluid_pressure(crack, state.factor, places)
+            normal, tangential = between_contact_points(faces, surface, s, points.normal, points.tangential)
+        if scene.has_fluid(name):
+            places = cover.lattice.to_metres(points_at(cover, surface, s).points)
+            normal = normal - scene.fluid_pressure(name, state.factor, places)
         return normal - injected, tangential
 
     return traction

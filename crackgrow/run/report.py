@@ -16,6 +16,7 @@ from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
 from crackgrow.fracture.advance import STARTS, advancing_sites
+from crackgrow.fracture.interface_tips import InterfaceTip, Release
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
@@ -31,6 +32,7 @@ from crackgrow.run.result import (
     Event,
     Frame,
     FrameOnDemand,
+    InterfaceTipResult,
     StartResult,
     StepResult,
     TipResult,
@@ -62,6 +64,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         cracks=paths,
         events=state.events,
         tips=tuple(_tip(solution, tip, tip in advances.sites, errors, still) for tip in range(len(solution.tips))),
+        interface_tips=tuple(_interface_tip(solution, *known) for known in solution.interface_tips),
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
@@ -97,6 +100,21 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
             *_growing(state.step, solution, advances),
         ),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
+    )
+
+
+def _interface_tip(solution: StepSolution, tip: InterfaceTip, release: Release) -> InterfaceTipResult:
+    """The row of a tip of a cracked interface."""
+    lattice = solution.cover.lattice
+    return InterfaceTipResult(
+        crack=str(solution.cover.surfaces[tip.surface].name),
+        tip=end_word(tip.at_end),
+        point=lattice.to_metres(tip.point),
+        G=release.G,
+        G_spread=release.G_spread,
+        K=release.K,
+        G_radius=tip.radius * lattice.spacing,
+        cell_size=tip.size * lattice.spacing,
     )
 
 

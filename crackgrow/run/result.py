@@ -77,6 +77,20 @@ class TipResult:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class InterfaceTipResult:
+    """An end of the cracked part of an interface. No K_I and K_II: between two materials these do not exist."""
+
+    crack: str  # "first/second"
+    tip: Literal["start", "end"]
+    point: Floats  # (2,) m
+    G: float  # J/m^2, energy release rate along the interface; nan where it is not known
+    G_spread: float  # J/m^2, between discs of integration
+    K: float  # Pa sqrt(m), size of the complex K
+    G_radius: float  # m, of the disc
+    cell_size: float  # m, side of the cells round the tip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StartResult:
     """The most critical place of a step at which a crack may start."""
 
@@ -242,6 +256,7 @@ class StepResult:
     cracks: tuple[CrackPath, ...]
     events: tuple[Event, ...]  # of the advance that led to this configuration
     tips: tuple[TipResult, ...]
+    interface_tips: tuple[InterfaceTipResult, ...]
     contact: ContactPoints
     faces: tuple[CrackFaces, ...]  # cracks, then interfaces, then foundations
     reactions: tuple[Reaction, ...]

@@ -14,7 +14,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case import model
 from crackgrow.case.formula import component_at
 from crackgrow.case.sizing import Length, rim_lengths
-from crackgrow.case.surface import numbered
+from crackgrow.case.surface import SurfaceName, numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
@@ -98,19 +98,18 @@ class Scene:
         assert self.course is not None
         return self.course.parts(lambda stage: 1.0 - dict(stage.excavated).get(body, 0.0))
 
-    def fluid_pressure(self, crack: int, load_factor: float, places: Floats) -> Floats:
-        """Pressure (n,) Pa on the faces of a crack at places (n, 2) m, at a load factor."""
+    def fluid_pressure(self, surface: SurfaceName, load_factor: float, places: Floats) -> Floats:
+        """Pressure (n,) Pa on the faces of a surface at places (n, 2) m, at a load factor."""
         total = np.zeros(len(places))
-        for load in self._fluids(crack):
+        for load in self._fluids(surface):
             total += component_at(load.pressure, places) * self.share(load, load_factor)
         return total
 
-    def has_fluid(self, crack: int) -> bool:
-        """Whether a fluid presses on the faces of a crack."""
-        return bool(self._fluids(crack))
+    def has_fluid(self, surface: SurfaceName) -> bool:
+        """Whether a fluid presses on the faces of a surface."""
+        return bool(self._fluids(surface))
 
-    def _fluids(self, crack: int) -> list[model.FluidPressure]:
-        surface = self.case.cracks[crack].surface
+    def _fluids(self, surface: SurfaceName) -> list[model.FluidPressure]:
         return [load for load in self.case.loads if isinstance(load, model.FluidPressure) and load.fills(surface)]
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:

@@ -27,7 +27,7 @@ from crackgrow.case.segments import line_length
 from crackgrow.case.sizing import SHARP_KINK, stretches
 from crackgrow.case.toughness import length_of_average
 from crackgrow.cover.refinement import SizeField
-from crackgrow.cover.shapes import CrackGeometry, body_index
+from crackgrow.cover.shapes import CrackGeometry, body_index, ends_at_bonds
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.geometry.tolerance import SAME_PLACE
 
@@ -64,7 +64,7 @@ def size_field(scene: Scene, cracks: Sequence[CrackGeometry]) -> SizeField:
     at_tips = max(refine.rings, scene.lattice.support)
     times, rings = (2.0, 0.5 * refine.rings) if grading.nested else (1.0, at_tips)
     classes: list[tuple[int | str, float, Features]] = [
-        (refine.tips, at_tips, _tips(scene, cracks)),
+        (refine.tips, at_tips, chain(_tips(scene, cracks), _interface_tips(scene))),
         (refine.kinks, rings, chain(_kinks(scene, cracks), _ends(scene, cracks), _meetings(scene, cracks))),
         (refine.corners, rings, _sharp_corners(scene, cracks)),
         (AUTO, rings, _rims(scene) if refine.corners == AUTO else iter(())),
@@ -110,6 +110,13 @@ def _tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
                     _along(scene, radius / scene.lattice.spacing, "radius"),
                 ]
             yield tip, 0.5 ** max(level, 0) * max(min(sizes), least)
+
+
+def _interface_tips(scene: Scene) -> Features:
+    """Tips of cracked interfaces, whose stress no function follows: as kinks, by the crack."""
+    for number, at_end in ends_at_bonds(scene.interfaces):
+        points = scene.interfaces[number].seen_from(at_end)
+        yield shapely.Point(points[0]), _along(scene, line_length(points), "kink", scene.grading.rest)
 
 
 def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:

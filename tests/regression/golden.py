@@ -73,6 +73,7 @@ def _of_step(name: str, result: StepResult, extent: float) -> Iterator[tuple[Key
         (x, y), kink, criticality = tip.point, np.deg2rad(tip.kink_deg), tip.criticality
         by_place.append((f"{tip.crack} {tip.tip}", {"x": x, "y": y, "K_I": tip.K_I, "K_II": tip.K_II}))
         by_place.append((f"{tip.crack} {tip.tip}", {"kink": kink, "criticality": criticality}))
+    by_place += [(f"{tip.crack} {tip.tip}", {"G": tip.G}) for tip in result.interface_tips]
     for reaction in result.reactions:
         force = [part if abs(part) > NO_FORCE * result.stress * extent else 0.0 for part in reaction.force]
         by_place.append((reaction.where, dict(zip(("force_x", "force_y"), force, strict=True))))

@@ -126,6 +126,7 @@ def make_result(step: int, **changes: Any) -> StepResult:
         cracks=paths,
         events=(),
         tips=(start, end),
+        interface_tips=(),
         contact=ContactPoints(("flaw",) * n, s, points, normal, tangential, opening, slip, state, opening, slip),
         faces=(CrackFaces("flaw", s, points, opening, slip, normal, tangential, state, np.full(n, 1.5e-3)),),
         reactions=(),

@@ -25,7 +25,7 @@ from tests.unit.results.synthetic import make_case, make_end, make_event, make_p
 
 TABLES = {
     "case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv", "events.csv",
-    "summary.json",
+    "interface_tips.csv", "summary.json",
 }  # fmt: skip
 
 

@@ -502,4 +502,51 @@ def _injected() -> Iterator[Row]:
     )
 
 
-ROWS = [*_open(), *_closed(), *_many(), *_places(), *_along(), *_injected()]
+def joined_plate(degrees: int) -> StepResult:
+    """A plate of 4 by 8 mm of two materials with a crack of 2 mm on the interface, at an angle to the level."""
+    slope = math.tan(math.radians(degrees))
+    tip = [math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]
+    left, right = [-2.0, -2.0 * slope], [2.0, 2.0 * slope]
+    shapes = {"upper": [left, right, [2, 4], [-2, 4]], "lower": [[-2, -4], [2, -4], right, left]}
+    scene = {
+        "title": "a crack on an interface",
+        "units": {"length": "mm", "stress": "MPa"},
+        "plane": "stress",
+        "bodies": {
+            name: {"shape": {"polygon": shapes[name]}, "material": {"young": young, "poisson": 0.3}}
+            for name, young in (("upper", 2e6), ("lower", 2e5))
+        },
+        "interfaces": [
+            {
+                "between": ["upper", "lower"],
+                "contact": {"friction": 0, "cohesion": 0},
+                "cracked": [[-tip[0], -tip[1]], tip],
+            }
+        ],
+        "supports": "minimal",
+        "loads": [
+            {"on": {"body": "upper", "edge": 2}, "traction": [0, 100]},
+            {"on": {"body": "lower", "edge": 0}, "traction": [0, -100]},
+        ],
+        "numerics": {"accuracy": "standard"},
+    }
+    return solve_case(case_of(scene)).result
+
+
+def _on_interfaces() -> Iterator[Row]:
+    """G of cracks between two materials."""
+    for reference in rows("sslp311_interface_crack_G.csv"):
+        degrees = int(reference["theta_deg"])
+        found = cache(partial(joined_plate, degrees))
+        for at_end, side in ((True, "right"), (False, "left")):
+            yield Row(
+                f"crack on an interface at {degrees} degrees",
+                f"G at the {side} tip [J/m^2]",
+                lambda found=found, at_end=at_end: found().interface_tips[at_end].G,  # type: ignore[misc]
+                float(reference[f"G_{side}"]),
+                "sslp311_interface_crack_G.csv: code_aster SSLP311",
+                5e-3,
+            )
+
+
+ROWS = [*_open(), *_closed(), *_many(), *_places(), *_along(), *_injected(), *_on_interfaces()]
