@@ -282,7 +282,7 @@ def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:
             f"contact points change in {len(energies) - 1} pieces of one load, and how they change in the rest of it "
             f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
         )
-    size = max(max(abs(energy.work), energy.strain, abs(energy.dissipated)) for energy in energies)
+    size = max(energy.size for energy in energies)
     fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
     if fallen > BALANCED * size:
         yield f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}"
@@ -409,9 +409,8 @@ def _missing(energy: Energy) -> float:
 
 def _checked(energy: Energy, round_off: float) -> Energy:
     """The energies with their error, beyond what is round-off."""
-    size = max(abs(energy.work), energy.strain, abs(energy.dissipated))
     left = max(abs(_missing(energy)) - round_off, 0.0)
-    return replace(energy, error=left / size if size > 0.0 else 0.0)
+    return replace(energy, error=left / energy.size if energy.size > 0.0 else 0.0)
 
 
 def _booked(state: LoadState, start: Start) -> LoadState:
