@@ -195,18 +195,37 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     began, end = time.perf_counter(), LoadLevel(factor)
     if start.grown:
         return _told(_booked(_part(configuration, start, end), start), began)
-    reached, at_once = list[LoadState](), False
+    reached, in_turn = list[LoadState](), 0
     for state, jumps in follow(configuration, start, end):
         reached.append(state if state.level == end else state.light())
-        at_once = jumps > MOST_JUMPS
-    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], at_once))
-    return _told(replace(reached[-1], via=tuple(reached[:-1]), notes=notes), began)
+        in_turn = jumps
+    return _told(_ended(start, reached, in_turn), began)
 
 
-def follow(configuration: Configuration, start: Start, end: LoadLevel) -> Iterator[tuple[LoadState, int]]:
+def rising(configuration: Configuration, start: Start, factor: float) -> Iterator[LoadState]:
+    """The states on the way to a load factor, each as after an increment up to it, as far as contact bears the load.
+
+    Raises SolveError where no branch goes on, or there are no displacements.
+    """
+    reached, began = list[LoadState](), time.perf_counter()
+    for state, jumps in follow(configuration, start, LoadLevel(factor), open_ended=True):
+        yield _told(_ended(start, [*reached, state], jumps), began)
+        reached.append(state.light())
+        began = time.perf_counter()
+
+
+def _ended(start: Start, reached: Sequence[LoadState], jumps: int) -> LoadState:
+    """The last of the states that were reached from a start, with the others and what is in doubt; jumps led there."""
+    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], jumps > MOST_JUMPS))
+    return replace(reached[-1], via=tuple(reached[:-1]), notes=notes)
+
+
+def follow(
+    configuration: Configuration, start: Start, end: LoadLevel, *, open_ended: bool = False
+) -> Iterator[tuple[LoadState, int]]:
     """The states on the way from a start to a load, in turn, and how many jumps in turn have led to each.
 
-    Raises SolveError where there is none.
+    Raises SolveError where there is none at the load; where the way is `open_ended` at that up to which there are any.
     """
     at, number = start, _number_of(configuration, start)
     for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if number else ():
@@ -217,7 +236,7 @@ def follow(configuration: Configuration, start: Start, end: LoadLevel) -> Iterat
     before: Piece | None = None
     while not pieces or at.level != end:
         if pieces < MOST_PIECES:
-            piece = next_piece(configuration, at.memory, (at.level, end), jumps, before)
+            piece = next_piece(configuration, at.memory, (at.level, end), jumps, before, open_ended)
             state = _stated(configuration, at, piece.states, at.level.towards(end, piece.share), piece.middle)
             before, is_jump = piece if piece.kind == "straight" else None, piece.kind == "jump"
         else:

@@ -18,6 +18,7 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import SLIP, ContactMemory
 from crackgrow.contact.solve import PointStates
+from crackgrow.errors import FreePieceError, NotSolvedError
 from crackgrow.run.configuration import Configuration, LoadLevel
 
 SHARES = (1.0, 1e-3, 1e-6, 1e-8)
@@ -81,6 +82,13 @@ class _LoadPath:
         """The states after one increment to there."""
         return self.configuration.states(self.level(share), self.was, self.near)
 
+    def if_borne(self, share: float) -> PointStates | None:
+        """The same; None where there are none."""
+        try:
+            return self.at(share)
+        except (FreePieceError, NotSolvedError):
+            return None
+
     def on_branch(self, like: PointStates, share: float) -> PointStates:
         """The states there on branches of others."""
         increment, free = self.configuration.increment(self.level(share), self.was)
@@ -116,12 +124,14 @@ def next_piece(
     ends: tuple[LoadLevel, LoadLevel],
     jumps: int,
     before: Piece | None,
+    open_ended: bool,
 ) -> Piece:
     """The next piece of a way between two loads.
 
     It sets out from what `was` at the first load; `jumps` are those in turn that have led there. A straight piece
     `before` ended at an event there: few points have other branches beyond, and where one event was the next is mostly
-    near. Raises SolveError where there are no states.
+    near. Raises SolveError where there are no states at the last load; of a way that is `open_ended`, which nothing may
+    bear up to there, where no branch goes on.
     """
     path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
@@ -132,18 +142,19 @@ def next_piece(
         start = path.at(least)
         probe = max(PROBE, least)
         # wear of less than both is round-off of points left by the load
-        if law.bends.any() or (path.wear(start) > 0.0 and path.wear(path.at(probe)) > 0.0):
+        if law.bends.any() or (
+            path.wear(start) > 0.0 and ((there := path.if_borne(probe)) is None or path.wear(there) > 0.0)
+        ):
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
-    for share in (*(share for share in _shares(jumps, before) if share > least), least):
-        states = path.at(share)
-        if path.wear(states) > 0.0:
-            continue  # it begins on the way
-        if _breaks(path, states):
-            continue
+    for share in (*(share for share in _shares(jumps, before, open_ended) if share > least), least):
+        states = path.at(share) if share in (1.0, least) else path.if_borne(share)
+        if states is None or path.wear(states) > 0.0 or _breaks(path, states):
+            continue  # on the way
         begin = path.on_branch(states, 0.0)
         if _leads_back(path, begin, states):
             break
     else:
+        assert states is not None  # of the least share
         return Piece(states, share, "jump")
     if share == 1.0:
         return Piece(states, 1.0, "straight")
@@ -152,14 +163,14 @@ def next_piece(
     return Piece(end if event == 1.0 else path.between(begin, end, event, event), event, "straight")
 
 
-def _shares(jumps: int, before: Piece | None) -> tuple[float, ...]:
+def _shares(jumps: int, before: Piece | None, open_ended: bool) -> tuple[float, ...]:
     """The increments that are looked at for the branches of the next piece, in turn.
 
     After a piece that ended early the next event is mostly near, too. Where it ended as soon as it had been looked at
     that is the round-off of points which hardly change, and a longer look passes them.
     """
     if before is None:
-        return SHARES[1:] if jumps else SHARES
+        return SHARES[1:] if jumps or open_ended else SHARES
     return SHARES[2:] if 2.0 * SHARES[2] < before.share < SHARES[1] else SHARES[1:]
 
 

@@ -15,6 +15,7 @@ from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
+from crackgrow.contact.solve import OVERLAP
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import site_criticality
@@ -89,7 +90,7 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
     Faces are looked at along samples, and at the contact points of kinks, of which there is one for each normal.
     """
     strain, found, (points, _) = pressed_strain(solution, faces), [], solution.state.along_surfaces
-    names = np.array(points.crack)
+    names, round_off = np.array(points.crack), OVERLAP * float(np.abs(solution.outcome.u).max())
     for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
         mine = np.flatnonzero(names == face.crack)
         mine = mine[np.isin(points.s[mine], points.s[mine][1:][np.diff(points.s[mine]) == 0.0])]
@@ -101,7 +102,7 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
         apart[: len(face.s)] = _apart(law, face, elastic[: len(face.s)])
         how, off = max((("overlap", overlap), ("stand apart under pressure", apart)), key=lambda way: way[1].max())
         part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
-        small = np.maximum(WarningCause.OVERLAP.limit * _largest_jump(face), part * strain * size)
+        small = np.maximum(max(WarningCause.OVERLAP.limit * _largest_jump(face), round_off), part * strain * size)
         shares = np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
         worst = int(np.argmax(shares))
         found.append(
