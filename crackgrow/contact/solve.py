@@ -290,20 +290,7 @@ class Increment:
             return self._untouched(free)
         problem, near = self._problem(like.trial, free), like.solution.equations
         other, unknowns = problem.settled()
-        return self._on_branch(like, free, problem, unknowns(solve_active(other, like.active, near)))
-
-    def between(self, first: PointStates, last: PointStates, share: float, free: Floats) -> PointStates:
-        """The states at a share of the way from the `first` to the `last`, which are on the same branches."""
-        if first.solution is None or last.solution is None:
-            return self._untouched(free)
-        x = (1.0 - share) * first.solution.unknowns + share * last.solution.unknowns
-        return self._on_branch(first, free, self._problem(first.trial, free), x)
-
-    def _on_branch(self, like: PointStates, free: Floats, problem: ContactProblem, x: Floats) -> PointStates:
-        """The states of unknowns x of the problem, on the branches of some others."""
-        assert like.active is not None
-        assert like.solution is not None
-        m, near = problem.free.size, like.solution.equations
+        x, m = unknowns(solve_active(other, like.active, near)), problem.free.size
         solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations)

@@ -94,11 +94,6 @@ class _LoadPath:
         increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_branch(like, free)
 
-    def between(self, first: PointStates, last: PointStates, part: float, share: float) -> PointStates:
-        """The states after a share of the way, which is a part of that from some to others on the same branches."""
-        increment, free = self.configuration.increment(self.level(share), self.was)
-        return increment.between(first, last, part, free)
-
     def on_wearing_branch(self, like: PointStates, share: float) -> PointStates:
         """The same, with what slip on these branches takes."""
         increment, free = self.configuration.increment(self.level(share), self.was)
@@ -160,7 +155,7 @@ def next_piece(
         return Piece(states, 1.0, "straight")
     end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
-    return Piece(end if event == 1.0 else path.between(begin, end, event, event), event, "straight")
+    return Piece(end if event == 1.0 else path.on_branch(begin, event), event, "straight")
 
 
 def _shares(jumps: int, before: Piece | None, open_ended: bool) -> tuple[float, ...]:
