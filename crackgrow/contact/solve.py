@@ -285,7 +285,21 @@ class Increment:
         return replace(found, iterations=start.iterations + solution.iterations)
 
     def on_branch(self, like: PointStates, free: Floats) -> PointStates:
-        """The states where every point is on the branch that it has in others, whether the law holds or not."""
+        """The states where every point is on the branch that it has in others, whether the law holds or not.
+
+        Points lose by slip on these branches what the law says, and no more.
+        """
+        states = self._on_branch(like, free)
+        for _ in range(MOST_WEARS):
+            lost, settled_down = self._worn(states), not self._bent(states)
+            if settled_down and np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
+                break
+            trial = replace(states.trial, lost=lost, pressed=states.normal)
+            states = self._on_branch(replace(states, trial=trial), free)
+        return states
+
+    def _on_branch(self, like: PointStates, free: Floats) -> PointStates:
+        """The states on branches of others, with what points of these have lost."""
         if like.active is None or like.solution is None:
             return self._untouched(free)
         problem, near = self._problem(like.trial, free), like.solution.equations
@@ -294,18 +308,6 @@ class Increment:
         solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations)
-
-    def on_wearing_branch(self, like: PointStates, free: Floats) -> PointStates:
-        """The same where points lose by slip on these branches what the law says, and no more."""
-        states = self.on_branch(like, free)
-        for _ in range(MOST_WEARS):
-            lost, settled_down = self._worn(states), not self._bent(states)
-            if settled_down and np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
-                break
-            states = self.on_branch(
-                replace(states, trial=replace(states.trial, lost=lost, pressed=states.normal)), free
-            )
-        return states
 
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""

@@ -90,14 +90,9 @@ class _LoadPath:
             return None
 
     def on_branch(self, like: PointStates, share: float) -> PointStates:
-        """The states there on branches of others."""
+        """The states there on branches of others, with what slip on these takes."""
         increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_branch(like, free)
-
-    def on_wearing_branch(self, like: PointStates, share: float) -> PointStates:
-        """The same, with what slip on these branches takes."""
-        increment, free = self.configuration.increment(self.level(share), self.was)
-        return increment.on_wearing_branch(like, free)
 
     def moved(self, states: PointStates) -> Floats:
         """How far (n,) m points have slipped on the way, less the elastic part."""
@@ -180,20 +175,20 @@ def _bent_piece(path: _LoadPath, start: PointStates, least: float) -> Piece | No
     `start` are the states after the `least` share. Strength falls with slip there, so that tractions and slip are
     nearly linear in the load, and smooth up to the next event.
     """
-    begin = path.on_wearing_branch(start, 0.0)
+    begin = path.on_branch(start, 0.0)
     if not _leads_back(path, begin, start):
         return None
     share = max(PROBE, least)
-    end = path.on_wearing_branch(begin, share)
+    end = path.on_branch(begin, share)
     share = min(1.0, share * WEAR / max(path.wear(end), share * WEAR))
-    while path.wear(end := path.on_wearing_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
+    while path.wear(end := path.on_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
         if share <= least:
             return None
         share = max(share * min(max(0.8 * WEAR / path.wear(end), 0.1), 0.5), least)
     event, end = _until_event(path, begin, (share, end))
     if event < least:
-        event, end = least, path.on_wearing_branch(end, least)
-    return Piece(end, event, "bent", path.on_wearing_branch(end, 0.5 * event))
+        event, end = least, path.on_branch(end, least)
+    return Piece(end, event, "bent", path.on_branch(end, 0.5 * event))
 
 
 def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:
@@ -205,7 +200,7 @@ def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointSta
             return high
         part = part if look % 2 == 0 else 0.5  # alone the first creeps where friction bends near no pressure
         share = low[0] + part * (high[0] - low[0])
-        there = (share, path.on_wearing_branch(high[1], share))
+        there = (share, path.on_branch(high[1], share))
         if min(share - low[0], high[0] - share) <= AT_EVENT * share:
             return there
         if _first_event(path, begin, there[1]) < 1.0:
