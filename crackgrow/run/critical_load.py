@@ -3,7 +3,8 @@
 The load rises from the held loads alone; contact points remember on the way, and follow a path of straight pieces
 (`path`). The first state on it that meets the criterion, and the one before it, enclose the critical factor: the
 stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there, and
-only where it is met at the end. Where contact that breaks makes the criticality jump past 1, the critical factor is the
+only where it is met at the end. The path is gone along piece by piece, and ends where no branch goes on:
+there pieces of rock come loose. Where contact that breaks makes the criticality jump past 1, the critical factor is the
 one behind the jump.
 """
 
@@ -30,11 +31,8 @@ STRIDE = 4.0
 MOST_WAYS = 60
 """Load factors that one step makes for in turn."""
 
-MET = 1e-9
-"""The criterion is just met where the criticality differs from 1 by less than this."""
-
-NARROW = 1e-9
-"""An interval of load factors is a single one below this fraction."""
+SAME = 1e-9
+"""The criterion is just met where the criticality differs from 1 by less; load factors are one that differ by less."""
 
 BEYOND = 1e-3
 """Of a load factor up to which there are states: so much farther there are none where it is the last one."""
@@ -64,7 +62,7 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
             return replace(search.found(first), notes=(NEVER_CRITICAL,))
         trials = [*trials[-2:], *search.towards(trials[-1], search.beyond(*trials[-2:]))]
     (below, above), tries = trials[-2:], 0
-    while not above.meets and above.factor - below.factor > NARROW * above.factor:
+    while not above.meets and above.factor - below.factor > SAME * above.factor:
         share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
         trials = [below, *search.towards(below, below.factor + share * (above.factor - below.factor))]
         below, above = trials[-2:] if trials[-1].is_critical else (trials[-1], above)
@@ -89,7 +87,7 @@ class _Trial:
     @property
     def meets(self) -> bool:
         """Whether the criterion is just met."""
-        return abs(self.criticality - 1.0) <= MET
+        return abs(self.criticality - 1.0) <= SAME
 
     @property
     def is_critical(self) -> bool:

@@ -330,8 +330,8 @@ def test_a_load_that_is_not_followed_to_its_end_is_told(monkeypatch: pytest.Monk
 def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPatch, share: float, words: str) -> None:
     case = shipped_case("compression30", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"])
     assert not any(words in warning for warning in next(grow(case)).warnings)
-    true = increments._dissipated
-    monkeypatch.setattr(increments, "_dissipated", lambda *state: share * true(*state))
+    true = increments.dissipated_on
+    monkeypatch.setattr(increments, "dissipated_on", lambda *state: share * true(*state))
     assert any(words in warning for warning in next(grow(case)).warnings)
 
 
