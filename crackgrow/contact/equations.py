@@ -66,9 +66,11 @@ class ActiveEquations:
         With residuals r of these points S the unknowns are x + P r: r is such that S fulfil the other equations
         (Sherman, Morrison, Woodbury; Golub, Van Loan, equation (2.1.4)).
         """
+        if problem.points is not self.points:
+            return None
         branches = Branches(problem, active)
         moving, n, m = self.branches.differ(branches), problem.n_points, problem.free.size
-        if problem.points is not self.points or (moving.any() and (self.singular or moving.mean() > most)):
+        if moving.any() and (self.singular or moving.mean() > most):
             return None
         x = self._unmoved(problem, np.where(self.branches.sticks, 0.0, branches.shear))
         if not moving.any():

@@ -286,40 +286,29 @@ class Increment:
         return replace(found, iterations=start.iterations + solution.iterations)
 
     def on_branch(self, like: PointStates, free: Floats) -> PointStates:
-        """The states where every point is on the branch that it has in others, whether the law holds or not."""
-        if like.active is None or like.solution is None:
-            return self._untouched(free)
-        problem, near = self._problem(like.trial, free), like.solution.equations
-        other, unknowns = problem.settled()
-        return self._on_branch(like, free, problem, unknowns(solve_active(other, like.active, near)))
+        """The states where every point is on the branch that it has in others, whether the law holds or not.
 
-    def between(self, first: PointStates, last: PointStates, share: float, free: Floats) -> PointStates:
-        """The states at a share of the way from the `first` to the `last`, which are on the same branches."""
-        if first.solution is None or last.solution is None:
-            return self._untouched(free)
-        x = (1.0 - share) * first.solution.unknowns + share * last.solution.unknowns
-        return self._on_branch(first, free, self._problem(first.trial, free), x)
-
-    def _on_branch(self, like: PointStates, free: Floats, problem: ContactProblem, x: Floats) -> PointStates:
-        """The states of unknowns x of the problem, on the branches of some others."""
-        assert like.active is not None
-        assert like.solution is not None
-        m, near = problem.free.size, like.solution.equations
-        solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
-        found = self._with(like.trial, free, problem, (solution, like.active))
-        return replace(found, iterations=like.iterations)
-
-    def on_wearing_branch(self, like: PointStates, free: Floats) -> PointStates:
-        """The same where points lose by slip on these branches what the law says, and no more."""
-        states = self.on_branch(like, free)
+        Points lose by slip on these branches what the law says, and no more.
+        """
+        states = self._on_branch(like, free)
         for _ in range(MOST_WEARS):
             lost, settled_down = self._worn(states), not self._bent(states)
             if settled_down and np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
                 break
-            states = self.on_branch(
-                replace(states, trial=replace(states.trial, lost=lost, pressed=states.normal)), free
-            )
+            trial = replace(states.trial, lost=lost, pressed=states.normal)
+            states = self._on_branch(replace(states, trial=trial), free)
         return states
+
+    def _on_branch(self, like: PointStates, free: Floats) -> PointStates:
+        """The states on branches of others, with what points of these have lost."""
+        if like.active is None or like.solution is None:
+            return self._untouched(free)
+        problem, near = self._problem(like.trial, free), like.solution.equations
+        other, unknowns = problem.settled()
+        x, m = unknowns(solve_active(other, like.active, near)), problem.free.size
+        solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
+        found = self._with(like.trial, free, problem, (solution, like.active))
+        return replace(found, iterations=like.iterations)
 
     def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
         """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""

@@ -3,7 +3,8 @@
 The load rises from the held loads alone; contact points remember on the way, and follow a path of straight pieces
 (`path`). The first state on it that meets the criterion, and the one before it, enclose the critical factor: the
 stresses are linear between the two, so that the criterion, whose limits are convex in stress, is met once there, and
-only where it is met at the end. Where contact that breaks makes the criticality jump past 1, the critical factor is the
+only where it is met at the end. The path is gone along piece by piece, and ends where no branch goes on:
+there pieces of rock come loose. Where contact that breaks makes the criticality jump past 1, the critical factor is the
 one behind the jump.
 """
 
@@ -19,7 +20,7 @@ from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
-from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment
+from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment, rising
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -27,20 +28,14 @@ LARGEST_FACTOR = 1e6
 STRIDE = 4.0
 """Factor by which the load grows until the criterion is met."""
 
-MOST_TRIALS = 60
-"""Increments of one step."""
+MOST_WAYS = 60
+"""Load factors that one step makes for in turn."""
 
-MET = 1e-9
-"""The criterion is just met where the criticality differs from 1 by less than this."""
+SAME = 1e-9
+"""The criterion is just met where the criticality differs from 1 by less; load factors are one that differ by less."""
 
-NARROW = 1e-9
-"""An interval of load factors is a single one below this fraction."""
-
-NEAR_COLLAPSE = 1e-3
-"""The last load factor that is borne is found to this fraction."""
-
-MOST_RETREATS = 12
-"""Load factors without a solution, each about half of the one before, after which that is how it ends."""
+BEYOND = 1e-3
+"""Of a load factor up to which there are states: so much farther there are none where it is the last one."""
 
 NEVER_CRITICAL = (
     f"no load factor up to {LARGEST_FACTOR:g} meets the criterion at any tip; where loads confine, strength grows with "
@@ -51,35 +46,27 @@ NEVER_CRITICAL = (
 def critically_loaded(configuration: Configuration, guess: float) -> StepSolution:
     """The configuration at the load factor at which the criterion is just met at the first of the sites that can grow.
 
-    `guess` > 0 is the first factor that is tried. Where no factor up to `LARGEST_FACTOR` meets the criterion, the
+    `guess` > 0 is the first factor that is made for. Where no factor up to `LARGEST_FACTOR` meets the criterion, the
     solution is the one at the guess, and its notes say so. Raises SolveError where the search does not settle, and
     FreePieceError where a piece comes loose before.
     """
     search = _Search(configuration)
-    if not search.can_grow.any():
-        return search.found(search.path(search.rest, guess)[-1])
-    if search.rest.criticality >= 1.0:
+    if search.rest.is_critical:
         raise SolveError("the criterion is met under the held loads alone: no critical load factor; hold smaller loads")
-    below, first, factor = search.rest, None, guess
-    while search.n_increments < MOST_TRIALS:
-        trials = search.path(below, factor)
-        first = first or trials[-1]
-        below, above = _enclosing(below, trials)
-        if above is not None:
-            break
-        if below.factor >= LARGEST_FACTOR:
+    trials = [search.rest, *search.towards(search.rest, guess)]
+    first = trials[-1]
+    if not search.can_grow.any():
+        return search.found(first)
+    while not trials[-1].is_critical:
+        if trials[-1].factor >= LARGEST_FACTOR:
             return replace(search.found(first), notes=(NEVER_CRITICAL,))
-        before = next((trial for trial in trials[-2::-1] if trial.factor < below.factor), search.rest)
-        factor = search.beyond(before, below)
-    else:
-        raise SolveError(f"no critical load factor found up to {below.factor:.12g}")
-    tries = 0
-    while not above.meets and above.factor - below.factor > NARROW * above.factor:
-        if search.n_increments >= MOST_TRIALS:
-            raise SolveError(f"no critical load factor found between {below.factor:.12g} and {above.factor:.12g}")
+        trials = [*trials[-2:], *search.towards(trials[-1], search.beyond(*trials[-2:]))]
+    (below, above), tries = trials[-2:], 0
+    while not above.meets and above.factor - below.factor > SAME * above.factor:
         share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
-        below, upper = _enclosing(below, search.path(below, below.factor + share * (above.factor - below.factor)))
-        above, tries = upper or above, tries + 1
+        trials = [below, *search.towards(below, below.factor + share * (above.factor - below.factor))]
+        below, above = trials[-2:] if trials[-1].is_critical else (trials[-1], above)
+        tries += 1
     return search.found(above)
 
 
@@ -100,16 +87,12 @@ class _Trial:
     @property
     def meets(self) -> bool:
         """Whether the criterion is just met."""
-        return abs(self.criticality - 1.0) <= MET
+        return abs(self.criticality - 1.0) <= SAME
 
-
-def _enclosing(below: _Trial, trials: Sequence[_Trial]) -> tuple[_Trial, _Trial | None]:
-    """The first of the `trials` that meets the criterion, None if none does, and the one before it."""
-    for trial in trials:
-        if trial.criticality >= 1.0 or trial.meets:
-            return below, trial
-        below = trial
-    return below, None
+    @property
+    def is_critical(self) -> bool:
+        """Whether the criterion is met, just or by more."""
+        return self.criticality >= 1.0 or self.meets
 
 
 class _Search:
@@ -119,45 +102,53 @@ class _Search:
         self._configuration = configuration
         self._start = held_loads(configuration)
         self._seconds: dict[str, float] = {}
-        self._unborne = np.inf  # the least load factor that no solution was found at
-        self._why: FreePieceError | NotSolvedError | None = None  # it has none, or none was found
-        self._n_unborne = 0  # load factors known to have none
-        self.n_increments = 0
+        self._n_ways = 0
+        self._why = ""  # a way ended before the load factor that it made for
         ends, sites = configuration.cover.tip_ends, configuration.sites
         grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
         self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site
         self.rest = self._at_rest()
 
-    def path(self, below: _Trial, factor: float) -> list[_Trial]:
-        """The states on the way from a trial to a load factor, where that is borne: else to the last one that is.
+    def towards(self, below: _Trial, factor: float) -> list[_Trial]:
+        """The states on the way from a trial to a load factor, up to the first that is critical.
 
-        Raises FreePieceError or NotSolvedError where hardly more than the first trial is borne, or was found.
+        Raises FreePieceError or NotSolvedError where no branch goes on, and none is found a little farther.
         """
-        start = self._start if below.solution is None else from_state(below.solution.state)
-        while True:
-            if factor >= self._unborne:
-                factor = 0.5 * (below.factor + self._unborne)
-                self._check_borne(below)
-            try:
-                state = self._increment(start, factor)
-            except (FreePieceError, NotSolvedError) as error:
-                self._unborne, self._why = factor, error
-                self._n_unborne += 1
-                continue
-            return [self._evaluated(each) for each in (*state.via, state)]
+        self._n_ways += 1
+        if self._n_ways > MOST_WAYS:
+            raise NotSolvedError(f"no critical load factor found up to {below.factor:.12g}{self._why}")
+        states, found = rising(self._configuration, self._start_of(below), factor), list[_Trial]()
+        try:
+            while not (found and found[-1].is_critical):
+                with timed(self._seconds, "contact"):
+                    state = next(states, None)
+                if state is None:
+                    break
+                found.append(self._evaluated(state))
+        except (FreePieceError, NotSolvedError) as error:
+            self._why = f", and no state was found at {factor:.6g}: {error}"
+            found.append(self._farther(found[-1] if found else below, factor))
+        return found
 
-    def _check_borne(self, below: _Trial) -> None:
-        """Raise why there is no solution where hardly more than a trial is borne."""
-        near = self._unborne - below.factor <= NEAR_COLLAPSE * self._unborne
-        if self._why is None or not (near or self._n_unborne == MOST_RETREATS):
-            return
-        if isinstance(self._why, FreePieceError):
-            what = f"{self._why.what}, from a load factor of {self._unborne:.4g} on, before the criterion is met"
-            raise FreePieceError(what, self._why.remedy) from self._why
-        raise NotSolvedError(
-            f"the criterion is not met up to a load factor of {below.factor:.6g}, and no state was found at "
-            f"{self._unborne:.6g}: {self._why}"
-        ) from self._why
+    def _farther(self, last: _Trial, factor: float) -> _Trial:
+        """The trial a little farther than the `last` one before the path ends, on the way to a load factor."""
+        farther = min(last.factor + BEYOND * (last.factor or factor), factor)
+        try:
+            with timed(self._seconds, "contact"):
+                state = increment(self._configuration, self._start_of(last), farther)
+        except FreePieceError as error:
+            what = f"{error.what}, from a load factor of {farther:.4g} on, before the criterion is met"
+            raise FreePieceError(what, error.remedy) from error
+        except NotSolvedError as error:
+            raise NotSolvedError(
+                f"the criterion is not met up to a load factor of {last.factor:.6g}, and no state was found at "
+                f"{farther:.6g}: {error}"
+            ) from error
+        return self._evaluated(state)
+
+    def _start_of(self, trial: _Trial) -> Start:
+        """Where a way from a trial begins."""
+        return self._start if trial.solution is None else from_state(trial.solution.state)
 
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""
@@ -187,11 +178,6 @@ class _Search:
         """
         return _root(lambda at: float(self._criticalities(_between(*trials, at, some)).max()) - 1.0, *shares)
 
-    def _increment(self, start: Start, factor: float) -> LoadState:
-        self.n_increments += 1
-        with timed(self._seconds, "contact"):
-            return increment(self._configuration, start, factor)
-
     def _evaluated(self, state: LoadState) -> _Trial:
         """The trial of a state."""
         with timed(self._seconds, "criterion"):
@@ -206,7 +192,7 @@ class _Search:
     def _at_rest(self) -> _Trial:
         """The trial under the held loads alone."""
         if any(load.held for load in self._configuration.scene.case.loads):
-            return self._evaluated(self._increment(self._start, 0.0))
+            return self._evaluated(increment(self._configuration, self._start, 0.0))
         return _Trial(0.0, [None] * len(self.can_grow), np.zeros(len(self.can_grow)), None)
 
     def _criticalities(self, loadings: Sequence[TipLoading | None]) -> Floats:

@@ -1,15 +1,4 @@
-"""Loads in increments on one configuration: the states on the path, and what the loads do on the way.
-
-Within a straight piece of the path (`path`) everything is linear in the loads, so that these are exact (trapezoidal
-rule); on a bent one, where strength falls with slip, Simpson's rule takes the middle in:
-
-    work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
-    dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
-
-with b the shear that the law of friction allows (its mean over the slip), and the strain energy is u K u / 2, with that
-of elastic contact. Where points jump, since bonds break or let go, friction does not take all that the loads and the
-rock give, and the rest is released.
-"""
+"""Loads in increments on one configuration: the states on the path, each with its energies (`energies`)."""
 
 from __future__ import annotations
 
@@ -22,16 +11,17 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import LoadHistory
-from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
+from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
-from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
+from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.emissions import Course, Moves, released_by, told
+from crackgrow.run.energies import dissipated_on, strain_energy
 from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
@@ -203,18 +193,37 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     began, end = time.perf_counter(), LoadLevel(factor)
     if start.grown:
         return _told(_booked(_part(configuration, start, end), start), began)
-    reached, at_once = list[LoadState](), False
+    reached, in_turn = list[LoadState](), 0
     for state, jumps in follow(configuration, start, end):
         reached.append(state if state.level == end else state.light())
-        at_once = jumps > MOST_JUMPS
-    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], at_once))
-    return _told(replace(reached[-1], via=tuple(reached[:-1]), notes=notes), began)
+        in_turn = jumps
+    return _told(_ended(start, reached, in_turn), began)
 
 
-def follow(configuration: Configuration, start: Start, end: LoadLevel) -> Iterator[tuple[LoadState, int]]:
+def rising(configuration: Configuration, start: Start, factor: float) -> Iterator[LoadState]:
+    """The states on the way to a load factor, each as after an increment up to it, as far as contact bears the load.
+
+    Raises SolveError where no branch goes on, or there are no displacements.
+    """
+    reached, began = list[LoadState](), time.perf_counter()
+    for state, jumps in follow(configuration, start, LoadLevel(factor), open_ended=True):
+        yield _told(_ended(start, [*reached, state], jumps), began)
+        reached.append(state.light())
+        began = time.perf_counter()
+
+
+def _ended(start: Start, reached: Sequence[LoadState], jumps: int) -> LoadState:
+    """The last of the states that were reached from a start, with the others and what is in doubt; jumps led there."""
+    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], jumps > MOST_JUMPS))
+    return replace(reached[-1], via=tuple(reached[:-1]), notes=notes)
+
+
+def follow(
+    configuration: Configuration, start: Start, end: LoadLevel, *, open_ended: bool = False
+) -> Iterator[tuple[LoadState, int]]:
     """The states on the way from a start to a load, in turn, and how many jumps in turn have led to each.
 
-    Raises SolveError where there is none.
+    Raises SolveError where there is none at the load; where the way is `open_ended` at that up to which there are any.
     """
     at, number = start, _number_of(configuration, start)
     for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if number else ():
@@ -225,7 +234,7 @@ def follow(configuration: Configuration, start: Start, end: LoadLevel) -> Iterat
     before: Piece | None = None
     while not pieces or at.level != end:
         if pieces < MOST_PIECES:
-            piece = next_piece(configuration, at.memory, (at.level, end), jumps, before)
+            piece = next_piece(configuration, at.memory, (at.level, end), jumps, before, open_ended)
             state = _stated(configuration, at, piece.states, at.level.towards(end, piece.share), piece.middle)
             before, is_jump = piece if piece.kind == "straight" else None, piece.kind == "jump"
         else:
@@ -291,7 +300,7 @@ def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:
             f"contact points change in {len(energies) - 1} pieces of one load, and how they change in the rest of it "
             f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
         )
-    size = max(max(abs(energy.work), energy.strain, abs(energy.dissipated)) for energy in energies)
+    size = max(energy.size for energy in energies)
     fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
     if fallen > BALANCED * size:
         yield f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}"
@@ -332,13 +341,13 @@ def _stated(
     if middle is not None:
         bulge = SIMPSON * (configuration.conjugates(start.level.towards(level, 0.5), middle) - mean)
         work -= SIGNS * bulge @ more
-    strain, terms = _strain(state)
+    strain, terms = strain_energy(state)
     round_off = max(terms, start.round_off)  # work that comes back keeps the round-off of what it was
-    slides, by_point = _dissipated(configuration, was, state, middle)
-    dissipated = none.dissipated + 0.5 * float(configuration.contact.weights @ by_point)
+    slides, by_point = dissipated_on(configuration, was, state, middle)
+    dissipated = none.dissipated + float(by_point.sum())
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), round_off)
     moves = _moves(state, start, slides)
-    course = told(start.course, moves, 0.5 * configuration.contact.weights * by_point)
+    course = told(start.course, moves, by_point)
     return replace(state, energy=energy, round_off=round_off, course=course)
 
 
@@ -358,81 +367,6 @@ def _moves(state: LoadState, start: Start, slides: Bools) -> Moves:
     )
 
 
-def _strain(state: LoadState) -> tuple[float, float]:
-    """Strain energy of rock and elastic contact, J/m, and what it is good to.
-
-    u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
-    """
-    contact, states, shares = state.configuration.contact, state.states, state.configuration.shares(state.level)
-    sizes = state.configuration.conjugate_terms(state.level, states) * np.abs(shares)
-    loads = state.conjugates * shares
-    jumps = np.concatenate([states.gap + states.dilation, states.slip])
-    law = contact.law
-    elastic = np.concatenate([-law.closure(states.normal), law.shear_compliance * states.tangential])
-    tractions = np.tile(contact.weights, 2) * states.tractions
-    terms = float(np.maximum(np.abs(loads), sizes).sum() + np.abs(tractions * jumps).sum())
-    bent = contact.weights @ contact.law.stored(states.normal)
-    return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)) + float(bent), ROUND_OFF * terms
-
-
-def _dissipated(
-    configuration: Configuration, was: ContactMemory, state: LoadState, middle: PointStates | None
-) -> tuple[Bools, Floats]:
-    """Which points (n,) slide from what `was` to a state; twice what friction and dilation take there (n,), J/m^2.
-
-    It is by the law; on a bent way by its `middle`.
-    """
-    law = configuration.contact.law
-    now, states = state.memory, state.states
-    closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
-    if states.active is not None:  # at the end of a piece points are about to leave these branches
-        closed[taken] = states.active.closed
-        slides[taken] = (states.active.slip != 0) & (states.active.closed | states.coheres[taken])
-    bulge = np.zeros(len(slides)) if middle is None else _bulge(law, was, now, middle)
-    resisted = _resisted(law, was, now, bulge, states.trial.opened)
-    by_slip = resisted * np.abs(now.slip - was.slip)
-    by_dilation = (was.normal + now.normal + bulge / 3.0) * (now.dilation - was.dilation)
-    return slides, np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0)
-
-
-def _bulge(law: ContactLaw, was: ContactMemory, now: ContactMemory, middle: PointStates) -> Floats:
-    """What normal tractions (n,) Pa on the way have beyond those that are linear in slip, over share (1 - share) of it.
-
-    Where a point does not slip it does not matter.
-    """
-    slip = now.slip - was.slip
-    moved = middle.slip - law.shear_compliance * middle.tangential - was.slip
-    share = np.divide(moved, slip, out=np.full(len(slip), 0.5), where=slip != 0.0)
-    share = np.where(np.abs(share - 0.5) < 0.25, share, 0.5)
-    linear = was.normal + share * (now.normal - was.normal)
-    return np.asarray((middle.normal - linear) / (share * (1.0 - share)))
-
-
-def _resisted(law: ContactLaw, was: ContactMemory, now: ContactMemory, bulge: Floats, opened: Bools) -> Floats:
-    """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa.
-
-    That is Simpson's rule up to where nothing is left to lose, and beyond.
-    """
-    slip = now.slip - was.slip
-    worn = law.worn(was.lost, slip)
-    left = np.where(law.weakens, 1.0 - was.lost, 0.0)
-    falls = np.divide(left, worn, out=np.where(left > 0.0, 1.0, 0.0), where=worn > left)  # share of the slip
-
-    def shear(share: Floats | float) -> Floats:
-        """After a share of the slip."""
-        falling = np.minimum(law.worn(was.lost, share * slip), left)
-        lost = np.where(law.weakens, was.lost + falling, now.lost)
-        normal = was.normal + share * (now.normal - was.normal) + share * (1.0 - share) * bulge
-        friction, cohesion = law.bound_of(lost, normal)
-        cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
-        return np.maximum(cohesion - friction * normal, 0.0)
-
-    first, fallen, last = shear(0.0), shear(falls), shear(1.0)
-    falling = first + 4.0 * shear(0.5 * falls) + fallen
-    beyond = fallen + 4.0 * shear(0.5 * (1.0 + falls)) + last
-    return (falls * falling + (1.0 - falls) * beyond) / 3.0
-
-
 def _missing(energy: Energy) -> float:
     """What the energies miss of each other, J/m."""
     return energy.work - energy.strain - energy.dissipated - energy.released
@@ -440,9 +374,8 @@ def _missing(energy: Energy) -> float:
 
 def _checked(energy: Energy, round_off: float) -> Energy:
     """The energies with their error, beyond what is round-off."""
-    size = max(abs(energy.work), energy.strain, abs(energy.dissipated))
     left = max(abs(_missing(energy)) - round_off, 0.0)
-    return replace(energy, error=left / size if size > 0.0 else 0.0)
+    return replace(energy, error=left / energy.size if energy.size > 0.0 else 0.0)
 
 
 def _booked(state: LoadState, start: Start) -> LoadState:

@@ -15,8 +15,8 @@ from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.evaluation import StepSolution, evaluated, with_ranges
 from crackgrow.run.increments import FROM_REST, LoadState, Origin, held_loads, increment, mapped, next_load
-from crackgrow.run.scene import Scene
-from crackgrow.run.stages import through_stages
+from crackgrow.run.scene import Scene, scene_of_stage
+from crackgrow.run.stages import next_stage
 from crackgrow.run.state_values import history_of
 
 States = Iterator[tuple[LoadState, Origin]]
@@ -36,7 +36,7 @@ class NextStepSolver:
         A step that was solved before has the `origin` that it had then.
         """
         if isinstance(scene.case.loading, Stages):  # every step begins with the first of them
-            return replace(_solved(through_stages(scene, self.cracks)), origin=FROM_REST)
+            return replace(_solved(_in_turn(scene, self.cracks)), origin=FROM_REST)
         configuration = assemble(scene, self.cracks)
         origin = origin or self._origin(configuration)
         if origin.start is not None:
@@ -45,11 +45,11 @@ class NextStepSolver:
         elif isinstance(scene.case.loading, CriticalLoad):
             solution = critically_loaded(configuration, origin.guess)
         elif scene.case.growth is not None and scene.case.growth.fatigue is not None:
-            states = _through_history(configuration)
+            states = _in_turn(scene, self.cracks, configuration=configuration)
             first = next(states)
             solution, origin = with_ranges(_solved(chain([first], states)), first[0]), FROM_REST  # begun unloaded
         else:
-            solution = _solved(_through_history(configuration))
+            solution = _solved(_in_turn(scene, self.cracks, configuration=configuration))
         return replace(solution, origin=origin)
 
     def companion(self, scene: Scene, solution: StepSolution) -> tuple[StepSolution, float]:
@@ -92,12 +92,7 @@ class LoadsInTurn:
         """From number `first` on, whose `origin` is given."""
         self.scene, self._next = scene, first
         self._paid: Configuration | None = None
-        staged = isinstance(scene.case.loading, Stages)
-        self._states = (
-            through_stages(scene, cracks, first, origin)
-            if staged
-            else _through_history(assemble(scene, cracks), first, origin)
-        )
+        self._states = _in_turn(scene, cracks, first, origin)
 
     def solution(self, number: int) -> StepSolution:
         """The solution under a load that has not been asked for; its cost is that of those that were passed by, too.
@@ -143,14 +138,33 @@ class HistorySolver:
         return solution, solution.state.factor
 
 
-def _through_history(configuration: Configuration, first: int = 0, origin: Origin = FROM_REST) -> States:
-    """States at every factor of the case's history, in turn: from number `first` on."""
-    loading = configuration.scene.case.loading
-    assert isinstance(loading, LoadHistory)  # reduced strength has a search of its own
-    for factor in loading.factors[first:]:
+def _in_turn(
+    scene: Scene,
+    cracks: tuple[GrowingCrack, ...],
+    first: int = 0,
+    origin: Origin = FROM_REST,
+    configuration: Configuration | None = None,
+) -> States:
+    """States at every factor of the case's history, or at the end of every stage, in turn, from number `first` on.
+
+    The `configuration` of a history may be at hand; `scene` may be that of any stage. Raises GeometryError or
+    SolveError where there is no state.
+    """
+    loading, state = scene.case.loading, None
+    assert isinstance(loading, LoadHistory | Stages)  # others have searches of their own
+    scene = scene.at_start.with_cracks(cracks) if isinstance(loading, Stages) else scene
+    for number in range(first, scene.case.n_loads):
+        here = scene_of_stage(scene, number) if isinstance(loading, Stages) else scene
+        if state is None:
+            configuration = (configuration or assemble(here, cracks)).with_excavated(origin.excavated)
+        elif isinstance(loading, Stages):
+            configuration, origin = next_stage(state, origin, here)
+        else:
+            origin = Origin(start=next_load(state))
+        assert configuration is not None
+        factor = number + 1.0 if isinstance(loading, Stages) else loading.factors[number]
         state = increment(configuration, origin.start or held_loads(configuration), factor)
         yield state, origin
-        origin = Origin(start=next_load(state))
 
 
 def _solved(states: States, n: int | None = None, paid: Configuration | None = None) -> StepSolution:

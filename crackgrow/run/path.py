@@ -18,6 +18,7 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import SLIP, ContactMemory
 from crackgrow.contact.solve import PointStates
+from crackgrow.errors import FreePieceError, NotSolvedError
 from crackgrow.run.configuration import Configuration, LoadLevel
 
 SHARES = (1.0, 1e-3, 1e-6, 1e-8)
@@ -81,20 +82,17 @@ class _LoadPath:
         """The states after one increment to there."""
         return self.configuration.states(self.level(share), self.was, self.near)
 
+    def if_borne(self, share: float) -> PointStates | None:
+        """The same; None where there are none."""
+        try:
+            return self.at(share)
+        except (FreePieceError, NotSolvedError):
+            return None
+
     def on_branch(self, like: PointStates, share: float) -> PointStates:
-        """The states there on branches of others."""
+        """The states there on branches of others, with what slip on these takes."""
         increment, free = self.configuration.increment(self.level(share), self.was)
         return increment.on_branch(like, free)
-
-    def between(self, first: PointStates, last: PointStates, part: float, share: float) -> PointStates:
-        """The states after a share of the way, which is a part of that from some to others on the same branches."""
-        increment, free = self.configuration.increment(self.level(share), self.was)
-        return increment.between(first, last, part, free)
-
-    def on_wearing_branch(self, like: PointStates, share: float) -> PointStates:
-        """The same, with what slip on these branches takes."""
-        increment, free = self.configuration.increment(self.level(share), self.was)
-        return increment.on_wearing_branch(like, free)
 
     def moved(self, states: PointStates) -> Floats:
         """How far (n,) m points have slipped on the way, less the elastic part."""
@@ -116,12 +114,14 @@ def next_piece(
     ends: tuple[LoadLevel, LoadLevel],
     jumps: int,
     before: Piece | None,
+    open_ended: bool,
 ) -> Piece:
     """The next piece of a way between two loads.
 
     It sets out from what `was` at the first load; `jumps` are those in turn that have led there. A straight piece
     `before` ended at an event there: few points have other branches beyond, and where one event was the next is mostly
-    near. Raises SolveError where there are no states.
+    near. Raises SolveError where there are no states at the last load; of a way that is `open_ended`, which nothing may
+    bear up to there, where no branch goes on.
     """
     path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
     least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
@@ -132,34 +132,35 @@ def next_piece(
         start = path.at(least)
         probe = max(PROBE, least)
         # wear of less than both is round-off of points left by the load
-        if law.bends.any() or (path.wear(start) > 0.0 and path.wear(path.at(probe)) > 0.0):
+        if law.bends.any() or (
+            path.wear(start) > 0.0 and ((there := path.if_borne(probe)) is None or path.wear(there) > 0.0)
+        ):
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
-    for share in (*(share for share in _shares(jumps, before) if share > least), least):
-        states = path.at(share)
-        if path.wear(states) > 0.0:
-            continue  # it begins on the way
-        if _breaks(path, states):
-            continue
+    for share in (*(share for share in _shares(jumps, before, open_ended) if share > least), least):
+        states = path.at(share) if share in (1.0, least) else path.if_borne(share)
+        if states is None or path.wear(states) > 0.0 or _breaks(path, states):
+            continue  # on the way
         begin = path.on_branch(states, 0.0)
         if _leads_back(path, begin, states):
             break
     else:
+        assert states is not None  # of the least share
         return Piece(states, share, "jump")
     if share == 1.0:
         return Piece(states, 1.0, "straight")
     end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
-    return Piece(end if event == 1.0 else path.between(begin, end, event, event), event, "straight")
+    return Piece(end if event == 1.0 else path.on_branch(begin, event), event, "straight")
 
 
-def _shares(jumps: int, before: Piece | None) -> tuple[float, ...]:
+def _shares(jumps: int, before: Piece | None, open_ended: bool) -> tuple[float, ...]:
     """The increments that are looked at for the branches of the next piece, in turn.
 
     After a piece that ended early the next event is mostly near, too. Where it ended as soon as it had been looked at
     that is the round-off of points which hardly change, and a longer look passes them.
     """
     if before is None:
-        return SHARES[1:] if jumps else SHARES
+        return SHARES[1:] if jumps or open_ended else SHARES
     return SHARES[2:] if 2.0 * SHARES[2] < before.share < SHARES[1] else SHARES[1:]
 
 
@@ -174,20 +175,20 @@ def _bent_piece(path: _LoadPath, start: PointStates, least: float) -> Piece | No
     `start` are the states after the `least` share. Strength falls with slip there, so that tractions and slip are
     nearly linear in the load, and smooth up to the next event.
     """
-    begin = path.on_wearing_branch(start, 0.0)
+    begin = path.on_branch(start, 0.0)
     if not _leads_back(path, begin, start):
         return None
     share = max(PROBE, least)
-    end = path.on_wearing_branch(begin, share)
+    end = path.on_branch(begin, share)
     share = min(1.0, share * WEAR / max(path.wear(end), share * WEAR))
-    while path.wear(end := path.on_wearing_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
+    while path.wear(end := path.on_branch(begin, share)) > WEAR * (1.0 + UNEVEN):
         if share <= least:
             return None
         share = max(share * min(max(0.8 * WEAR / path.wear(end), 0.1), 0.5), least)
     event, end = _until_event(path, begin, (share, end))
     if event < least:
-        event, end = least, path.on_wearing_branch(end, least)
-    return Piece(end, event, "bent", path.on_wearing_branch(end, 0.5 * event))
+        event, end = least, path.on_branch(end, least)
+    return Piece(end, event, "bent", path.on_branch(end, 0.5 * event))
 
 
 def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointStates]) -> tuple[float, PointStates]:
@@ -199,7 +200,7 @@ def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointSta
             return high
         part = part if look % 2 == 0 else 0.5  # alone the first creeps where friction bends near no pressure
         share = low[0] + part * (high[0] - low[0])
-        there = (share, path.on_wearing_branch(high[1], share))
+        there = (share, path.on_branch(high[1], share))
         if min(share - low[0], high[0] - share) <= AT_EVENT * share:
             return there
         if _first_event(path, begin, there[1]) < 1.0:

@@ -78,7 +78,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=max((surface.overlap for surface in missed), default=0.0),
-        overlap_share=max((float(surface.shares.max()) for surface in missed), default=0.0),
+        overlap_share=max((surface.share for surface in missed), default=0.0),
         energy=solution.state.energy,
         load_displacement=_load_displacement(solution),
         mean_stress=means[0],

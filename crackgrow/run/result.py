@@ -246,6 +246,16 @@ class Energy:
     released: float  # by bonds that break, and by growth where steps do not start unloaded
     error: float  # relative: what the balance misses, by its largest term
 
+    @property
+    def size(self) -> float:
+        """The largest term, which what is missing is measured by."""
+        return max(abs(self.work), self.strain, abs(self.dissipated))
+
+    @property
+    def created(self) -> float:
+        """What is released below zero, by the size: energy that nothing has given."""
+        return max(-self.released, 0.0) / self.size if self.size > 0.0 else 0.0
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepResult:

@@ -8,7 +8,6 @@ released at once.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -20,35 +19,18 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import NotSolvedError
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.quadrature.elements import element_points
 from crackgrow.run.configuration import Configuration, Excavated, assemble
-from crackgrow.run.increments import FROM_REST, LoadState, Origin, equilibrated, held_loads, increment
-from crackgrow.run.scene import Scene, scene_of_stage
+from crackgrow.run.increments import LoadState, Origin, equilibrated
+from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import face_forces
 
 
-def through_stages(
-    scene: Scene, cracks: tuple[GrowingCrack, ...], first: int = 0, origin: Origin = FROM_REST
-) -> Iterator[tuple[LoadState, Origin]]:
-    """States at the end of every stage of the case, in turn, and what each goes on from: from number `first` on.
+def next_stage(state: LoadState, origin: Origin, here: Scene) -> tuple[Configuration, Origin]:
+    """The configuration of the next stage, whose scene is given, and where it starts from.
 
-    `scene` may be that of any stage. Raises GeometryError or SolveError where a stage has no state.
+    Raises GeometryError or SolveError where it has no state.
     """
-    scene = scene.at_start.with_cracks(cracks)
-    state: LoadState | None = None
-    for number in range(first, scene.case.n_loads):
-        here = scene_of_stage(scene, number)
-        if state is None:
-            configuration = assemble(here, cracks).with_excavated(origin.excavated)
-        else:
-            configuration, origin = _next(state, origin, here)
-        state = increment(configuration, origin.start or held_loads(configuration), number + 1.0)
-        yield state, origin
-
-
-def _next(state: LoadState, origin: Origin, here: Scene) -> tuple[Configuration, Origin]:
-    """The configuration of the next stage, and where it starts from."""
     before = state.configuration
     configuration = assemble(here, before.cracks)
     left = {body.name for body in here.case.bodies}

@@ -15,6 +15,7 @@ from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
+from crackgrow.contact.solve import OVERLAP
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import site_criticality
@@ -78,36 +79,48 @@ class ContactViolation:
     face: CrackFaces
     overlap: float  # m, the largest beyond what the contact stiffness explains
     how: str  # in words, of what is the worst
-    off: Floats  # (n,) m, along the surface
-    shares: Floats  # (n,) of what is small there: beyond 1 it warns
-    strain: float  # of the rock under the pressure
+    off: float  # m, of the worst
+    share: float  # of what is small there: beyond 1 it warns
+    flat: float  # m: what the rock of a cell gives way to the pressure there
 
 
 def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> list[ContactViolation]:
-    """Overlap, or gap under pressure, of each surface. It is small beside its jump, or what pressure does to rock."""
-    strain, found = pressed_strain(solution, faces), []
+    """Overlap, or gap under pressure, of each surface. It is small beside its jump, or what pressure does to rock.
+
+    Faces are looked at along samples, and at the contact points of kinks, of which there is one for each normal.
+    """
+    strain, found, (points, _) = pressed_strain(solution, faces), [], solution.state.along_surfaces
+    names, round_off = np.array(points.crack), OVERLAP * float(np.abs(solution.outcome.u).max())
     for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
-        elastic = law.elastic_gap(face.cell_size, face.normal_traction)
-        overlap = np.zeros(len(face.s)) if law.contact is None else np.abs(np.minimum(face.opening - elastic, 0.0))
-        ways = (("overlap", overlap), ("stand apart under pressure", _apart(law, face, elastic)))
-        how, off = max(ways, key=lambda way: float(way[1].max()))
+        mine = np.flatnonzero(names == face.crack)
+        mine = mine[np.isin(points.s[mine], points.s[mine][1:][np.diff(points.s[mine]) == 0.0])]
+        size = np.append(face.cell_size, np.interp(points.s[mine], face.s, face.cell_size))
+        opening = np.append(face.opening, points.opening[mine])
+        elastic = law.elastic_gap(size, np.append(face.normal_traction, points.normal_traction[mine]))
+        overlap = np.zeros(len(size)) if law.contact is None else np.abs(np.minimum(opening - elastic, 0.0))
+        apart = np.zeros(len(size))
+        apart[: len(face.s)] = _apart(law, face, elastic[: len(face.s)])
+        how, off = max((("overlap", overlap), ("stand apart under pressure", apart)), key=lambda way: way[1].max())
         part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
-        small = np.maximum(WarningCause.OVERLAP.limit * _largest_jump(face), part * strain * face.cell_size)
+        small = np.maximum(max(WarningCause.OVERLAP.limit * _largest_jump(face), round_off), part * strain * size)
         shares = np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
-        found.append(ContactViolation(face, float(overlap.max()), how, off, shares, strain))
+        worst = int(np.argmax(shares))
+        found.append(
+            ContactViolation(
+                face, float(overlap.max()), how, float(off[worst]), float(shares[worst]), size[worst] * strain
+            )
+        )
     return found
 
 
 def _apart(law: SurfaceLaw, face: CrackFaces, elastic: Floats) -> Floats:
     """Gap (n,) m along the pressed parts of a surface, beyond what its stiffness and its dilation explain."""
-    apart = np.zeros(len(face.s))
     if law.contact is None or law.contact.worn[1] != law.contact.dilation_angle:
-        return apart  # of dilation that wears slip alone does not tell what it has opened
+        return np.zeros(len(face.s))  # of dilation that wears slip alone does not tell what it has opened
     closed = face.state != OPEN
-    within = closed[1:-1] & closed[:-2] & closed[2:]
+    within = closed & np.append(True, closed[:-1]) & np.append(closed[1:], True)
     risen = float(law.table[4, 0]) * np.abs(face.slip) + elastic  # the tangent of the dilation angle
-    apart[1:-1][within] = np.maximum(face.opening - risen, 0.0)[1:-1][within]
-    return apart
+    return np.where(within, np.maximum(face.opening - risen, 0.0), 0.0)
 
 
 def _largest_jump(face: CrackFaces) -> float:
@@ -127,15 +140,19 @@ def pressed_strain(solution: StepSolution, faces: Sequence[CrackFaces]) -> float
 def _overlapping(surfaces: Sequence[ContactViolation]) -> Iterator[StepWarning]:
     """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
     for surface in surfaces:
-        worst, face, of_flat = int(np.argmax(surface.shares)), surface.face, ""
-        share, overlap = surface.shares[worst], Metres(surface.off[worst])
-        if share <= 1.0:
+        face, of_flat = surface.face, ""
+        if surface.share <= 1.0:
             continue
-        if surface.strain:
-            percent = 100.0 * overlap / (surface.strain * float(face.cell_size[worst]))
-            of_flat = f" and {percent:.3g} % of what a spacing of rock gives way to the pressure"
-        told = {"how": surface.how, "overlap": overlap, "percent": 100.0 * overlap / _largest_jump(face)}
-        yield WarningCause.OVERLAP.at(f"'{face.crack}'", share, of_flat=of_flat, **told)
+        if surface.flat:
+            of_flat = (
+                f" and {100.0 * surface.off / surface.flat:.3g} % of what a spacing of rock gives way to the pressure"
+            )
+        told = {
+            "how": surface.how,
+            "overlap": Metres(surface.off),
+            "percent": 100.0 * surface.off / _largest_jump(face),
+        }
+        yield WarningCause.OVERLAP.at(f"'{face.crack}'", surface.share, of_flat=of_flat, **told)
 
 
 def _passing_through(solution: StepSolution, faces: Sequence[CrackFaces]) -> Iterator[StepWarning]:
@@ -181,6 +198,9 @@ def _missed(solution: StepSolution) -> Iterator[StepWarning]:
     ):
         if size > cause.limit:
             yield cause.at(size=size, percent=100.0 * size)
+    energy, cause = state.energy, WarningCause.CREATED
+    if energy.created > max(cause.limit, energy.error):
+        yield cause.at(size=energy.created, percent=100.0 * energy.created, released=energy.released)
 
 
 def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:

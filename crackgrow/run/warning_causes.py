@@ -24,6 +24,7 @@ class WarningCause(Enum):
     RESIDUAL = auto()
     IMBALANCE = auto()
     ENERGY = auto()
+    CREATED = auto()
     OVERLOAD = auto()
     NOT_SMALL = auto()
     SAWING = auto()

@@ -13,7 +13,8 @@ ROUND_OFF = 1e-7
 """Of the largest traction of a step."""
 
 UNLOADED = 1e-9
-"""Of the largest traction of a run: a step with less has no load, and its tractions are round-off."""
+"""Of the largest traction of a run, or the mean stress that its supports have borne: a step with less has no load, and
+its tractions are round-off."""
 
 BETWEEN = 0.05
 """Of the largest jump of a surface: what opening and slip at a point may be off, since the law holds for their averages
@@ -41,7 +42,9 @@ def judge_contact(court: Court) -> None:
     """All steps and surfaces."""
     run, before = court.run, pd.DataFrame()
     tractions = run.tables["contact"][["normal_traction", "tangential_traction"]]
-    least = UNLOADED * float(np.abs(tractions.to_numpy()).max(initial=0.0))
+    forces = run.tables["reactions"][["force_x", "force_y"]].to_numpy()
+    across = np.sqrt(sum(run.region(body).area for body in run.case["bodies"]))
+    least = UNLOADED * max(np.abs(tractions.to_numpy()).max(initial=0.0), np.abs(forces).max(initial=0.0) / across)
     for step, rows in run.tables["contact"].groupby("step", sort=True):
         size = float(np.abs(rows[tractions.columns].to_numpy()).max())
         size = 0.0 if size <= least else size

@@ -174,3 +174,10 @@ def test_an_update_is_made_where_few_points_leave_their_branches_alone() -> None
     other = ActiveSet(~active.closed, active.slip, active.sense)
     assert ActiveEquations(problem, active).solution(problem, other, 0.5) is None
     assert ActiveEquations(problem, active).solution(problem, active, 0.0) is not None
+
+
+def test_equations_of_other_points_serve_none() -> None:
+    """However many points these are: more are dealt with where faces close on the way."""
+    problem, other = (random_problem(n, 0.3, 1) for n in (7, 6))
+    found, alone = (solve_by_newton(problem, near=near) for near in (solve_by_newton(other).equations, None))
+    np.testing.assert_array_equal(found.traction, alone.traction)

@@ -331,13 +331,13 @@ def test_a_load_that_is_not_followed_to_its_end_is_told(monkeypatch: pytest.Monk
 def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPatch, share: float, words: str) -> None:
     case = shipped_case("compression30", [*FRICTION, "growth.steps=0", "output.frames=none", "output.figures=false"])
     assert not any(words in warning for warning in next(grow(case)).warnings)
-    true = increments._dissipated
+    true = increments.dissipated_on
 
     def wrong(*of: Any) -> tuple[Bools, Floats]:
         slides, by_point = true(*of)
         return slides, share * by_point
 
-    monkeypatch.setattr(increments, "_dissipated", wrong)
+    monkeypatch.setattr(increments, "dissipated_on", wrong)
     assert any(words in warning for warning in next(grow(case)).warnings)
 
 

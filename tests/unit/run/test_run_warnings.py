@@ -18,7 +18,7 @@ from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.run.step_warnings import _overlapping, contact_violations
+from crackgrow.run.step_warnings import _overlapping, contact_violations, step_warnings
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.one_size import one_size
 from tests.scenes import shipped_case, told
@@ -240,13 +240,50 @@ def test_pressed_faces_that_stand_apart_or_overlap_are_told() -> None:
     apart = replace(face, opening=opening)
     (missed,) = contact_violations(solution, (apart,))
     (told,) = _overlapping([missed])
-    assert missed.shares.max() > 1.0
+    assert missed.share > 1.0
     assert f"stand apart under pressure by {1e6 * opening[3]:.2g} um" in told.words
     state = face.state.copy()
     state[4] = OPEN
     (missed,) = contact_violations(solution, (replace(apart, state=state),))
-    assert missed.shares.max() == 0.0
+    assert missed.share == 0.0
     (missed,) = contact_violations(solution, (replace(face, opening=np.full_like(opening, -1e-3), slip=0.0 * opening),))
     (told,) = _overlapping([missed])
-    assert missed.shares.max() == pytest.approx(1.0 / WarningCause.OVERLAP.limit)  # all of the jump
+    assert missed.share == pytest.approx(1.0 / WarningCause.OVERLAP.limit)  # all of the jump
     assert "by 1 mm between contact points, 100 % of their largest jump" in told.words
+
+
+def test_contact_points_on_both_sides_of_a_kink_are_looked_at() -> None:
+    """A crack kinks by 120 degrees and its faces slide along one side of it: at the kink they are in the other one."""
+    settings = ["cracks.flaw.path={points: [[0, -15], [0, 0], [13, 7.5]]}", "numerics.spacing=3"]
+    solution = solve_first(make_scene(shipped_case("compression30", settings)))
+    points, faces = solution.state.along_surfaces
+    at_kink = np.flatnonzero(np.isclose(points.s, 0.015, rtol=1e-9))
+    assert len(at_kink) == 2
+    for point in at_kink:
+        opening = np.zeros(len(points.s))
+        opening[point] = -0.3 * np.abs(faces[0].slip).max()
+        state = replace(solution.state)
+        state.__dict__["along_surfaces"] = (replace(points, opening=opening), faces)
+        (missed,) = contact_violations(
+            replace(solution, state=state), (replace(faces[0], opening=abs(faces[0].opening)),)
+        )
+        assert missed.share > 1.0
+        assert missed.overlap == -opening[point]
+
+
+@pytest.mark.parametrize(
+    ("released", "error", "told"), [(-2e-3, 0.0, 1), (-2e-3, 3e-3, 0), (-2e-5, 0.0, 0), (2e-3, 0.0, 0)]
+)
+def test_energy_that_nothing_has_given_is_told(released: float, error: float, told: int) -> None:
+    """Where it is more than the error of the balance that is stated, and than what is small."""
+    solution = solve_first(make_scene(shipped_case("compression30", ["numerics.spacing=3"])))
+    energy = solution.state.energy
+    state = replace(solution.state, energy=replace(energy, released=released * energy.size, error=error))
+    _, faces = solution.state.along_surfaces
+    found = step_warnings(replace(solution, state=state), faces, (), step=1)
+    created = [warning for warning in found if warning.cause is WarningCause.CREATED]
+    assert len(created) == told
+    if told:
+        assert (
+            f"{released * energy.size:.3g} J/m are released, 0.2 % of the largest energy below zero" in created[0].words
+        )

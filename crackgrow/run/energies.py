@@ -1,0 +1,102 @@
+"""The energies of states on a path: what loads do on the way from one to another, and what becomes of it.
+
+Within a straight piece of the path (`path`) everything is linear in the loads, so that these are exact (trapezoidal
+rule); on a bent one, where strength falls with slip, Simpson's rule takes the middle in:
+
+    work        = (f_0 + f_1)/2 . (u_1 - u_0) + (m_0 + m_1)/2 . (g_1 - g_0)    of loads f and prescribed displacements g
+    dissipation = int (b_0 + b_1)/2 |s_1 - s_0| + (p_n0 + p_n1)/2 (d_1 - d_0) ds    of slip s and dilation d
+
+with b the shear that the law of friction allows (its mean over the slip), and the strain energy is u K u / 2, with that
+of elastic contact. Where points jump, since bonds break or let go, friction does not take all that the loads and the
+rock give, and the rest is released.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from crackgrow.arrays import Bools, Floats
+from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
+from crackgrow.contact.solve import PointStates
+from crackgrow.geometry.tolerance import ROUND_OFF
+from crackgrow.run.configuration import Configuration
+
+if TYPE_CHECKING:
+    from crackgrow.run.increments import LoadState
+
+
+def strain_energy(state: LoadState) -> tuple[float, float]:
+    """Strain energy of rock and elastic contact, J/m, and what it is good to.
+
+    u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
+    """
+    contact, states, shares = state.configuration.contact, state.states, state.configuration.shares(state.level)
+    sizes = state.configuration.conjugate_terms(state.level, states) * np.abs(shares)
+    loads = state.conjugates * shares
+    jumps = np.concatenate([states.gap + states.dilation, states.slip])
+    law = contact.law
+    elastic = np.concatenate([-law.closure(states.normal), law.shear_compliance * states.tangential])
+    tractions = np.tile(contact.weights, 2) * states.tractions
+    terms = float(np.maximum(np.abs(loads), sizes).sum() + np.abs(tractions * jumps).sum())
+    bent = contact.weights @ contact.law.stored(states.normal)
+    return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)) + float(bent), ROUND_OFF * terms
+
+
+def dissipated_on(
+    configuration: Configuration, was: ContactMemory, state: LoadState, middle: PointStates | None
+) -> tuple[Bools, Floats]:
+    """Which points (n,) slide from what `was` to a state; what friction and dilation take there (n,), J/m.
+
+    It is by the law; on a bent way by its `middle`.
+    """
+    weights, law = configuration.contact.weights, configuration.contact.law
+    now, states = state.memory, state.states
+    closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
+    if states.active is not None:  # at the end of a piece points are about to leave these branches
+        closed[taken] = states.active.closed
+        slides[taken] = (states.active.slip != 0) & (states.active.closed | states.coheres[taken])
+    bulge = np.zeros(len(weights)) if middle is None else _bulge(law, was, now, middle)
+    resisted = _resisted(law, was, now, bulge, states.trial.opened)
+    by_slip = resisted * np.abs(now.slip - was.slip)
+    by_dilation = (was.normal + now.normal + bulge / 3.0) * (now.dilation - was.dilation)
+    return slides, 0.5 * weights * (np.where(slides, by_slip, 0.0) + np.where(closed, by_dilation, 0.0))
+
+
+def _bulge(law: ContactLaw, was: ContactMemory, now: ContactMemory, middle: PointStates) -> Floats:
+    """What normal tractions (n,) Pa on the way have beyond those that are linear in slip, over share (1 - share) of it.
+
+    Where a point does not slip it does not matter.
+    """
+    slip = now.slip - was.slip
+    moved = middle.slip - law.shear_compliance * middle.tangential - was.slip
+    share = np.divide(moved, slip, out=np.full(len(slip), 0.5), where=slip != 0.0)
+    share = np.where(np.abs(share - 0.5) < 0.25, share, 0.5)
+    linear = was.normal + share * (now.normal - was.normal)
+    return np.asarray((middle.normal - linear) / (share * (1.0 - share)))
+
+
+def _resisted(law: ContactLaw, was: ContactMemory, now: ContactMemory, bulge: Floats, opened: Bools) -> Floats:
+    """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa.
+
+    That is Simpson's rule up to where nothing is left to lose, and beyond.
+    """
+    slip = now.slip - was.slip
+    worn = law.worn(was.lost, slip)
+    left = np.where(law.weakens, 1.0 - was.lost, 0.0)
+    falls = np.divide(left, worn, out=np.where(left > 0.0, 1.0, 0.0), where=worn > left)  # share of the slip
+
+    def shear(share: Floats | float) -> Floats:
+        """After a share of the slip."""
+        falling = np.minimum(law.worn(was.lost, share * slip), left)
+        lost = np.where(law.weakens, was.lost + falling, now.lost)
+        normal = was.normal + share * (now.normal - was.normal) + share * (1.0 - share) * bulge
+        friction, cohesion = law.bound_of(lost, normal)
+        cohesion[opened] = 0.0  # where they have opened faces do not cohere, though they may touch again
+        return np.maximum(cohesion - friction * normal, 0.0)
+
+    first, fallen, last = shear(0.0), shear(falls), shear(1.0)
+    falling = first + 4.0 * shear(0.5 * falls) + fallen
+    beyond = fallen + 4.0 * shear(0.5 * (1.0 + falls)) + last
+    return (falls * falling + (1.0 - falls) * beyond) / 3.0
