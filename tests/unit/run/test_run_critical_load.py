@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from operator import attrgetter
 from typing import Any
@@ -205,10 +206,13 @@ def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float)
     assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
 
 
-def test_a_block_that_slides_before_its_crack_grows_is_free() -> None:
-    """Friction of 0.5 holds it up to a load factor of one, to which the path goes."""
-    with pytest.raises(FreePieceError, match=r"free to move.* from a load factor of 1\.001 on, before the"):
-        critical_load.critically_loaded(pushed(10.0, 50.0), 1.0)
+@pytest.mark.parametrize("guess", [0.01, 1.0, 300.0])
+def test_a_block_that_slides_before_its_crack_grows_is_free(guess: float) -> None:
+    """It is told of at the load at which friction carries all it can: half of the pressure on 40 mm, against 20 mm."""
+    with pytest.raises(FreePieceError, match=r"free to move.* before the criterion is met") as found:
+        critical_load.critically_loaded(pushed(10.0, 50.0), guess)
+    (factor,) = re.findall(r"from a load factor of (\S+) on", str(found.value))
+    assert float(factor) == pytest.approx(0.5 * 10.0 * 40.0 / (10.0 * 20.0), rel=2e-3)
 
 
 HELD = (
