@@ -11,7 +11,7 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import LoadHistory
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
