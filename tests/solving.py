@@ -84,6 +84,7 @@ def solve_contact(
     without = contact.system.solve(loads, given)
     memory = memory or ContactMemory.fresh(len(contact.weights))
     pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
-    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given))
+    still = np.zeros(2 * len(contact.weights))
+    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given), still)
     free = contact.operator @ without[0]
     return increment.formed(increment.solved(free), free, (loads, given), without)

@@ -85,7 +85,7 @@ def test_overview_of_everything(tmp_path: Path) -> None:
         "interface between block and foundation: length 20 mm; friction 0.5, cohesion 0 MPa",
         "interface between plug and block: length 12.5662 mm; bonded",  # 720 * 2 mm * sin(0.5 deg)
         "supports: 1 at points, 1 on edges, 1 rigid foundation",
-        "foundation on edge bottom of foundation: friction 0.3, cohesion 1 MPa",
+        "platen that moves on edge bottom of foundation: friction 0.3, cohesion 1 MPa",
         "loads: 2 tractions on edges, gravity on block, pressure 2 MPa in flaw, in-situ stress in block, "
         "load factors 1",
         "growth: 2 steps of 1 mm, max_hoop_stress (implicit direction), all, tip radius 1 mm (1 x the spacing)",
