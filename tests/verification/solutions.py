@@ -23,6 +23,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.checkpoint import RunState
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.growth import Advances
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
@@ -106,7 +107,7 @@ def solve_case(case: Case) -> Solved:
     scene = make_scene(case)
     growing = before_growth(case)
     solution = solve_step(scene, growing, last_factor(case))
-    result = step_result(RunState(0, growing), solution, (), True)
+    result = step_result(RunState(0, growing), solution, Advances(growing), True)
     return Solved(case, scene, solution, result)
 
 
