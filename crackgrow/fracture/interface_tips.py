@@ -75,26 +75,28 @@ class Release:
     K: float  # Pa sqrt(m), the size of the complex K
 
 
-def interface_tips(cover: Cover) -> Iterator[InterfaceTip]:
-    """The tips of all cracked interfaces."""
+def interface_tips(cover: Cover, singular: Floats) -> Iterator[InterfaceTip]:
+    """The tips of all cracked interfaces; stress is infinite at the points `singular` (k, 2), too."""
     names = [body.name for body in cover.bodies]
     for number, at_end in ends_at_bonds([surface.line for surface in cover.surfaces]):
         surface, end = cover.surfaces[number], -1 if at_end else 0
         point, x = surface.line.points[end], tip_direction(surface.line.points, at_end)
         first, second = (names.index(name) for name in surface.name.of)
         bodies = (first, second) if at_end else (second, first)  # the first one is on the left of the line
-        axes, radius = np.array([x, [-x[1], x[0]]]), KEPT_CLEAR * _room(cover, point, number)
+        axes, radius = np.array([x, [-x[1], x[0]]]), KEPT_CLEAR * _room(cover, point, number, singular)
         yield InterfaceTip(number, at_end, point, axes, bodies, float(surface.sizes[end]), radius)
 
 
-def _room(cover: Cover, point: Floats, surface: int) -> float:
-    """How far (spacings) a tip is from the nearest corner, side, crack or other end but the interface beside it."""
+def _room(cover: Cover, point: Floats, surface: int, singular: Floats) -> float:
+    """How far (spacings) a tip is from the nearest corner, side, crack, singular point or other end.
+
+    The interface beside it is none of them. It is nothing where a crack ends on the tip.
+    """
     sides = np.concatenate([body.sides for body in cover.bodies])
     away = shapely.distance(shapely.linestrings(sides), shapely.Point(point))
-    others = [np.hypot(*(cover.surfaces[surface].line.points[[0, -1]] - point).T), away]
-    others.append(shapely.distance(cover.crack_tree.geometries, shapely.Point(point)))
-    apart = np.concatenate(others)
-    return float(apart[apart > SAME_PLACE].min())
+    apart = np.concatenate([np.hypot(*(cover.surfaces[surface].line.points[[0, -1]] - point).T), away])
+    cracks = shapely.distance(cover.crack_tree.geometries, shapely.Point(point))
+    return float(min(apart[apart > SAME_PLACE].min(), *cracks, *np.hypot(*(singular - point).T)))
 
 
 def released(
@@ -117,7 +119,9 @@ def released(
     )
     found = found + _of_faces(cover, u, tip, radii, traction)
     G = float(found[-1])
-    return Release(G, float(np.ptp(found)), float(np.sqrt(max(G, 0.0) * _stiffness(*pair))))
+    spread = float(np.ptp(found))
+    known = max(G, 0.0) if -spread <= G else np.nan
+    return Release(G, spread, float(np.sqrt(known * _stiffness(*pair))))
 
 
 def _of_half(

@@ -27,7 +27,8 @@ FREE = 10
 def dissected(low: Ints, high: Ints, start: Ints, column: Ints) -> tuple[Ints, Ints, Ints]:
     """The part (n,) of each box from `low` to `high` (n, 2), the parent (parts,) of each part, and an order (n,).
 
-    `column` (q,), row by row from `start` (n + 1,) on, are those that each is coupled to, before it and itself.
+    `column` (q,), row by row from `start` (n + 1,) on, are those that each is joined to, before it and itself: by
+    stiffness, or by a constraint.
     Children come before parents, the last part has no parent (-1). The order goes along the plane, whatever the parts.
     """
     ends = np.stack([low[:, 0], low[:, 1], high[:, 0], high[:, 1]])

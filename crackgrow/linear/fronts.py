@@ -57,8 +57,8 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
     overlap.
     """
     n, m = matrix.n_functions, constraints.shape[0]
-    part, parent, along = dissected(low, high, matrix.start, matrix.column)
     indptr, indices = constraints.indptr.astype(np.int64), constraints.indices.astype(np.int64)
+    part, parent, along = dissected(low, high, *_joined(matrix, indptr, indices // 2))
     front = np.append(part, np.full(m, len(parent) - 1))
     begins = _together(front, parent, indptr, indices // 2)
     order = np.append(along, np.arange(n, n + m))
@@ -87,6 +87,21 @@ def fronts_of(matrix: SymmetricMatrix, constraints: csr_array, low: Ints, high: 
         spans(offset[border], counts), spans(into, counts), first, at, block, turned,
         block_column, held_start, held, held_column, multiplier_column,
     )  # fmt: skip
+
+
+def _joined(matrix: SymmetricMatrix, start: Ints, function: Ints) -> tuple[Ints, Ints]:
+    """What joins functions: starts (n + 1,), and those (q,) that each is joined to, before it and itself.
+
+    They are the blocks of the matrix, and what each constraint acts on, one by one: bonded bodies are one piece. Its
+    functions, from `start` on, are in `function`.
+    """
+    in_a_row = np.flatnonzero(np.diff(np.repeat(np.arange(len(start) - 1), np.diff(start))) == 0)
+    one, other = function[in_a_row], function[in_a_row + 1]
+    row = np.concatenate([matrix.row, np.maximum(one, other)])
+    column = np.concatenate([matrix.column, np.minimum(one, other)])
+    joined = coo_array((np.ones(len(row)), (row, column)), shape=(matrix.n_functions,) * 2).tocsr()
+    joined.sum_duplicates()
+    return joined.indptr, joined.indices
 
 
 @kernel

@@ -127,11 +127,11 @@ def event_rows(events: Iterable[Event]) -> list[Row]:
 
 
 def end_rows(end: RunEnd) -> list[Row]:
-    """Rows of events.csv of the end of a run, the piece of rock that has come loose last."""
+    """Rows of events.csv of the end of a run, with what has parted the rock last."""
     events, nowhere = list(end.events), np.full(2, np.nan)
     if end.status == "broke_through":
         step = max((int(crack.steps.max()) for crack in end.cracks), default=0)
-        events.append(Event(step, "loose", "", "", nowhere, end.reason))
+        events.append(Event(step, "parted", "", "", nowhere, end.reason))
     return event_rows(events)
 
 

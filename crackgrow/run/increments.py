@@ -351,19 +351,20 @@ def _stated(
     return replace(state, energy=energy, round_off=round_off, course=course)
 
 
-def _moves(state: LoadState, start: Start, slides: Bools) -> Moves:
-    """What contact points do between a start and a state."""
+def _moves(state: LoadState, start: Start, slides: Bools, *, jumps: bool = False) -> Moves:
+    """What contact points do between a start and a state; a jump takes from those that had begun to break, too."""
     configuration, was, now, law = state.configuration, start.memory, state.memory, state.configuration.contact.law
-    faces, cover = configuration.faces, configuration.cover
+    faces, cover, slip = configuration.faces, configuration.cover, np.abs(now.slip - was.slip)
+    pressed = (was.normal < 0.0) | (start.level.factor != 0.0)  # or have just lost their pressure, at an event
     return Moves(
         names=[str(surface.name) for surface in cover.surfaces],
         surface=faces.surface,
         points=cover.lattice.to_metres(faces.nodes.points),
-        load_factor=start.level.factor,
-        slip=np.abs(now.slip - was.slip),
-        slides=slides,
-        parts=was.closed & ~now.closed & ((was.normal < 0.0) | was.coheres(law)),
-        breaks=~was.broken & now.broken & law.breakable,
+        load_factor=start.level.factor + 0.0,  # no -0
+        slip=slip,
+        slides=slides & (slip > 0.0),
+        parts=was.closed & ~now.closed & (was.coheres(law) | pressed),
+        breaks=law.breakable & (now.lost > was.lost) & (jumps | ~was.broken),
     )
 
 
@@ -388,5 +389,7 @@ def _booked(state: LoadState, start: Start) -> LoadState:
 def _jumped(state: LoadState, start: Start) -> LoadState:
     """A state to which points have jumped, with what is released by it booked to their surfaces."""
     booked, weights = _booked(state, start), state.configuration.contact.weights
-    moves, released = _moves(state, start, state.states.state == SLIP), booked.energy.released - start.energy.released
-    return replace(booked, course=released_by(state.course, moves, weights, released))
+    moves = _moves(state, start, state.states.state == SLIP, jumps=True)
+    released = booked.energy.released - start.energy.released
+    course = told(state.course, moves, np.zeros(len(weights)))  # of what had begun to break in another step
+    return replace(booked, course=released_by(course, moves, weights, released))

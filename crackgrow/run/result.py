@@ -174,7 +174,7 @@ class FrameOnDemand:
 
 
 EventKind = Literal[
-    "coalescence", "hole", "break_through", "interface", "initiation", "slip", "opening", "break", "growth", "loose"
+    "coalescence", "hole", "break_through", "interface", "initiation", "slip", "opening", "break", "growth", "parted"
 ]
 
 
@@ -182,7 +182,7 @@ EventKind = Literal[
 class Event:
     """A tip has met something in its advance: it ends there; or a crack has started (initiation): where, and how.
 
-    Also what is told of in the table alone: faces slip, open or break, a tip grows, a piece comes loose.
+    Also what is told of in the table alone: faces slip, open or break, a tip grows, rock parts.
     """
 
     step: int  # whose advance made it, or in which it happens

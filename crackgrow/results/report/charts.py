@@ -131,7 +131,8 @@ def stress_strain(run: RunFolder) -> Chart | None:
 def _beginnings(run: RunFolder, kind: str, curve: Floats) -> tuple[list[int], Floats]:
     """Steps (n,) and places (2, n) on a curve (2, steps) at which a kind of event first happens to each surface or tip.
 
-    Between two loads curves are straight. A step of growth begins unloaded: where held loads act alone is not known.
+    Between two loads curves are straight. A step of growth begins unloaded: where held loads act alone, and beyond its
+    last load, is not known.
     """
     factor, grows = run.table("steps").numbers("load_factor"), run.case.growth is not None
     rest = np.full(2, np.nan if any(load.held for load in run.case.loads) else 0.0)
@@ -144,7 +145,8 @@ def _beginnings(run: RunFolder, kind: str, curve: Floats) -> tuple[list[int], Fl
         first = grows or k == 0
         before, start = (0.0, rest) if first else (factor[k - 1], curve[:, k - 1])
         share = (at - before) / (factor[k] - before) if factor[k] != before else 1.0
-        places.append(curve[:, k] if share == 1.0 else start + share * (curve[:, k] - start))
+        on_the_way = curve[:, k] if share == 1.0 else start + share * (curve[:, k] - start)
+        places.append(on_the_way if 0.0 <= share <= 1.0 else np.full(2, np.nan))
         steps.append(run.solved[k])
     return steps, np.array(places).T
 

@@ -53,6 +53,18 @@ def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
     assert np.sum(own * (own + border)) < 0.15 * matrix.shape[0] ** 2
 
 
+def test_bodies_that_constraints_alone_join_are_cut_as_one() -> None:
+    """Ten strips of 40 x 4 nodes, bonded to each other: no front holds more than some of the nine bonds."""
+    one, nodes = lattice(40, 5)
+    strip = np.repeat(nodes[:, 1] // 4, 2)
+    matrix = csc_array(one.multiply(strip[:, None] == strip))
+    below = np.flatnonzero((nodes[:, 1] % 4 == 3) & (nodes[:, 1] < 39))
+    rows = np.zeros((len(below), len(strip)))
+    rows[np.arange(len(below)), 2 * below], rows[np.arange(len(below)), 2 * below + 2] = 1.0, -1.0
+    fronts = fronts_of(symmetric(matrix), csr_array(rows), *boxes_at(nodes))
+    assert np.diff(fronts.starts).max() < 400  # of 3560, of which the bonds are 1080
+
+
 def held_lattice(n: int) -> tuple[csc_array, csr_array, Fronts]:
     """A lattice with constraints on one unknown, on neighbours, and on many across it."""
     matrix, nodes = lattice(n, 16)

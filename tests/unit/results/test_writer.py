@@ -108,7 +108,7 @@ def test_events_are_in_the_table_the_log_and_the_summary_as_they_come(tmp_path: 
     with (tmp_path / "events.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     assert [row["step"] for row in rows] == ["1", "1", "2", "2"]
-    assert (rows[3]["kind"], rows[3]["met"]) == ("loose", "a piece came loose")
+    assert (rows[3]["kind"], rows[3]["met"]) == ("parted", "a piece came loose")
     for record, row in ((first, rows[0]), (third, rows[2])):
         told = {name: str(value) for name, value in record.items() if name != "words"}
         assert told | {"load_factor": "nan", "energy": "nan"} == row
