@@ -100,16 +100,14 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
         overlap = np.zeros(len(size)) if law.contact is None else np.abs(np.minimum(opening - elastic, 0.0))
         apart = np.zeros(len(size))
         apart[: len(face.s)] = _apart(law, face, elastic[: len(face.s)])
-        how, off = max((("overlap", overlap), ("stand apart under pressure", apart)), key=lambda way: way[1].max())
         part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
         small = np.maximum(max(WarningCause.OVERLAP.limit * _largest_jump(face), round_off), part * strain * size)
-        shares = np.divide(off, small, out=np.zeros(len(off)), where=off > 0.0)
-        worst = int(np.argmax(shares))
-        found.append(
-            ContactViolation(
-                face, float(overlap.max()), how, float(off[worst]), float(shares[worst]), size[worst] * strain
-            )
-        )
+        off = np.stack([overlap, apart])
+        shares = np.divide(off, small, out=np.zeros(off.shape), where=off > 0.0)
+        way, worst = np.unravel_index(int(np.argmax(shares)), shares.shape)
+        how, most = ("overlap", "stand apart under pressure")[way], float(off[way, worst])
+        share, flat = float(shares[way, worst]), size[worst] * strain
+        found.append(ContactViolation(face, float(overlap.max()), how, most, share, flat))
     return found
 
 
