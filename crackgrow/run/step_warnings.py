@@ -15,8 +15,8 @@ from crackgrow.case.model import CriticalLoad, Gravity, PointSupport
 from crackgrow.case.units import Metres, place_text
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.ripple import worst_ripple
-from crackgrow.contact.solve import OVERLAP
 from crackgrow.geometry.polyline import kink_angles
+from crackgrow.geometry.tolerance import ROUND_OFF
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import site_criticality
 from crackgrow.run.result import CrackFaces
@@ -90,7 +90,7 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
     Faces are looked at along samples, and at the contact points of kinks, of which there is one for each normal.
     """
     strain, found, (points, _) = pressed_strain(solution, faces), [], solution.state.along_surfaces
-    names, round_off = np.array(points.crack), OVERLAP * float(np.abs(solution.outcome.u).max())
+    names, round_off = np.array(points.crack), ROUND_OFF * float(np.abs(solution.outcome.u).max())
     for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
         mine = np.flatnonzero(names == face.crack)
         mine = mine[np.isin(points.s[mine], points.s[mine][1:][np.diff(points.s[mine]) == 0.0])]
