@@ -25,15 +25,19 @@ def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, F
     both = values_at(cover, places, elements).fields(u)[0]
     jump = both[:n].copy()
     jump[rock] -= both[n:]
+    return across_and_along(points, jump)
+
+
+def across_and_along(points: FacePoints, jumps: Floats) -> tuple[Floats, Floats]:
+    """Gaps (n,) and slips (n,) m of jumps (n, 2) m at points."""
     nx, ny = points.normal.T
-    return jump[:, 0] * nx + jump[:, 1] * ny, jump[:, 0] * ny - jump[:, 1] * nx
+    return jumps[:, 0] * nx + jumps[:, 1] * ny, jumps[:, 0] * ny - jumps[:, 1] * nx
 
 
 def averaged(faces: ContactFaces, jumps: Floats) -> Floats:
     """Average gaps, then slips (2 contact points,) m, of jumps (n, 2) m at the integration points."""
-    nx, ny = faces.points.normal.T
-    both = (jumps[:, 0] * nx + jumps[:, 1] * ny, jumps[:, 0] * ny - jumps[:, 1] * nx)
-    return np.concatenate([faces.functions @ (faces.lengths * along) / faces.weights for along in both])
+    both = across_and_along(faces.points, jumps)
+    return np.concatenate([faces.functions @ (faces.lengths * part) / faces.weights for part in both])
 
 
 def contact_operators(cover: Cover, faces: ContactFaces) -> tuple[csr_array, csr_array]:

@@ -97,11 +97,10 @@ def _joined(matrix: SymmetricMatrix, start: Ints, function: Ints) -> tuple[Ints,
     """
     in_a_row = np.flatnonzero(np.diff(np.repeat(np.arange(len(start) - 1), np.diff(start))) == 0)
     one, other = function[in_a_row], function[in_a_row + 1]
-    row = np.concatenate([matrix.row, np.maximum(one, other)])
-    column = np.concatenate([matrix.column, np.minimum(one, other)])
-    joined = coo_array((np.ones(len(row)), (row, column)), shape=(matrix.n_functions,) * 2).tocsr()
-    joined.sum_duplicates()
-    return joined.indptr, joined.indices
+    later, more = np.maximum(one, other), np.zeros(matrix.n_functions + 1, dtype=np.int64)
+    np.add.at(more, later + 1, 1)
+    column = np.insert(matrix.column, matrix.start[later], np.minimum(one, other))  # a row's last one stays itself
+    return matrix.start + np.cumsum(more), column
 
 
 @kernel

@@ -17,7 +17,7 @@ from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, FacePoints
 from crackgrow.contact.hold import alone, check_can_hold
-from crackgrow.contact.jump import averaged, contact_operators, gap_and_slip
+from crackgrow.contact.jump import across_and_along, averaged, contact_operators, gap_and_slip
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, Increment, PointStates, Trial, TrialNotSolvedError
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
@@ -123,9 +123,9 @@ class Configuration:
 
     def jumps(self, level: LoadLevel, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
         """Gap and slip (n,) m at points of surfaces, of displacements `u` (n_dofs,) m under a load."""
-        moved, (nx, ny) = self.shares(level)[2] * self.moves[points.surface], points.normal.T
         gap, slip = gap_and_slip(self.cover, points, u)
-        return gap - (moved[:, 0] * nx + moved[:, 1] * ny), slip - (moved[:, 0] * ny - moved[:, 1] * nx)
+        away = across_and_along(points, self.shares(level)[2] * self.moves[points.surface])
+        return gap - away[0], slip - away[1]
 
     @cached_property
     def _moved(self) -> Floats:

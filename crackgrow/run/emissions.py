@@ -32,7 +32,7 @@ class Moves:
     slip: Floats  # (n,) m, how far they slip on it
     slides: Bools  # (n,) which of them do by the law
     parts: Bools  # (n,) which come apart, that were pressed or bonded before
-    breaks: Bools  # (n,) which begin to lose what they can lose
+    breaks: Bools  # (n,) which begin to lose what they can lose; in a jump, which lose of it
 
 
 def told(course: Course, moves: Moves, dissipated: Floats) -> Course:
@@ -53,7 +53,7 @@ def told(course: Course, moves: Moves, dissipated: Floats) -> Course:
 def released_by(course: Course, moves: Moves, weights: Floats, energy: float) -> Course:
     """The course after a jump of points that releases energy (J/m): it goes to what breaks, by the length (n,) of it.
 
-    Where nothing breaks that is the round-off of points that slip.
+    Where nothing breaks it goes to what slips.
     """
     kind: EventKind = "break" if moves.breaks.any() else "slip"
     shares = weights * (moves.breaks if kind == "break" else moves.slip)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -74,7 +74,6 @@ class StepSolution:
     state: LoadState
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
-    interface_tips: tuple[tuple[InterfaceTip, Release], ...]
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
@@ -134,8 +133,8 @@ def evaluated(state: LoadState) -> StepSolution:
     seconds = {**configuration.seconds, "contact": state.seconds}
     with timed(seconds, "criterion"):
         fields = _stress_fields(state)
-        tips, starts, bonds = _tip_states(state, fields), _start_states(state, fields), _interface_tips(state)
-    return StepSolution(state, tips, starts, bonds, seconds)
+        tips, starts = _tip_states(state, fields), _start_states(state, fields)
+    return StepSolution(state, tips, starts, seconds)
 
 
 def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
@@ -216,16 +215,14 @@ def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
     return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
 
 
-def _interface_tips(state: LoadState) -> tuple[tuple[InterfaceTip, Release], ...]:
+def interface_releases(state: LoadState) -> Iterator[tuple[InterfaceTip, Release]]:
     """The tips of cracked interfaces, with the energy that they release."""
     cover, materials, u = state.cover, state.materials, state.outcome.u
     forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
     case = state.scene.case
     points = [at.point for at in (*case.loads, *case.supports) if isinstance(at, PointForce | PointSupport)]
-    return tuple(
-        (tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces))
-        for tip in interface_tips(cover, cover.lattice.to_lattice(np.array(points).reshape(-1, 2)))
-    )
+    for tip in interface_tips(cover, cover.lattice.to_lattice(np.array(points).reshape(-1, 2))):
+        yield tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces)
 
 
 def _tractions(state: LoadState, surface: int) -> FaceTraction:

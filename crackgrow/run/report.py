@@ -22,7 +22,7 @@ from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.checkpoint import RunState
-from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.evaluation import StepSolution, interface_releases
 from crackgrow.run.frame import make_frame
 from crackgrow.run.growth import Advances
 from crackgrow.run.result import (
@@ -64,7 +64,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         cracks=paths,
         events=state.events,
         tips=tuple(_tip(solution, tip, tip in advances.sites, errors, still) for tip in range(len(solution.tips))),
-        interface_tips=tuple(_interface_tip(solution, *known) for known in solution.interface_tips),
+        interface_tips=tuple(_interface_tip(solution, *known) for known in interface_releases(solution.state)),
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
