@@ -70,7 +70,7 @@ def spans(first: Ints, counts: Ints) -> Ints:
 
 
 def distinct(values: NDArray[Number]) -> NDArray[Number]:
-    """Values (n,) in ascending order, each once: sorted, while np.unique hashes them, in sixty times as long."""
+    """Return the different values among `values` (n,), ascending; sorting is faster than the hashing of np.unique."""
     ordered = np.sort(values)
     first = np.append(True, ordered[1:] != ordered[:-1])[: len(ordered)]
     return np.asarray(ordered[first])

@@ -160,7 +160,7 @@ class Numeric:
         raise NotImplementedError
 
     def parse(self, text: str, context: Context) -> object:
-        """What a text stands for, in SI; raises QuantityError."""
+        """Convert a text of a case to a value in SI units; each kind of number does so. Raises QuantityError."""
         raise NotImplementedError
 
     def hint(self, context: Context) -> str:

@@ -81,7 +81,7 @@ class Coordinate(float):
 
     @property
     def text(self) -> str:
-        """The coordinate on the map in m, with all the digits that read back to the same float."""
+        """The sum of origin and coordinate (m) as an exact decimal, from which the same coordinate is read back."""
         with localcontext(prec=LONGEST_EXACT):
             return f"{Decimal(repr(float(self))) + Decimal(repr(self.origin)):f}"
 

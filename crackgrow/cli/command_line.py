@@ -84,7 +84,7 @@ def parsed(words: Sequence[str]) -> tuple[str, str, dict[str, Any]]:
 
 
 def command_line(words: Sequence[str] = ()) -> Parser:
-    """The parser of the whole command line, for some words."""
+    """Return the parser of the whole command line; it uses the `words` given there to word its errors alone."""
     parser = Parser(
         words,
         prog="crackgrow",

@@ -58,7 +58,7 @@ def _title(file: Path) -> str:
 
 
 def do_new(name: str, template: str) -> None:
-    """`crackgrow new`: write a case to start from."""
+    """Run `crackgrow new`: write a template as a new case file, in cases/ if there is such a folder."""
     file = _file_of(name)
     text = template_text(template)
     if (file.parent / SCHEMA_FILE).is_file():

@@ -68,7 +68,7 @@ def volumes(cover: Cover, modulus: float, loads: Sequence[Load]) -> list[Constra
 
 
 def wetted_length(cover: Cover, load: FluidVolume) -> float:
-    """The length (m) of all that a volume of fluid fills."""
+    """Return the length (m) of all cracks and interfaces that a volume of fluid fills, each line once."""
     lines = [surface.line.points for surface in cover.surfaces if load.fills(surface.name)]
     return cover.lattice.spacing * sum(float(arc_lengths(points)[-1]) for points in lines)
 

@@ -113,7 +113,10 @@ def stretch_ends(cover: Cover, index: int, larger: float = 1.0) -> Floats:
 
 
 def gauss_faces(cover: Cover, touching: list[int]) -> ContactFaces:
-    """The paper's contact points: Gauss points on ten parts of each straight stretch of surfaces `touching`."""
+    """Place the contact points of the paper: GAUSS_POINTS Gauss points on each of GAUSS_PARTS of a straight piece.
+
+    `touching` are the numbers of the surfaces with a law of contact. Lengths are in lattice spacings.
+    """
     parts = []
     ends = {surface: stretch_ends(cover, surface) for surface in touching}
     x, w = gauss(GAUSS_POINTS)

@@ -402,11 +402,10 @@ def solved(
     start: Floats | None = None,
     near: ActiveEquations | None = None,
 ) -> ContactSolution:
-    """Solution of a contact problem by `solver`.
+    """Solve a contact problem of n points by `solver`.
 
-    It is looked for from unknowns `start` (2 n + l,) on, and from equations `near` by, which may be close.
-
-    Raises NotSolvedError where it finds none.
+    Newton alone uses `start` (2 n + l,), tractions (Pa) and l amplitudes of rigid motions at first, and `near`, the
+    factorized equations of a similar problem. Raises NotSolvedError where no solution is found.
     """
     if solver == "lemke":
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"

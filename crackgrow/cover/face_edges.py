@@ -132,9 +132,11 @@ def _along(line: CrackGeometry, edge: Ints, segment: Ints, vertices: Floats, edg
 
 
 def edges_on_outlines(traces: Sequence[tuple[Ints, Ints]], vertices: Floats, edges: Edges, body: Ints) -> OutlineEdges:
-    """The edges along the rims of the bodies of elements (elements,), with the side that each lies on.
+    """Return the edges of elements on the boundaries of all bodies, with the side that each lies on.
 
-    `traces` are, body by body, the edges (p,) on the pieces of its sides, -1 for what is none, and the sides (p,).
+    An edge between two bodies is there for each. `body` (elements,) is the body of each element; `traces` are, body
+    by body, the edges (p,) on its boundary, -1 for a piece that is no edge, and their sides (p,). Raises GeometryError
+    where an edge has no side.
     """
     shared = np.flatnonzero((edges.right >= 0) & (body[edges.left] != body[edges.right]))
     between = np.flatnonzero((edges.right < 0) | np.isin(np.arange(len(edges.a)), shared))

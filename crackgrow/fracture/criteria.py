@@ -126,10 +126,12 @@ class Criterion:
 
 
 def strength(loading: TipLoading, limits: Strength) -> Verdict:
-    """Strength of the averaged stress: growth perpendicular to sigma_1, or on a Mohr-Coulomb plane.
+    """Evaluate the criterion of the averaged stress at a tip: growth perpendicular to sigma_1, or on a shear plane.
 
-    The planes lie at 45 - phi/2 degrees to the major compression; of the two, growth takes the one on which the ray
-    from the tip carries the larger shear stress.
+    Tension is sigma_1 over the tensile strength, or K over the toughness where both are known; with bedding in the
+    direction where the hoop stress over the strength is largest. Mohr-Coulomb planes lie at 45 - phi/2 degrees to the
+    major compression; of the two, growth takes the one on which the ray from the tip carries the larger shear stress.
+    Tension governs from its strength on, and where it is nearer to it than shear.
     """
     field = loading.field
     s1, s3, axis = (float(v[0]) for v in principal(field.mean[None]))

@@ -49,7 +49,7 @@ _COMPLEX = np.array([1.0, 1.0j])
 
 
 def as_numbers(points: Floats) -> NDArray[np.complex128]:
-    """Points (..., 2) as one complex number each, exactly: sorted by x, then y."""
+    """Return points (..., 2) as complex numbers x + iy (...), exactly: NumPy orders these by x, then by y."""
     return np.asarray(points @ _COMPLEX)
 
 

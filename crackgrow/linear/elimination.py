@@ -71,7 +71,11 @@ def hold(
 
 @kernel
 def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
-    """Add the upper triangle that a child has `left` (b, b) to its parent, where it has the numbers `into` (b,)."""
+    """Add the Schur complement `left` (b, b) of a child to the front of its parent, in place.
+
+    `into` (b,) are its unknowns' numbers in the parent, ascending; U (p, p), V (p, c) and C (c, c) are its blocks.
+    Upper triangles alone are kept.
+    """
     p, b = len(U), len(into)
     n_own = np.searchsorted(into, p)  # they are ascending
     for i in range(b):

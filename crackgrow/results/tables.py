@@ -113,7 +113,7 @@ def history_columns(history: History) -> tuple[str, ...]:
 
 
 def history_rows(result: StepResult) -> list[Row]:
-    """Rows of history.csv: the increments of a step in turn, the last one being the step's."""
+    """Return the rows of history.csv: one for each state on the way of a step, and at last the step's own; or none."""
     history = result.history
     if history is None:
         return []

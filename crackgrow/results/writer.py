@@ -28,7 +28,7 @@ SPARE: Final = 2**23  # bytes: what the last files of a run take, and more
 
 
 def complete_run(case: Case, folder: Path) -> None:
-    """Make the report of a finished run that was killed before it had one; raises OutputError."""
+    """Delete the half-written files of a finished run, and write its report where it is missing. Raises OutputError."""
     remove_files(own.path for own in own_files(folder, case.name) if not own.whole)
     if case.output.report and not (folder / REPORT).is_file():
         from crackgrow.results.report import write_report  # here: a run without it needs none of it

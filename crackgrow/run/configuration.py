@@ -122,7 +122,10 @@ class Configuration:
         return abs(float(self.shares(level)[2])) * most
 
     def jumps(self, level: LoadLevel, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
-        """Gap and slip (n,) m at points of surfaces, of displacements `u` (n_dofs,) m under a load."""
+        """Return gap, positive where open, and slip (n,) m at points of surfaces, of displacements `u` (n_dofs,) m.
+
+        What foundations have moved under the load is taken off. Slip is positive where the left face moves forward.
+        """
         gap, slip = gap_and_slip(self.cover, points, u)
         away = across_and_along(points, self.shares(level)[2] * self.moves[points.surface])
         return gap - away[0], slip - away[1]

@@ -229,10 +229,10 @@ class Checkpoint:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class History:
-    """What named places see at the increments of a step, and the reactions."""
+    """Displacements, stresses and slip at the places of `output.points`, and reactions, on the way of a step."""
 
     columns: tuple[str, ...]  # "wall.u_x" (m), "wall.stress_xx" (Pa), "mouth.opening" (m), "supports.0.force_x" (N/m)
-    load_factor: Floats  # (n,) of the increments, in turn; the last one is the step's
+    load_factor: Floats  # (n,) of the states on the way, in turn; the last one is that at the end of the step
     values: Floats  # (n, columns)
 
 

@@ -185,7 +185,7 @@ class Scene:
         return tuple(found.get(id(load), load) for load in loads)
 
     def with_grading(self, grading: Grading) -> Scene:
-        """The scene on other cells, with the rock that is gone."""
+        """Return the scene with other refinement levels, which the scene before excavation gets, too."""
         return replace(self, grading=grading, whole=self.whole and self.whole.with_grading(grading))
 
     def growing_in(self, body: int) -> tuple[model.Growth, model.Strength]:

@@ -165,9 +165,9 @@ def compare_paths(
 
 
 def grown_pairs(a: Path, b: Path) -> list[Pair]:
-    """The tips that have grown in one of two result folders at least; none where one has no cracks.
+    """Compare what each crack of two result folders has grown at tips that grew in one of them at least.
 
-    Raises CaseError where paths can't be read.
+    The list is empty where a folder has no cracks. Raises CaseError where paths can't be read.
     """
     if not all(RunFolder(folder).n_rows("paths") for folder in (a, b)):
         return []

@@ -49,11 +49,11 @@ def farthest(a: Floats, b: Floats) -> tuple[float, float, float]:
 
 
 def frechet(a: Floats, b: Floats) -> float:
-    """The Frechet distance of two polylines, m: the shortest leash with which both are walked from start to end.
+    """Return the discrete Frechet distance (m) of two polylines (n, 2) and (k, 2) m.
 
-    Both are walked from point to point, at the same WALKED parts of their lengths and at all vertices of either (Eiter
-    and Mannila 1994, Computing discrete Frechet distance). So it is 0 for the same line with other vertices; for others
-    it is too large by less than the distance of two points, and by 2e-4 of itself on random walks of 12 segments.
+    Both are sampled at WALKED equal parts of their lengths and at all vertices of either (Eiter and Mannila 1994,
+    Computing discrete Frechet distance). It is too large by less than the distance of two samples, and by 2e-4 of
+    itself on random walks of 12 segments.
     """
     along_a, along_b = arc_lengths(a), arc_lengths(b)
     if not min(along_a[-1], along_b[-1]) > 0.0:  # a point and a line: the farthest vertex

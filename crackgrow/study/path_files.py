@@ -117,7 +117,7 @@ class _WrongError(Exception):
 
 
 def read_points(path: Path, columns: tuple[str, str]) -> Floats:
-    """The numbers (n, 2) of two columns of a CSV file; raises CaseError with its first fault and that line."""
+    """Read two columns (n, 2) of a CSV file, as they stand. Raises CaseError with its first error and that line."""
     return _read_csv(path, lambda rows: _points(rows, columns))
 
 

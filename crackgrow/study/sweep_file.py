@@ -96,7 +96,7 @@ def read_sweep_file(path: Path) -> SweepFile:
 
 
 def read_fit_file(path: Path) -> FitFile:
-    """The fit of a YAML file; raises CaseError with all its faults."""
+    """Read the definition of a fit from a YAML file. Raises CaseError with all errors in it."""
     values, base, report = _read(path, "FitFile", "fit", "cases/fits/rough_joint.yaml")
     for key, given in values["parameters"].items() if report.sound("parameters") else ():
         if not isinstance(given, Range) or given.n is not None:
