@@ -17,6 +17,7 @@ from crackgrow.case.touching import SNAP, scene_size
 from crackgrow.case.toughness import BY_K, shear_radius
 from crackgrow.case.units import Metres, place_text
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.shapes import ends_at_bonds
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
@@ -53,6 +54,7 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         if not growing and all(site.kind == "tip" for site in sites):
             yield WarningCause.NO_TIPS.at(steps=growth.steps)
     yield from _of_growth(scene)
+    yield from _of_cracked_interfaces(scene, cover)
     for load in case.loads:
         if isinstance(load, model.PointForce) and any(load.force):
             yield WarningCause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
@@ -62,6 +64,17 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     yield from free_edges(scene)
     yield from _contradictions(scene, cover)
     yield from _of_files(case)
+
+
+def _of_cracked_interfaces(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
+    """Tips of cracked interfaces, which do not grow, and what is not known of them."""
+    growth, tips = scene.case.growth, ends_at_bonds([surface.line for surface in cover.surfaces])
+    varying = {body.name for body, of in zip(cover.bodies, scene.materials_at(1.0), strict=True) if of.initial.varying}
+    for name in dict.fromkeys(cover.surfaces[number].name for number, _ in tips):
+        if growth is not None and growth.steps > 0:
+            yield WarningCause.BONDED_TIPS.at(name.words)
+        if not varying.isdisjoint(name.of):
+            yield WarningCause.UNKNOWN_G.at(name.words)
 
 
 def _of_files(case: model.Case) -> Iterator[StepWarning]:

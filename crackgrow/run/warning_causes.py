@@ -36,6 +36,8 @@ class WarningCause(Enum):
     SHORT_START = auto()
     MEMORY = auto()
     NO_TIPS = auto()
+    BONDED_TIPS = auto()
+    UNKNOWN_G = auto()
     MOVED = auto()
     CUT = auto()
     TINY_CRACKS = auto()
