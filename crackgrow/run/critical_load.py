@@ -21,6 +21,7 @@ from crackgrow.fracture.criteria import TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
 from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment, rising
+from crackgrow.run.state_values import history_of
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -78,6 +79,7 @@ class _Trial:
     loadings: list[TipLoading | None]  # site by site
     criticalities: Floats  # site by site, zero where no crack can leave
     solution: StepSolution | None  # None without any load, where everything is zero
+    came: tuple[LoadState, ...] = ()  # on the ways to it, in turn, and at last its own
 
     @property
     def criticality(self) -> float:
@@ -124,7 +126,7 @@ class _Search:
                     state = next(states, None)
                 if state is None:
                     break
-                found.append(self._evaluated(state))
+                found.append(self._evaluated(state, below))
         except (FreePieceError, NotSolvedError) as error:
             self._why = f", and no state was found at {factor:.6g}: {error}"
             found.append(self._farther(found[-1] if found else below, factor))
@@ -137,6 +139,8 @@ class _Search:
             with timed(self._seconds, "contact"):
                 state = increment(self._configuration, self._start_of(last), farther)
         except FreePieceError as error:
+            if last.solution is None:
+                raise  # nothing holds from the beginning
             what = f"{error.what}, from a load factor of {farther:.4g} on, before the criterion is met"
             raise FreePieceError(what, error.remedy) from error
         except NotSolvedError as error:
@@ -144,7 +148,7 @@ class _Search:
                 f"the criterion is not met up to a load factor of {last.factor:.6g}, and no state was found at "
                 f"{farther:.6g}: {error}"
             ) from error
-        return self._evaluated(state)
+        return self._evaluated(state, last)
 
     def _start_of(self, trial: _Trial) -> Start:
         """Where a way from a trial begins."""
@@ -153,7 +157,11 @@ class _Search:
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""
         assert trial.solution is not None
-        return replace(trial.solution, seconds={**trial.solution.seconds, **self._seconds})
+        *via, last = trial.came
+        notes = tuple(dict.fromkeys(note for state in trial.came for note in state.notes))
+        state = replace(last, via=tuple(via), notes=notes)
+        seconds = {**trial.solution.seconds, **self._seconds}
+        return replace(trial.solution, state=state, passed=history_of(state)[:-1], seconds=seconds)
 
     def beyond(self, below: _Trial, above: _Trial) -> float:
         """The next factor where the criterion is met at neither of two: where it would be if all were linear."""
@@ -178,8 +186,8 @@ class _Search:
         """
         return _root(lambda at: float(self._criticalities(_between(*trials, at, some)).max()) - 1.0, *shares)
 
-    def _evaluated(self, state: LoadState) -> _Trial:
-        """The trial of a state."""
+    def _evaluated(self, state: LoadState, below: _Trial | None = None) -> _Trial:
+        """The trial of a state, on a way that began at the trial `below`."""
         with timed(self._seconds, "criterion"):
             solution = evaluated(state)
         sites: list[TipState | StartState] = [*solution.tips, *solution.starts]
@@ -187,7 +195,9 @@ class _Search:
         criticalities = np.array(
             [verdict.largest if grows and verdict is not None else 0.0 for grows, verdict in known]
         )
-        return _Trial(state.factor, [site.loading for site in sites], criticalities, solution)
+        earlier = () if below is None else (*below.came[:-1], *(at.light() for at in below.came[-1:]))
+        came = (*earlier, *state.via, state)
+        return _Trial(state.factor, [site.loading for site in sites], criticalities, solution, came)
 
     def _at_rest(self) -> _Trial:
         """The trial under the held loads alone."""

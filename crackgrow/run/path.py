@@ -27,6 +27,9 @@ SHARES = (1.0, 1e-3, 1e-6, 1e-8)
 Where even the shortest does not lead back points jump at this load: bonds break, or several events are nearly one.
 """
 
+RESOLVED = 1e-10
+"""Of the load: pieces are no shorter, as a critical load is found to ten times as much."""
+
 AT_EVENT = 1e-10
 """Of the share of the way to an event: what its place is good to where strength falls on the way."""
 
@@ -78,6 +81,12 @@ class _LoadPath:
         """The load after a share of the way."""
         return self.first.towards(self.last, share)
 
+    @property
+    def resolved(self) -> float:
+        """The share of the way below which load factors are one."""
+        low, high = self.first.factor, self.last.factor
+        return RESOLVED * max(abs(low), abs(high)) / abs(high - low) if high != low else 0.0
+
     def at(self, share: float) -> PointStates:
         """The states after one increment to there."""
         return self.configuration.states(self.level(share), self.was, self.near)
@@ -124,7 +133,7 @@ def next_piece(
     bear up to there, where no branch goes on.
     """
     path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
-    least = SHARES[-1] * 10.0**jumps if jumps < MOST_JUMPS else 1.0
+    least = min(1.0, max(SHARES[-1] * 10.0**jumps, path.resolved)) if jumps < MOST_JUMPS else 1.0
     law = configuration.contact.law
     if starts_in_proportion(configuration, was, path.first):
         return Piece(path.at(1.0), 1.0, "straight")

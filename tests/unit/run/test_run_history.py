@@ -10,7 +10,7 @@ import pytest
 
 from crackgrow.__main__ import main
 from crackgrow.case.load import read_case
-from crackgrow.run.loop import solved_steps
+from crackgrow.run.loop import grow, solved_steps
 from crackgrow.run.result import History
 from tests.scenes import shipped_case
 from tests.whole_run import steps_of
@@ -118,6 +118,29 @@ def test_increments_inside_a_step_follow_the_friction() -> None:
     slip = column(forward, "joint.slip")
     assert slip[-1] != 0.0
     assert np.sign(column(back, "joint.slip")[-1]) == -np.sign(slip[-1])
+
+
+def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:
+    """A flaw that sticks up to its cohesion and slips: slip lies on the line of one increment to the same load."""
+    strong = "bodies.rock.strength={tension: 60, cohesion: 100, friction_angle: 40}"
+    settings = (
+        *FLAW_ON_ITS_WAY,
+        strong,
+        "growth.criterion=max_hoop_stress",
+        "cracks.flaw.contact.cohesion_after_slip=kept",
+    )
+
+    def under(loading: str) -> History:
+        found = next(grow(shipped_case("compression30", [*settings, f"loading={loading}"]))).history
+        assert found is not None
+        return found
+
+    rising = under("critical")
+    known = under(f"{{history: [{float(rising.load_factor[-1])!r}]}}")
+    assert len(rising.load_factor) > len(known.load_factor) > 1  # it makes for other loads first
+    assert np.all(np.diff(rising.load_factor) > 0.0)
+    slip = np.interp(rising.load_factor, known.load_factor, column(known, "mouth.slip"))
+    np.testing.assert_allclose(column(rising, "mouth.slip"), slip, rtol=0, atol=1e-7 * np.abs(slip).max())
 
 
 def test_history_is_a_file_that_a_resumed_run_goes_on_with(tmp_path: Path) -> None:
