@@ -61,21 +61,22 @@ case-exists:
 	fi
 
 PYTEST := -m pytest -q -n auto --maxprocesses 8
+TABLE := -p tests.verification.table
 
 test: $(STAMP)
 	@$(PY) $(PYTEST) -m "not physics and not slow" --dist loadfile
 
 test-physics: $(STAMP)
-	@$(PY) $(PYTEST) -m "physics and not slow" --dist loadfile
+	@$(PY) $(PYTEST) -m "physics and not slow" --dist loadfile $(TABLE)
 
 test-all: $(STAMP)
-	@$(PY) $(PYTEST) --dist loadfile
+	@$(PY) $(PYTEST) --dist loadfile $(TABLE)
 
 browser: $(STAMP)
 	@$(PY) -m pytest -q -m browser tests/browser
 
 verify: $(STAMP)
-	@$(PY) -m tests.verification.verify $(ARGS)
+	@$(PY) $(PYTEST) -m "not slow" --dist loadfile $(TABLE) tests/verification/rows $(ARGS)
 
 lint: $(STAMP)
 	@$(PY) -m ruff check .

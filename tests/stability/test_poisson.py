@@ -15,7 +15,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case, told
-from tests.verification.rows.fields import HOLE, YOUNG, kirsch
+from tests.verification.rows.test_fields import HOLE, YOUNG, kirsch
 from tests.verification.solutions import solve_case
 
 HALF, DEPTH = 30.0, 20.0  # mm: half width of both bodies, depth of the beam

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from itertools import chain
 from typing import Literal
+
+import pytest
 
 Measure = Literal["relative", "absolute", "at most", "at least"]
 """How the error is taken: (value - reference)/reference, value - reference, or how far the bound is passed."""
+
+Record = Callable[[str, object], None]
+"""Pytest's `record_property`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,54 +29,42 @@ class Row:
     measure: Measure = "relative"
     slow: bool = False  # takes a minute or more
 
+    def error(self, value: float) -> float:
+        """Signed error of a value in the row's measure."""
+        difference = value - self.reference
+        match self.measure:
+            case "relative":
+                return difference / abs(self.reference) if self.reference else difference
+            case "absolute":
+                return difference
+            case "at most":
+                return max(difference, 0.0)
+            case "at least":
+                return min(difference, 0.0)
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """A row with its value and its error; what was raised in place of them makes the row fail, not the whole table."""
-
-    row: Row
-    value: float
-    error: float
-    failure: str
-    seconds: float
-
-    @property
-    def within(self) -> bool:
-        """Whether the error is within its tolerance."""
-        return abs(self.error) <= self.row.tolerance  # False for nan
-
-    @property
-    def share(self) -> float:
-        """The error over its tolerance; for bounds that may not be passed 0 or infinite."""
-        return abs(self.error) / self.row.tolerance if self.row.tolerance else (0.0 if self.within else float("inf"))
-
-
-def gone() -> float:
-    """What stands for the value's function in an outcome: processes cannot hand on all functions."""
-    return float("nan")
-
-
-def evaluate(row: Row) -> Outcome:
-    """Compute a row."""
-    started = time.perf_counter()
-    value, error, failure = float("nan"), float("nan"), ""
-    try:
-        value = float(row.value())
-        error = error_of(row, value)
-    except Exception as fault:
-        failure = f"{type(fault).__name__}: {fault}"
-    return Outcome(replace(row, value=gone), value, error, failure, time.perf_counter() - started)
+    def check(self, record: Record) -> None:
+        """Compute the row, record it for the table, and fail where its error is beyond the tolerance."""
+        value = float(self.value())
+        error = self.error(value)
+        record(
+            "row",
+            {
+                "scene": self.scene,
+                "quantity": self.quantity,
+                "value": value,
+                "reference": float(self.reference),
+                "measure": self.measure,
+                "error": error,
+                "tolerance": self.tolerance,
+                "source": self.source,
+            },
+        )
+        assert abs(error) <= self.tolerance, f"{value} in place of {self.reference}: {self.source}"
 
 
-def error_of(row: Row, value: float) -> float:
-    """Signed error of a value in the row's measure."""
-    difference = value - row.reference
-    match row.measure:
-        case "relative":
-            return difference / abs(row.reference) if row.reference else difference
-        case "absolute":
-            return difference
-        case "at most":
-            return max(difference, 0.0)
-        case "at least":
-            return min(difference, 0.0)
+def parameters(*groups: Iterable[Row]) -> list[object]:
+    """Rows as the parameters of a test."""
+    return [
+        pytest.param(row, id=f"{row.scene}, {row.quantity}", marks=[pytest.mark.slow] if row.slow else [])
+        for row in chain(*groups)
+    ]

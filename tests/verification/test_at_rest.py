@@ -16,7 +16,7 @@ from crackgrow.errors import SolveError
 from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 from tests.stability.changed import QUARTER, Change
-from tests.verification.rows.tips import FAR, SQUARE, STRESS, ground, outcrop
+from tests.verification.rows.test_tips import FAR, SQUARE, STRESS, ground, outcrop
 from tests.verification.solutions import case_of, solve_case
 
 PLACES = np.array([[10.0, 10.0], [30.0, 0.0], [0.0, 40.0], [-25.0, -20.0]])

@@ -15,7 +15,7 @@ from scipy.optimize import brentq
 from crackgrow.case import Case
 from crackgrow.cli import main
 from crackgrow.errors import CaseError, FreePieceError, SolveError
-from tests.verification.rows.limits import INCLINE, LIMIT, safety_of
+from tests.verification.rows.test_limits import INCLINE, LIMIT, safety_of
 from tests.verification.solutions import case_of, solve_case
 from tests.whole_run import whole_run
 

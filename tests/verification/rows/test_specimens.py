@@ -10,9 +10,10 @@ from collections.abc import Iterator
 from functools import cache, partial
 
 import numpy as np
+import pytest
 
 from crackgrow.run.result import CrackPath, RunEnd, StepResult
-from tests.verification.row import Row
+from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import Floats, case_of
 from tests.whole_run import whole_run
 
@@ -180,4 +181,6 @@ def _rows() -> Iterator[Row]:
         )
 
 
-ROWS = [*_rows()]
+@pytest.mark.parametrize("row", parameters(_rows()))
+def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
+    row.check(record_property)

@@ -6,9 +6,10 @@ from collections.abc import Callable, Iterator
 from functools import cache, partial
 
 import numpy as np
+import pytest
 
 import crackgrow
-from tests.verification.row import Row
+from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import Floats, Solved, case_of, rate, solved, solved_text
 
 SUPPORTS = (1.5, 2.0, 2.5)
@@ -186,4 +187,6 @@ def _platens() -> Iterator[Row]:
         yield Row(f"{name} 9, {accuracy}", "modulus over E", value, 1.0086939, "finite elements", tolerance)
 
 
-ROWS = [*_patches(), *_holes(), *_rings(), *_platens()]
+@pytest.mark.parametrize("row", parameters(_patches(), _holes(), _rings(), _platens()))
+def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
+    row.check(record_property)

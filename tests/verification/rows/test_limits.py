@@ -9,6 +9,7 @@ from itertools import product
 from typing import Any
 
 import numpy as np
+import pytest
 import shapely
 from scipy.optimize import brentq
 
@@ -21,7 +22,7 @@ from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
-from tests.verification.row import Row
+from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import case_of
 from tests.whole_run import whole_run
 
@@ -366,4 +367,6 @@ def _safety() -> Iterator[Row]:
     yield Row("a slab below a roof", "factor of safety", value, 0.1e6 / (2600 * 9.81), "tensile strength", 1e-3)
 
 
-ROWS = [*_growth(), *_shear(), *_safety()]
+@pytest.mark.parametrize("row", parameters(_growth(), _shear(), _safety()))
+def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
+    row.check(record_property)

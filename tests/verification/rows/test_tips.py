@@ -8,6 +8,7 @@ from functools import cache, partial
 from typing import Any
 
 import numpy as np
+import pytest
 import yaml
 from scipy.special import ellipe, ellipk
 
@@ -17,7 +18,7 @@ from crackgrow.run import grow
 from crackgrow.run.result import StepResult
 from tests.benchmarks.target_scenes import SCENES, Known, cracks, kinked, kinked_scene, winged_flaw
 from tests.scenes import MPA, plate, winged
-from tests.verification.row import Row
+from tests.verification.row import Record, Row, parameters
 from tests.verification.slit_body import closed_plate
 from tests.verification.slit_body import plate as series
 from tests.verification.solutions import Floats, case_of, rate, rows, solve_case, solved, table
@@ -549,4 +550,8 @@ def _on_interfaces() -> Iterator[Row]:
             )
 
 
-ROWS = [*_open(), *_closed(), *_many(), *_places(), *_along(), *_injected(), *_on_interfaces()]
+@pytest.mark.parametrize(
+    "row", parameters(_open(), _closed(), _many(), _places(), _along(), _injected(), _on_interfaces())
+)
+def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
+    row.check(record_property)
