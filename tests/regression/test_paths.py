@@ -18,7 +18,6 @@ import shapely
 
 from crackgrow.cli import main
 from crackgrow.run.result import CrackPath, RunEnd, StepResult
-from crackgrow.study.compare import compare_paths
 from tests.scenes import shipped_case
 from tests.verification.solutions import CASES, QUIET
 from tests.whole_run import whole_run
@@ -55,18 +54,13 @@ def test_compression30_is_symmetric_and_does_not_depend_on_the_spacing() -> None
     assert np.ptp(x, axis=0).max() < 0.3  # mm
 
 
-def written(folder: Path, *settings: str) -> Path:
-    """The folder of results of the two flaws."""
-    chosen = [
-        text for setting in (*settings, "output.frames=none", "output.figures=false") for text in ("--set", setting)
-    ]
-    assert main(["run", str(CASES / "two_flaws.yaml"), "--quiet", "--out", str(folder), *chosen]) == 0
-    return folder
-
-
 @pytest.fixture(scope="module")
 def coarse(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(tmp_path_factory.mktemp("coarse"), COARSE)
+    """The folder of results of the two flaws."""
+    folder = tmp_path_factory.mktemp("coarse")
+    settings = [text for setting in (COARSE, *QUIET) for text in ("--set", setting)]
+    assert main(["run", str(CASES / "two_flaws.yaml"), "--quiet", "--out", str(folder), *settings]) == 0
+    return folder
 
 
 def test_inner_wings_coalesce_and_the_run_goes_on(coarse: Path) -> None:
@@ -102,13 +96,13 @@ def test_below_a_flatter_bridge_the_wings_pass_each_other() -> None:
 
 
 @pytest.mark.slow
-def test_paths_of_two_flaws_do_not_depend_on_the_spacing(tmp_path: Path) -> None:
-    a = written(tmp_path / "a", "numerics.spacing=2")
-    b = written(tmp_path / "b", "numerics.spacing=1")
-    comparison = compare_paths(a, b, tolerance=0.5 * INCREMENT)
-    ends = {(crack, tip) for crack in ("lower", "upper") for tip in ("start", "end")}
-    assert {(pair.crack, pair.part) for pair in comparison.pairs} >= ends
-    assert comparison.agrees
+def test_paths_of_two_flaws_do_not_depend_on_the_spacing() -> None:
+    """Outer wings to the end; inner ones up to the fifth increment, where tension is as large at 7 as at 68 degrees."""
+    of_2_mm, of_1_mm = (run("two_flaws", f"numerics.spacing={spacing}")[1].cracks for spacing in (2.0, 1.0))
+    for one, other, inner in zip(of_2_mm, of_1_mm, (1, 0), strict=True):
+        for end in (0, 1):
+            known = slice(5 if end == inner else None)
+            np.testing.assert_allclose(wing(one, end)[known], wing(other, end)[known], rtol=0, atol=0.1 * INCREMENT)
 
 
 def test_a_wing_runs_into_the_hole_and_the_other_one_goes_on() -> None:
