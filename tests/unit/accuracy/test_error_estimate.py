@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from crackgrow.accuracy.energy_norm import error_estimate
-from crackgrow.solid.elasticity import energy_components
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
 
@@ -18,10 +17,6 @@ def smooth(points: np.ndarray) -> np.ndarray:
     z = (points @ (1.0, 1.0j)) / 4.0
     total, deviator = 4.0 * np.exp(z).real, 2.0 * np.conj(z) * np.exp(z)
     return np.stack([0.5 * (total - deviator.real), 0.5 * (total + deviator.real), deviator.imag / 2.0], axis=1)
-
-
-def uniform(points: np.ndarray) -> np.ndarray:
-    return np.tile([1.0, -2.0, 0.5], (len(points), 1))
 
 
 def errors_and_estimates(build: type[Build], support: float) -> tuple[np.ndarray, np.ndarray]:
@@ -60,18 +55,3 @@ def test_a_uniform_stress_has_no_error(build: type[Build], support: float) -> No
 
     u = solved_under(sample, along)
     assert error_estimate(sample.cover, [sample.material], u, ()).relative < 1e-6
-
-
-def test_the_parts_of_the_elements_add_up_and_the_norm_is_that_of_the_stress(build: type[Build]) -> None:
-    sample = build.sample((0.0, 0.0), (4.0, 3.0), spacing=0.25, support=2.0)
-    estimate = error_estimate(sample.cover, [sample.material], solved_under(sample, smooth), ())
-    assert estimate.elements.shape == (sample.cover.elements.n,)
-    assert estimate.elements.min() >= 0.0
-    np.testing.assert_allclose(estimate.absolute**2, estimate.elements.sum())
-    estimate = error_estimate(sample.cover, [sample.material], solved_under(sample, uniform), ())
-    body = np.zeros(1, dtype=np.int64)
-    density = np.sum(energy_components([sample.material], uniform(np.zeros((1, 2))), body) ** 2)
-    np.testing.assert_allclose(estimate.norm**2, 12.0 * density, rtol=1e-9)
-    estimate = error_estimate(sample.cover, [sample.material], np.zeros(sample.cover.n_dofs), ())
-    assert estimate.absolute == 0.0
-    assert np.isnan(estimate.relative)

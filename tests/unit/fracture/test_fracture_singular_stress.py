@@ -13,7 +13,7 @@ from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.recovery import stress_of
-from tests.conftest import Build, Sample
+from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
 
 K = (2.0, -1.0)
@@ -33,11 +33,6 @@ def points_in(cover: Cover, low: tuple[float, float], high: tuple[float, float])
     points = np.random.default_rng(5).uniform(low, high, (200, 2))
     elements = locate(cover.lattice, cover.elements, points)
     return points[elements >= 0], elements[elements >= 0]
-
-
-def edge_crack(build: type[Build], spacing: float, support: float = 2.0) -> Sample:
-    crack = build.crack([(0.0, 1.53), (2.1, 1.53)], tips=(False, True))
-    return build.sample((0.0, 0.0), (4.0, 3.0), (crack,), spacing=spacing, support=support)
 
 
 @pytest.mark.parametrize("kink", [0.0, 1.0])
@@ -98,9 +93,10 @@ def test_beyond_the_far_end_nothing_jumps(build: type[Build]) -> None:
 @pytest.mark.physics
 @pytest.mark.parametrize("support", [1.5, 2.0])
 def test_the_estimate_of_a_singular_field_is_its_error(build: type[Build], support: float) -> None:
-    """An edge crack under the tractions of Williams' field. The error falls with the root of the spacing."""
-    for spacing in (0.5, 0.25, 0.125):
-        sample = edge_crack(build, spacing, support)
+    """An edge crack under the tractions of Williams' field."""
+    for spacing in (0.5, 0.25):
+        crack = build.crack([(0.0, 1.53), (2.1, 1.53)], tips=(False, True))
+        sample = build.sample((0.0, 0.0), (4.0, 3.0), (crack,), spacing=spacing, support=support)
         cover = sample.cover
 
         def field(metres: np.ndarray, cover: Cover = cover) -> np.ndarray:

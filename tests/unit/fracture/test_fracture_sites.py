@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 from crackgrow.fracture.sites import BESIDE, Site, StartRegions, start_sites
-from tests.near_tips import site_fields
 
 APART = 0.5
 BENT = [(2.0, 6.1), (6.05, 6.1), (8.05, 6.1 + 2.0 * np.sqrt(3.0))]  # turns by 60 degrees
@@ -74,20 +73,3 @@ def test_points_of_the_rock_keep_clear_of_rims_and_cracks(build) -> None:
     across = np.maximum(np.maximum(2.0 - points[:, 0], points[:, 0] - 10.0), 0.0)
     assert np.hypot(across, points[:, 1] - 5.0).min() > APART
     assert sites(plate(build, BENT), StartRegions(True, True, True, 2.0, (None,))) == []
-
-
-@pytest.mark.parametrize("where", [looked(on_rims=True), looked(in_rock=True)], ids=["rims", "rock"])
-def test_uniform_stress_is_averaged_exactly(build, where: StartRegions) -> None:
-    sample = plate(build)
-    nodes = sample.cover.patches.nodes
-    u = np.stack([1e-3 * nodes[:, 0], 2e-4 * nodes[:, 1]], axis=1).ravel()
-    found = start_sites(sample.cover, [], [], where)
-    fields = site_fields(sample.cover, [sample.material], u, found, APART)
-    assert len(found) > 10
-    E, nu = 1.0, 0.25
-    strain = np.array([1e-3, 2e-4])
-    exact = E / ((1 + nu) * (1 - 2 * nu)) * ((1 - nu) * strain + nu * strain[::-1])
-    for field in fields:
-        np.testing.assert_allclose(field.mean, [*exact, 0.0], atol=1e-9)
-        seen = np.isfinite(field.rays[:, 0]) & (np.abs(field.angles) <= field.half_width)
-        np.testing.assert_allclose(field.rays[seen], np.tile([*exact, 0.0], (seen.sum(), 1)), atol=1e-9)

@@ -1,4 +1,4 @@
-"""The output mesh covers the specimen, is conforming, and is double along cracks and nowhere else; its fields."""
+"""The output mesh and its fields, conforming and double along cracks alone; the course of named points."""
 
 from __future__ import annotations
 
@@ -8,15 +8,17 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
-from crackgrow.run.configuration import assemble
+from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import OutputMesh, make_frame, output_mesh
-from crackgrow.run.result import Frame
+from crackgrow.run.layout import cover_of
+from crackgrow.run.loop import solved_steps
+from crackgrow.run.result import Frame, History
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
-from tests.solving import face_vertices, solve_step
+from tests.solving import face_vertices, solve_case
+from tests.whole_run import steps_of, whole_run
 
 NEAR = 1e-9
 """m: vertices lie on a grid of 1e-12 m; no two of them are nearer than 1e-6 m here."""
@@ -24,32 +26,27 @@ NEAR = 1e-9
 AT_TIP = 1e-4
 """Relative jump at a tip: vertices lie off it by the grid of 1e-9 spacings, and the jump grows as the square root."""
 
+WING = "cracks.flaw.path={points: [[-4.33, -2.5], [4.33, 2.5], [3.98, 4.47]]}"
+KINKED = "cracks.flaw.path={points: [[-4.33, -2.5], [4.33, 2.5], [3.98, 4.47], [4.33, 6.44]]}"
 SCENES = {
-    "closed": ("compression30", ()),
-    "open": ("tension0", ()),
-    "kinked": ("compression30", (70.0, -20.0)),
-    "finer tiles": ("compression30", (70.0,), "numerics.support=1.75"),
+    "closed": ("compression30",),
+    "open": ("tension0",),
+    "kinked": ("compression30", KINKED),
+    "finer tiles": ("compression30", WING, "numerics.support=1.75"),
 }
-"""Scene, kinks in degrees of 2 mm segments added at the end, settings."""
+"""Scenes and settings."""
 
 BY_HAND = ("numerics.spacing=1.5", "numerics.refine.tips=3", "numerics.refine.kinks=6")
-STUCK = ("compression30", (70.0,), "cracks.flaw.contact.friction=20", *BY_HAND)
+STUCK = ("compression30", WING, "cracks.flaw.contact.friction=20", *BY_HAND)
 
 CUT = ("flaw_and_hole", "interface_friction04", "junction_static", "en_echelon")
 """Scenes with curved outlines, several bodies, cracks that meet."""
 
 
 @cache
-def solved(name: str) -> tuple[StepSolution, Frame]:
-    file, *rest = (SCENES | {"stuck": STUCK})[name]
-    kinks, settings = rest[0], rest[1:]
-    case = shipped_case(file, settings)
-    scene = make_scene(case)
-    growing = GrowingCrack.given(case.cracks[0])
-    for step, kink in enumerate(kinks, start=1):
-        growing, _ = advanced(growing, True, Segment(np.deg2rad(kink), 2e-3), step, scene.regions[0])
-    solution = solve_step(scene, (growing,), 1.0)
-    return solution, make_frame(solution.cover, scene.materials, solution.outcome.u)
+def solved(file: str, *settings: str) -> tuple[StepSolution, Frame]:
+    solution = solve_case(shipped_case(file, settings))
+    return solution, make_frame(solution.cover, solution.scene.materials, solution.outcome.u)
 
 
 def areas(frame: Frame | OutputMesh) -> np.ndarray:
@@ -82,11 +79,9 @@ def from_tips(solution: StepSolution, points: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("name", [*SCENES, *CUT])
 def test_cells_fill_the_specimen_once_and_no_corner_lies_in_a_side_of_another(name: str) -> None:
     """Sides of one cell alone are those of the elements on outlines, and of both faces of cracks and interfaces."""
-    if name in SCENES:
-        cover = solved(name)[0].cover
-    else:
-        scene = make_scene(shipped_case(name))
-        cover = assemble(scene, tuple(map(GrowingCrack.given, scene.case.cracks))).cover
+    file, *settings = SCENES.get(name, (name,))
+    case = shipped_case(file, settings)
+    cover = cover_of(make_scene(case), beginning(case).cracks)
     elements, mesh = cover.elements, output_mesh(cover.elements, cover.tips)
     pairs, n_cells = edges(mesh)
     assert set(n_cells.tolist()) == {1, 2}
@@ -104,7 +99,7 @@ def test_cells_fill_the_specimen_once_and_no_corner_lies_in_a_side_of_another(na
 
 @pytest.mark.parametrize("name", SCENES)
 def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str) -> None:
-    solution, frame = solved(name)
+    solution, frame = solved(*SCENES[name])
     mesh = output_mesh(solution.cover.elements, solution.cover.tips)
     node, element = mesh.place_node, mesh.place_element
     stress = stress_at(solution.cover, solution.state.materials, solution.outcome.u, mesh.points[node], element)
@@ -115,7 +110,7 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
 
 def test_a_uniform_stress_is_that_of_all_nodes() -> None:
     """Cut tiles, a kink and tips in rock whose cracks stick."""
-    _, frame = solved("stuck")
+    _, frame = solved(*STUCK)
     np.testing.assert_allclose(frame.point_stress, np.tile([0.0, -100e6, 0.0], (len(frame.points), 1)), atol=100.0)
     np.testing.assert_allclose(frame.point_stress_zz, -25e6, atol=100.0)
 
@@ -123,7 +118,7 @@ def test_a_uniform_stress_is_that_of_all_nodes() -> None:
 @pytest.mark.parametrize("name", SCENES)
 def test_the_displacement_jumps_by_gap_and_slip_from_node_to_node(name: str) -> None:
     """Of each pair, the node on the plus face is the one in a cell on the left of the crack."""
-    solution, frame = solved(name)
+    solution, frame = solved(*SCENES[name])
     cover, u = solution.cover, solution.outcome.u
     vertices = face_vertices(cover, 0)
     gap, slip = gap_and_slip(cover, vertices, u)
@@ -138,10 +133,85 @@ def test_the_displacement_jumps_by_gap_and_slip_from_node_to_node(name: str) -> 
     assert n_pairs > 10
 
 
-def test_stress_integrates_to_the_load() -> None:
-    """Mean of sigma_yy times the volume is the load times the height, whatever the crack does (divergence theorem)."""
-    _, frame = solved("closed")
-    size = areas(frame)
-    mean = size @ frame.stress / size.sum()
-    # one point a cell, singular stress at two tips
-    np.testing.assert_allclose(mean, [0.0, -100e6, 0.0], atol=0.5e6)
+def test_the_errors_of_cells_add_up_to_the_estimate() -> None:
+    case = shipped_case("compression30", ["numerics.spacing=3", "growth.steps=1", "output.fields=[energy_error]"])
+    results, end = whole_run(case)
+    for result, expected in zip(results, (results[0].norm_error, end.norm_error), strict=True):
+        assert result.frame is not None
+        assert result.frame.error_density is not None
+        share = areas(result.frame) @ result.frame.error_density**2 / areas(result.frame).sum()
+        np.testing.assert_allclose(100.0 * np.sqrt(share), expected, rtol=1e-9)
+
+
+YOUNG, STRESS = 1e9, 1e6  # Pa
+
+BAR = """
+title: a bar
+plane: stress
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 0.02, height: 0.04}}
+    material: {young: 1e9, poisson: 0.25}
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {y: 0}}
+  - {at: [0, -0.02], displacement: {x: 0}}
+loads: [{on: {body: rock, edge: top}, traction: [0, 1e6]}]
+loading: {history: [0.5, -1]}
+numerics: {spacing: 0.004}
+output: {frames: none, figures: false, points: {corner: {at: [0.01, 0.02]}, gauge: {between: [[0, -0.01], [0, 0.01]]}}}
+"""
+
+BLOCK_ON_ITS_WAY = (
+    "numerics.spacing=0.4",
+    "supports.0.contact.friction=0.18",
+    "loads.0.held=true",
+    "output.points={corner: {at: [-2, 0], body: block}}",
+)
+FLAW_ON_ITS_WAY = (
+    "growth.steps=0",
+    "numerics.spacing=1.5",
+    "cracks.flaw.contact.friction=0.3",
+    "cracks.flaw.contact.cohesion=2",
+    "output.points={mouth: {crack: flaw, at: [0, 0]}}",
+    "output.figures=false",
+    "output.frames=none",
+)
+
+
+def histories(text: str, *overrides: str) -> list[History]:
+    found = [result.history for result in steps_of(text, *overrides)]
+    assert all(found)
+    return [history for history in found if history is not None]
+
+
+def column(history: History, name: str) -> np.ndarray:
+    return history.values[:, history.columns.index(name)]
+
+
+def test_points_of_a_bar_in_tension_have_its_exact_fields() -> None:
+    for history, factor in zip(histories(BAR), (0.5, -1.0), strict=True):
+        strain = factor * STRESS / YOUNG
+        assert history.load_factor.tolist() == [factor]
+        assert column(history, "corner.u_y") == pytest.approx([0.04 * strain], rel=1e-9)
+        assert column(history, "corner.u_x") == pytest.approx([-0.25 * 0.01 * strain], rel=1e-9)
+        assert column(history, "corner.stress_yy") == pytest.approx([factor * STRESS], rel=1e-9)
+        assert column(history, "corner.stress_xy") == pytest.approx([0.0], abs=1e-3)
+        assert column(history, "gauge.convergence") == pytest.approx([-0.02 * strain], rel=1e-8)
+        assert column(history, "supports.0.force_y") == pytest.approx([-0.02 * factor * STRESS], rel=1e-9)
+
+
+@pytest.mark.parametrize("pressed", ["whole", "loose"])
+def test_states_found_together_are_those_found_alone(pressed: str) -> None:
+    """Of a flaw on its way to slip, and of a block that contact alone holds: displacements and support forces."""
+    whole = pressed == "whole"
+    case = shipped_case("compression30", FLAW_ON_ITS_WAY) if whole else shipped_case("block_rigid", BLOCK_ON_ITS_WAY)
+    _, solution = next(iter(solved_steps(case)))
+    states = [*solution.passed, solution.state]
+    assert len(states) > 1
+    assert (solution.contact.loose is None) == (pressed == "whole")
+    together = solution.configuration.displacements([(state.level, state.states) for state in states])
+    for (u, multipliers), state in zip(together, states, strict=True):
+        outcome = state.outcome
+        np.testing.assert_allclose(u, outcome.u, atol=1e-10 * np.abs(outcome.u).max())
+        size = np.abs(solution.configuration.scaled).max()
+        np.testing.assert_allclose(multipliers, outcome.multipliers, atol=1e-9 * size)
