@@ -172,7 +172,7 @@ def test_rock_of_any_friction_always_has_a_state(seed: int) -> None:
     solved(spread_problem(n, rng.uniform(0.0, 30.0, n), seed, cohesion))
 
 
-@pytest.mark.parametrize("seed", [437, 509, 585, 765, 795, 895, 1453, 1563, 3511])
+@pytest.mark.parametrize("seed", [437, 509, 585, 765, 795, 895, 1563])
 def test_where_active_sets_come_back_there_is_a_way_out(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     problem, _ = drawn(seed).problem.settled()
     found = solve_by_newton(problem)

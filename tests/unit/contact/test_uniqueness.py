@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem
@@ -23,6 +21,7 @@ from crackgrow.run.uniqueness import (
     unique_text,
 )
 from tests.contact_problems import contact_law, every_solution, rock_of, spread_problem
+from tests.scenes import shipped_case
 from tests.solving import solve_contact
 
 ONE = np.ones(1)
@@ -83,7 +82,7 @@ def test_the_limit_of_one_point_is_just_below_the_first_friction_with_several_so
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) -> None:
     below = several = 0
-    for seed, friction in itertools.product(range(40), (0.1, 0.3, 1.0, 30.0)):
+    for seed, friction in itertools.product(range(20), (0.1, 0.3, 1.0, 30.0)):
         problem = spread_problem(n, friction, seed)
         number = len(every_solution(problem))
         assert number >= 1
@@ -91,7 +90,7 @@ def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) ->
         if friction < friction_limit(problem.points.compliance, np.ones(n)):
             below += 1
             assert number == 1
-    assert below >= 20  # so that both happen
+    assert below >= 10  # so that both happen
     assert several >= 1
 
 
@@ -145,11 +144,8 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     assert n_found >= 0.75 * n_several
 
 
-FLAW = Path(__file__).parents[3] / "cases" / "compression30.yaml"
-
-
 def told_of_the_flaw(*settings: str) -> list[str]:
-    return list(unique_text(load_case(FLAW, ["numerics.spacing=3", "growth.steps=0", *settings])))
+    return list(unique_text(shipped_case("compression30", ["numerics.spacing=3", "growth.steps=0", *settings])))
 
 
 def test_every_load_factor_of_a_case_is_told_of() -> None:

@@ -26,7 +26,10 @@ def energy(step: StepResult, kind: str) -> float:
         ("vein_in_tension", ()),  # breaks
         ("09_wear", ()),  # wears by slip
         ("interface_friction04", ()),
-        ("confined30", (f"{FLAW}.cohesion=5", "growth.steps=1")),  # slips, breaks and opens from rest, then grows
+        (
+            "confined30",
+            (f"{FLAW}.cohesion=5", "growth.steps=1", "numerics.spacing=3"),
+        ),  # slips, breaks and opens from rest, then grows
     ],
 )
 def test_emissions_of_a_step_add_up_to_its_energies(scene: str, settings: tuple[str, ...]) -> None:

@@ -123,7 +123,6 @@ bodies:
   rock: {shape: {rectangle: {center: [0, 0], width: 100, height: 100}}, material: {young: 30 GPa, poisson: 0.25}}
 cracks:
   a: {path: {points: [[-25, -5], [-18, 0], [-11, -5], [-4, 0], [3, -5], [10, 0], [17, -5], [24, 0]]}, contact: LAW}
-  b: {path: {points: [[-22, 8], [-15, 3], [-8, 8], [-1, 3], [6, 8], [13, 3], [20, 8], [27, 3]]}, contact: LAW}
   c: {path: {points: [[0, -20], [3, 0.5], [-2, 25]]}, contact: LAW}
 supports: minimal
 loads:
@@ -138,10 +137,10 @@ output: {frames: none, figures: false}
 
 @pytest.mark.parametrize(("friction", "sticks"), [(5.0, True), (0.2, False)])
 def test_a_kinked_network_that_sticks_is_told_to(friction: float, sticks: bool) -> None:
-    """Uniform stress goes through it; what cells leave is 31 kPa sqrt(m), and the bounds of that were 6300 % of it."""
+    """Uniform stress goes through it; what cells leave of K is next to nothing, and its bounds were 6300 % of it."""
     case = read_case(NETWORK.replace("LAW", f"{{friction: {friction}, cohesion: 0}}"), "network", "network")
     step = next(grow(case))
-    assert [tip.sticks for tip in step.tips] == [sticks] * 6
+    assert [tip.sticks for tip in step.tips] == [sticks] * 4
     assert np.isnan(K_error(step)) == sticks
     assert (" sticks, cracks " in told_line(step, case, 0.0)) == sticks
     assert ("K_I" in told_line(step, case, 0.0)) != sticks
@@ -174,7 +173,7 @@ def swing(cells: str) -> float:
     return float(solution.displacement_at([0.0, 0.0299])[0])
 
 
-@pytest.mark.parametrize("accuracy", ["draft", "fine"])
+@pytest.mark.parametrize("accuracy", ["draft", "standard"])
 def test_a_part_of_an_edge_holds_small_cells_no_tighter_than_it_does(accuracy: str) -> None:
     """Cells outside of the rock are large: fewer functions reach the edge than there are small cells along it.
 

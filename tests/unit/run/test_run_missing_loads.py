@@ -43,19 +43,18 @@ def held(edge: str, *components: str) -> dict[str, Any]:
     return {"on": {"edge": edge}, "displacement": dict.fromkeys(components, 0)}
 
 
-@pytest.mark.parametrize(
-    ("loads", "supports"),
-    [
-        ([STRESS], [{"outline": "rollers"}]),
-        ([STRESS], [{"outline": "fixed"}]),
-        ([STRESS, FAR], "minimal"),
-        ([STRESS, *all_round(1.0)], "minimal"),
-        ([{**STRESS, "held": True}, FAR], "minimal"),
-        ([{**STRESS, "held": True}, {**FAR, "held": True}, DRIVER], "minimal"),
-        ([{"stress": [0, "0.01*(y - 50)", 0]}], [held("left", "x"), held("right", "x"), held("bottom", "y")]),
-    ],
-    ids=["rollers", "fixed", "far field", "tractions", "held and not", "and a driver", "free surface"],
-)
+BALANCED = [
+    ([STRESS], [{"outline": "rollers"}]),
+    ([STRESS], [{"outline": "fixed"}]),
+    ([STRESS, FAR], "minimal"),
+    ([STRESS, *all_round(1.0)], "minimal"),
+    ([{**STRESS, "held": True}, FAR], "minimal"),
+    ([{**STRESS, "held": True}, {**FAR, "held": True}, DRIVER], "minimal"),
+    ([{"stress": [0, "0.01*(y - 50)", 0]}], [held("left", "x"), held("right", "x"), held("bottom", "y")]),
+]
+
+
+@pytest.mark.parametrize(("loads", "supports"), BALANCED)
 def test_where_all_of_the_stress_is_taken_nothing_is_told(loads: list[dict[str, Any]], supports: Any):
     for holes in ((), HOLES):
         assert told(scene(loads, supports, holes)) == []

@@ -32,7 +32,7 @@ SCENES = {
     "closed": ("compression30",),
     "open": ("tension0",),
     "kinked": ("compression30", KINKED),
-    "finer tiles": ("compression30", WING, "numerics.support=1.75"),
+    "finer tiles": ("compression30", WING, "numerics.support=1.75", "numerics.spacing=1.5"),
 }
 """Scenes and settings."""
 

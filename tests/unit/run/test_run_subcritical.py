@@ -12,7 +12,7 @@ from crackgrow.run.warning_causes import WarningCause
 from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
-INCREMENT, V_MAX, N = 1e-3, 0.01, 10  # m, m/s, -
+INCREMENT, V_MAX = 1e-3, 0.01  # m, m/s
 
 
 def crack_lengths(result: StepResult) -> dict[str, float]:
