@@ -14,9 +14,9 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import segment_directions
-from crackgrow.run.configuration import Configuration, LoadLevel, assemble
+from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.evaluation import StepSolution, evaluated
-from crackgrow.run.increments import increment, unloaded
+from crackgrow.run.increments import LoadState, from_state, held_loads, increment, unloaded
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
 
@@ -32,6 +32,20 @@ def face_vertices(cover: Cover, surface: int) -> FacePoints:
     tangent, plus, minus = (np.repeat(part, 2, axis=0) for part in (tangents[edges.segment], edges.plus, edges.minus))
     s, points = edges.s.ravel(), edges.points.reshape(-1, 2)
     return FacePoints(np.full(len(s), surface), s, points, tangent[:, ::-1] * [-1.0, 1.0], plus, minus)
+
+
+def ready(case: Case) -> Configuration:
+    """The given cracks of a case, laid out and assembled."""
+    return assemble(make_scene(case), tuple(map(GrowingCrack.given, case.cracks)))
+
+
+def through(configuration: Configuration, *factors: float) -> list[LoadState]:
+    """The states at load factors, in turn, the first one from the held loads alone."""
+    start, states = held_loads(configuration), []
+    for factor in factors:
+        states.append(increment(configuration, start, factor))
+        start = from_state(states[-1])
+    return states
 
 
 def solve_step(scene: Scene, growing: tuple[GrowingCrack, ...], load_factor: float) -> StepSolution:
@@ -52,15 +66,6 @@ def displacement_in(solution: StepSolution, metres: Floats, body: int | None = 0
     elements = locate(cover.lattice, cover.elements, points, body)
     assert elements.min() >= 0
     return displacement_at(cover, solution.outcome.u, points, elements)
-
-
-def at_once(configuration: Configuration, factor: float, memory: ContactMemory | None = None) -> ContactOutcome:
-    """A configuration at a load factor after one implicit increment. Raises SolveError where there is no state.
-
-    `memory` is that of the increment before, None for the first.
-    """
-    level, memory = LoadLevel(factor), memory or ContactMemory.fresh(configuration.faces.n)
-    return configuration.equilibrium(level, memory, configuration.states(level, memory))
 
 
 def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:

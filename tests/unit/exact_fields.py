@@ -36,6 +36,22 @@ def solved_under(sample: Sample, field: Field) -> Floats:
     return system.solve(loads.ravel(), given)[0]
 
 
+def near_field(t: Floats, K_I: float, K_II: float) -> Floats:
+    """sqrt(2 pi r) times the stress (n, 3) round the tip of a crack (Williams) at angles t (n,), in the tip's axes."""
+    c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
+    first = np.stack([c * (1 - s * s3), c * (1 + s * s3), c * s * c3], axis=1)
+    second = np.stack([-s * (2 + c * c3), s * c * c3, c * (1 - s * s3)], axis=1)
+    return K_I * first + K_II * second
+
+
+def turned(stress: Floats, angle: float) -> Floats:
+    """Stress (n, 3) turned by an angle (rad), counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    R = np.array([[c, -s], [s, c]])
+    tensors = R @ stress[:, [0, 2, 2, 1]].reshape(-1, 2, 2) @ R.T
+    return np.stack([tensors[:, 0, 0], tensors[:, 1, 1], tensors[:, 0, 1]], axis=1)
+
+
 def true_error(sample: Sample, u: Floats, field: Field) -> float:
     """Energy norm of the difference to the field, percent of the field's."""
     found = element_points(sample.cover, 4)

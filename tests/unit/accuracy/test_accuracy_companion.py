@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
-from dataclasses import asdict, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -18,13 +17,11 @@ from crackgrow.accuracy.companion import (
     Quantities,
     coarsened,
     errors_of,
-    errors_of_record,
     refined,
     unresolved_shear,
 )
 from crackgrow.arrays import Floats
 
-NAN = math.nan
 ENDS = ((0, False), (0, True), (1, True))
 HERE = Quantities(
     ENDS, np.array([[3.0, 0.0], [3.0, 4.0], [1.0, 0.0]]), np.zeros(3), np.array([5.0, -4.0, 1.0]),
@@ -94,15 +91,6 @@ def test_a_tip_that_opens_before_the_first_contact_point_loses_its_shear() -> No
     )
     assert unresolved_shear(1e9, y, p, c) == pytest.approx(c * math.sqrt(8.0 * y / math.pi))
     assert unresolved_shear(-1.0, y, p, c) == unresolved_shear(0.0, y, p, c) == 0.0
-
-
-def test_errors_come_back_from_plain_data() -> None:
-    grading = Grading(True, False, (2, -1), 1, ((0, 0.5, 0.25),))
-    known = Errors(grading, ENDS[:2], (0.5, NAN), 7.0, (2.0, NAN), (0.1, NAN), {"slip": 0.2, "reaction": NAN}, "why")
-    again = errors_of_record(json.loads(json.dumps(asdict(known))))
-    assert (again.grading, again.ends, again.largest, again.missed) == (grading, ENDS[:2], 7.0, "why")
-    assert (again.K[0], again.kinks[0], again.shares["slip"]) == (0.5, 0.1, 0.2)
-    assert all(map(math.isnan, (again.K[1], again.kinks[1], again.shares["reaction"])))
 
 
 def off(*shares: float, grading: Grading = GRADING) -> Errors:

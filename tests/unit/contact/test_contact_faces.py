@@ -1,16 +1,18 @@
-"""Contact points along cracks, Gauss points and mortar nodes: how many, where, their functions, weights and sides."""
+"""Contact points along cracks: how many, where, their functions and weights; the jump operator on known fields."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from crackgrow.contact.faces import ContactFaces, gauss_faces, stretch_ends
+from crackgrow.contact.faces import ContactFaces, gauss_faces, points_at, stretch_ends
+from crackgrow.contact.jump import contact_operators, gap_and_slip
 from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
+from crackgrow.cover.cell_lengths import sizes_beside
 from crackgrow.cover.cover import Cover
-from crackgrow.cover.elements import locate
 from crackgrow.geometry.polyline import arc_lengths
-from tests.unit.cell_sizes import with_sizes
 
 ROUND_OFF = 1e-8
 """In spacings: vertices lie on a grid of 1e-9 spacings, so that lengths are exact to a few of those."""
@@ -47,11 +49,13 @@ def plate(build, *paths, spacing: float = 1.0, tips: tuple[bool, bool] = (True, 
 
 
 def with_smaller_cells(cover: Cover, line: float, side: float) -> Cover:
-    """The cover where cells of this side are on the right of x = `line`, all rules of their neighbours left alone."""
+    """The cover that takes cells on the right of x = `line` for those of this side; rules go by the sizes alone."""
     start, element = cover.elements.rings.start, cover.elements.rings.face
     rings = [start[element == number] for number in range(cover.elements.n)]
     middles = np.array([cover.elements.vertices[ring].mean(axis=0) for ring in rings])
-    return with_sizes(cover, np.where(middles[:, 0] > cover.lattice.to_lattice(np.array([line, 0.0]))[0], side, 1.0))
+    sizes = np.where(middles[:, 0] > cover.lattice.to_lattice(np.array([line, 0.0]))[0], side, 1.0)
+    surfaces = tuple(replace(surface, sizes=sizes_beside(surface.edges, sizes)) for surface in cover.surfaces)
+    return replace(cover, elements=replace(cover.elements, size=sizes), surfaces=surfaces)
 
 
 def shape_sum(faces: ContactFaces) -> np.ndarray:
@@ -91,27 +95,6 @@ def test_gauss_points_of_the_paper(build) -> None:
         assert np.histogram(faces.s[mine], np.linspace(low, high, 11))[0].tolist() == [5] * 10
         # five points a part are exact to degree 9
         assert faces.weights[mine] @ faces.s[mine] ** 9 == pytest.approx((high**10 - low**10) / 10, rel=1e-8)
-
-
-@pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
-def test_plus_is_the_left_side_of_the_crack(build, path) -> None:
-    cover = plate(build, path).cover
-    points = mortar_faces(cover, [0], 1.0).points
-    segment = np.searchsorted(arc_lengths(np.array(path)), points.s) - 1
-    steps = np.diff(np.array(path), axis=0)
-    tangent = (steps / np.hypot(*steps.T)[:, None])[segment]
-    turned = np.stack([-tangent[:, 1], tangent[:, 0]], axis=1)
-    np.testing.assert_allclose(points.normal, turned, atol=ROUND_OFF)
-    step = 1e-6  # spacings: far less than the distance of any point from the next edge
-    assert np.array_equal(locate(cover.lattice, cover.elements, points.points + step * turned), points.plus)
-    assert np.array_equal(locate(cover.lattice, cover.elements, points.points - step * turned), points.minus)
-    assert np.all(points.plus != points.minus)
-
-
-def test_no_touching_crack_has_no_contact_points(build) -> None:
-    cover = plate(build, PATHS["straight"]).cover
-    for faces in (mortar_faces(cover, [], 1.0), gauss_faces(cover, [])):
-        assert faces.n == len(faces.weights) == 0
 
 
 @pytest.mark.parametrize(
@@ -154,34 +137,17 @@ def test_nodes_of_a_10_mm_crack(build, angle: float, spacing: float, n: int) -> 
     np.testing.assert_allclose(faces.weights * spacing, pieces, atol=ROUND_OFF)
 
 
-@pytest.mark.parametrize("kink", [0.0, 6.0, 48.0])
-def test_functions_interpolate_linearly_between_nodes_and_stay_constant_beyond(build, kink: float) -> None:
-    cover = plate(build, bent([4.3, 5.1, 3.2], kink, kink)).cover
-    faces = mortar_faces(cover, [0], 1.0)
-    ends = stretch_ends(cover, 0)
-    assert len(ends) == (4 if kink > 10.0 else 2)
-    stretch = np.searchsorted(ends[1:-1], faces.points.s, side="right")
-    first = np.array([faces.s[faces.stretch == k].min() for k in range(len(ends) - 1)])
-    last = np.array([faces.s[faces.stretch == k].max() for k in range(len(ends) - 1)])
-    expected = np.clip(faces.points.s, first[stretch], last[stretch])
-    np.testing.assert_allclose(faces.functions.T @ faces.s, expected, atol=ROUND_OFF)
-
-
-def test_a_kink_between_long_stretches_has_a_node_on_each_side(build) -> None:
-    faces = mortar_faces(plate(build, bent([6.0, 2.4, 7.0], 40.0, 40.0)).cover, [0], 1.25)
-    for kink in (6.0, 8.4):
-        assert np.count_nonzero(np.abs(faces.s - kink) < ROUND_OFF) == 2
-    assert np.bincount(faces.stretch).tolist() == [5, 4, 5]
-
-
-@pytest.mark.parametrize("length", [1.0, 1.4, 1.9])
-def test_next_to_a_short_stretch_a_kink_has_a_node_on_the_other_side_alone(build, length: float) -> None:
+@pytest.mark.parametrize(
+    ("lengths", "numbers", "on_kink"),
+    [([6.0, 2.4, 7.0], [5, 4, 5], [0, 1]), *(([6.0, length], [3, 3], [1]) for length in (1.0, 1.4, 1.9))],
+)
+def test_a_kink_has_a_node_on_each_side_but_for_that_of_a_short_stretch(
+    build, lengths: list[float], numbers: list[int], on_kink: list[int]
+) -> None:
     """A wing that opens would be held closed by a node on the flaw; one that is closed needs its own."""
-    faces = mortar_faces(plate(build, bent([6.0, length], 60.0)).cover, [0], 1.25)
-    on_kink = np.isclose(faces.s, 6.0, rtol=0.0, atol=1e-6)
-    assert faces.stretch[on_kink].tolist() == [1]
-    assert np.count_nonzero(faces.stretch == 1) == 3
-    assert np.diff(faces.s[faces.stretch == 0]).min() >= 1.25 * (1.0 - 1e-6)
+    faces = mortar_faces(plate(build, bent(lengths, *[40.0] * (len(lengths) - 1))).cover, [0], 1.25)
+    assert faces.stretch[np.isclose(faces.s, 6.0, rtol=0.0, atol=1e-6)].tolist() == on_kink
+    assert np.bincount(faces.stretch).tolist() == numbers
 
 
 @pytest.mark.parametrize("length", [0.3, 0.7])
@@ -192,7 +158,7 @@ def test_a_stretch_shorter_than_a_spacing_has_one_node_in_its_middle(build, leng
 
 
 @pytest.mark.parametrize("distance", [1.0, 1.25, 1.5])
-@pytest.mark.parametrize("length", np.linspace(2.0, 12.0, 11))
+@pytest.mark.parametrize("length", [2.0, 3.0, 5.0, 8.0, 12.0])
 def test_nodes_are_closer_than_asked_only_where_they_are_few(build, length: float, distance: float) -> None:
     """Closer nodes carry tractions that the displacement cannot follow: they oscillate."""
     s = mortar_faces(plate(build, tilted(length, 30.0)).cover, [0], distance).s
@@ -244,12 +210,76 @@ def test_functions_from_rim_to_rim_keep_force_and_moment(build, line: float) -> 
     np.testing.assert_allclose((faces.functions.T @ faces.s)[inside], faces.points.s[inside], atol=ROUND_OFF)
 
 
-def test_the_size_of_cells_is_the_same_from_either_end(build) -> None:
-    path = np.array([(-8.0, 0.3), (8.0, 0.3)])
-    forth, back = (with_smaller_cells(plate(build, way).cover, 0.5, 0.5) for way in (path, path[::-1]))
-    s = np.linspace(0.0, 16.0, 65)
-    size = forth.surfaces[0].in_cells.size(s)
-    np.testing.assert_allclose(size, back.surfaces[0].in_cells.size(16.0 - s), atol=ROUND_OFF)
-    assert (size[s < 7.0] == 1.0).all()
-    assert size[s > 10.0] == pytest.approx(0.5)
-    assert np.all((size >= 0.5 - 1e-9) & (size <= 1.0))
+EXACT = 1e-10
+"""Moving least squares reproduce linear fields to round-off; coordinates are about 10."""
+
+WIDTH, HEIGHT = 12.0, 10.0
+ACROSS = {  # from the left to the right side: everything above is the plus side
+    "horizontal": [(0.0, 4.8), (WIDTH, 4.8)],
+    "inclined": [(0.0, 2.3), (WIDTH, 7.1)],
+    "kinked": [(0.0, 3.1), (4.4, 3.9), (7.3, 6.7), (WIDTH, 6.2)],
+}
+
+
+def cut_block(build, path):
+    crack = build.crack(path, tips=(False, False))
+    return build.sample((0.0, 0.0), (WIDTH, HEIGHT), [crack], support=2.0)
+
+
+def above(sample, path) -> np.ndarray:
+    """Which physical patches lie above a crack that runs across."""
+    of_element = sample.cover.patches.of_element
+    x, y = sample.cover.elements.reference.T
+    element_above = y > np.interp(x, *sample.lattice.to_lattice(np.array(path)).T)
+    side = np.full(len(sample.cover.patches.nodes), -1)
+    side[of_element.values] = element_above[of_element.row]
+    assert side.min() == 0
+    return side == 1
+
+
+def rigid(points: np.ndarray, shift: tuple[float, float], turn: float) -> np.ndarray:
+    """Displacements (n, 2) of points (n, 2): a translation and a small rotation round the origin."""
+    return np.array(shift) + turn * np.stack([-points[:, 1], points[:, 0]], axis=1)
+
+
+def unknowns(sample, displacement: np.ndarray) -> np.ndarray:
+    """Unknowns with coefficients (n_patches, 2) of the physical patches, none of tip functions."""
+    u = np.zeros((sample.cover.n_functions, 2))
+    u[: len(displacement)] = displacement
+    return u.ravel()
+
+
+def nodes(sample) -> np.ndarray:
+    return sample.lattice.to_metres(sample.cover.patches.nodes)
+
+
+@pytest.mark.parametrize("forward", [True, False])
+@pytest.mark.parametrize("path", ACROSS.values(), ids=ACROSS.keys())
+def test_moving_one_side_gives_its_motion_as_the_jump(build, path, forward: bool) -> None:
+    """Opening, and the plus face going forward, are positive, whichever way the crack runs."""
+    sample = cut_block(build, path if forward else path[::-1])
+    shift, turn = (0.31, 0.22), -0.05
+    u = unknowns(sample, above(sample, path)[:, None] * rigid(nodes(sample), shift, turn))
+    corners = arc_lengths(np.array(path))
+    s = np.sort(np.random.default_rng(5).uniform(0.0, corners[-1], 100))
+    points = points_at(sample.cover, 0, s if forward else corners[-1] - s)
+    steps = np.diff(np.array(path), axis=0)
+    tangent = (steps / np.hypot(*steps.T)[:, None])[np.searchsorted(corners, s) - 1]
+    jump = rigid(sample.lattice.to_metres(points.points), shift, turn)
+    gap, slip = gap_and_slip(sample.cover, points, u)
+    np.testing.assert_allclose(gap, jump[:, 1] * tangent[:, 0] - jump[:, 0] * tangent[:, 1], atol=10 * EXACT)
+    np.testing.assert_allclose(slip, np.sum(jump * tangent, axis=1), atol=10 * EXACT)
+
+
+@pytest.mark.parametrize("discretize", [lambda cover: mortar_faces(cover, [0], 1.0), lambda c: gauss_faces(c, [0])])
+def test_contact_points_average_the_jump_with_their_functions(build, discretize) -> None:
+    """A jump that is linear in s averages to its value at the centroid of N_k."""
+    sample = cut_block(build, ACROSS["inclined"])
+    u = unknowns(sample, above(sample, ACROSS["inclined"])[:, None] * rigid(nodes(sample), (0.1, 0.2), 0.04))
+    faces = discretize(sample.cover)
+    gap_of, slip_of = contact_operators(sample.cover, faces)
+    centroid = (faces.functions @ (faces.lengths * faces.points.s)) / faces.weights
+    gap, slip = gap_and_slip(sample.cover, points_at(sample.cover, 0, centroid), u)
+    np.testing.assert_allclose(gap_of @ u, gap, atol=10 * EXACT)
+    np.testing.assert_allclose(slip_of @ u, slip, atol=10 * EXACT)
+    assert np.ptp(gap) > 0.3  # the field is not constant

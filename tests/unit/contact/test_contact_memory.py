@@ -1,10 +1,6 @@
-"""What contact points remember, on points that rest on springs: every answer is a formula.
+"""What contact points remember, on points that rest on springs: kn gap + p_n = -P and kt slip + p_t = T.
 
-A point with the normal stiffness kn and the tangential stiffness kt, pressed by P and sheared by T, has
-
-    kn gap + p_n = -P,    kt slip + p_t = T,
-
-so that it is closed with p_n = -P and its slip is the play operator of T, (T -+ b) / kt while it slides.
+They are closed with p_n = -P, and their slip is the play operator of T, (T -+ b) / kt while it slides.
 """
 
 from __future__ import annotations
@@ -118,18 +114,6 @@ def test_faces_that_have_opened_and_closed_again(solver: str, kept: bool, limit:
     np.testing.assert_allclose(sliding.points.tangential, limit * PRESSURE)
 
 
-@pytest.mark.parametrize("kept", [False, True])
-def test_nothing_breaks_without_load(solver: str, kept: bool) -> None:
-    springs = Springs(solver, cohesion=COHESION, residual_friction=RESIDUAL, kept=kept)
-    (unloaded,) = springs.follow(0.0, pressure=0.0)
-    assert not unloaded.memory.broken.any()
-    assert not unloaded.memory.slip.any()
-    (after,), (anew,) = springs.follow(0.8, last=unloaded), springs.follow(0.8)
-    np.testing.assert_allclose(after.u, anew.u, atol=1e-11)
-    np.testing.assert_allclose(after.points.tractions, anew.points.tractions, atol=1e-11)
-    np.testing.assert_array_equal(after.points.state, anew.points.state)
-
-
 def test_one_point_that_breaks_can_take_its_neighbours_along(solver: str) -> None:
     """Only the last one is beyond its limit; the shear that it drops breaks the others in the same increment."""
     springs = Springs(solver, coupling=1e3, cohesion=COHESION)
@@ -189,18 +173,6 @@ def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None
     assert states([sliding, stuck]) == [SLIP, STICK]
     np.testing.assert_allclose(stuck.memory.slip, s, rtol=1e-10)
     np.testing.assert_allclose(stuck.points.tangential, (1.4 * PRESSURE - KT * s) / (1.0 + KT * e), rtol=1e-10)
-
-
-@pytest.mark.parametrize("kept", [False, True])
-def test_open_points_carry_no_shear_whatever_their_cohesion(solver: str, kept: bool) -> None:
-    """A lever closes the second point first and opens it in the end: it has been among the unknowns."""
-    K = block_diag([np.linalg.inv([[1.0, 0.8], [0.8, 1.0]]), np.eye(2)]).toarray()
-    free = [-1.0, -0.1, 0.3, 0.3]  # both overlap; the first alone lifts the second by 0.8
-    outcome = solve(K, uniform_law(2, 0.5, 0.4, kept=kept), solver, K @ free)
-    assert outcome.points.state.tolist() == [STICK, OPEN]
-    np.testing.assert_allclose(outcome.points.opening, [0.0, 0.7], atol=1e-12)
-    np.testing.assert_allclose(outcome.points.tangential, [0.3, 0.0], atol=1e-12)
-    np.testing.assert_allclose(outcome.points.slip, [0.0, 0.3], atol=1e-12)
 
 
 def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:

@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import itertools
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from crackgrow.case import load_case
-from crackgrow.contact.coulomb import OPEN, STICK
+from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.solve import solved
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.run import grow
 from crackgrow.run.uniqueness import (
     SecondSolution,
     friction_limit,
     other_solutions,
     second_solution,
-    under_its_loads,
     unique_text,
 )
-from tests.contact_problems import contact_law, every_solution, rock_of, smooth, spread_problem
+from tests.contact_problems import contact_law, every_solution, rock_of, spread_problem
+from tests.scenes import shipped_case
 from tests.solving import solve_contact
 
 ONE = np.ones(1)
@@ -81,23 +78,11 @@ def test_the_limit_of_one_point_is_just_below_the_first_friction_with_several_so
         assert limit < 1.0 / c
 
 
-def test_without_coupling_any_friction_leaves_one_solution() -> None:
-    rng = np.random.default_rng(3)
-    B = rng.normal(size=(3, 3))
-    block = B @ B.T + np.eye(3)
-    compliance = np.block([[block, np.zeros((3, 3))], [np.zeros((3, 3)), 2.0 * block]])
-    assert friction_limit(compliance, np.ones(3)) == np.inf
-    assert friction_limit(np.zeros((0, 0)), np.zeros(0)) == np.inf
-    for seed in range(20):
-        free = np.random.default_rng(seed).normal(size=6)
-        assert len(every_solution(ContactProblem(CondensedPoints(compliance), free, np.full(3, 1e3)))) == 1
-
-
 @pytest.mark.physics
 @pytest.mark.parametrize("n", [1, 2, 3])
 def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) -> None:
     below = several = 0
-    for seed, friction in itertools.product(range(40), (0.1, 0.3, 1.0, 30.0)):
+    for seed, friction in itertools.product(range(20), (0.1, 0.3, 1.0, 30.0)):
         problem = spread_problem(n, friction, seed)
         number = len(every_solution(problem))
         assert number >= 1
@@ -105,27 +90,8 @@ def test_below_the_limit_there_is_exactly_one_and_always_at_least_one(n: int) ->
         if friction < friction_limit(problem.points.compliance, np.ones(n)):
             below += 1
             assert number == 1
-    assert below >= 20  # so that both happen
+    assert below >= 10  # so that both happen
     assert several >= 1
-
-
-def test_the_limit_depends_neither_on_units_nor_on_how_densely_points_lie() -> None:
-    compliance = spread_problem(3, 0.0, 1).points.compliance
-    weights = np.array([0.2, 1.0, 3.0])
-    limit = friction_limit(compliance, np.ones(3))
-    assert friction_limit(1e-12 * compliance, np.ones(3)) == pytest.approx(limit)
-    denser = compliance * np.tile(weights, 2)  # S W: pressures, not forces, are unknown
-    assert friction_limit(denser, weights) > 0.0
-    assert friction_limit(denser, 5.0 * weights) == pytest.approx(friction_limit(denser, weights))
-
-
-def test_two_points_that_know_nothing_of_each_other_have_nine_solutions() -> None:
-    part = np.array([[1.0, C], [C, 1.0]])
-    compliance = np.kron(part, np.eye(2))
-    problem = ContactProblem(CondensedPoints(compliance), np.array([1.0, 1.0, 8.0, 8.0]), np.full(2, 3.0))
-    assert len(every_solution(problem)) == 9
-    found = solved(problem, "newton")
-    assert list(other_solutions(problem, found.traction))
 
 
 def test_points_that_share_a_load_in_any_way_are_no_second_solution() -> None:
@@ -153,13 +119,6 @@ def in_rock(problem: ContactProblem) -> tuple[ContactSystem, np.ndarray]:
     return rock_of(stiffness, contact_law(problem.friction, none, none)), stiffness @ problem.free
 
 
-def test_lemke_refuses_what_newton_solves() -> None:
-    problem = smooth(np.ones((2, 2)), -np.ones(2))
-    with pytest.raises(SolveError, match=r"condition number.*the Newton solver"):
-        solved(problem, "lemke")
-    assert solved(problem, "newton").traction.sum() == pytest.approx(-1.0)
-
-
 @pytest.mark.physics
 def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     """Two points, pressed and sheared: the solutions that starts lead to, held against all there are."""
@@ -185,21 +144,8 @@ def test_a_second_solution_of_an_increment_is_found_with_its_place() -> None:
     assert n_found >= 0.75 * n_several
 
 
-def test_a_point_that_nothing_presses_is_left_open() -> None:
-    """Open, it could wedge itself as well (three solutions); contact begins with an overlap."""
-    assert len(by_hand(3.0, 1.0, 8.0)) == 3
-    contact, loads = in_rock(one_point(3.0, 1.0, 8.0))
-    outcome = solve_contact(contact, loads, np.zeros(0))
-    assert outcome.points.status == "none"
-    assert outcome.points.state.tolist() == [OPEN]
-    assert second_solution(contact, outcome) is None
-
-
-FLAW = Path(__file__).parents[3] / "cases" / "compression30.yaml"
-
-
 def told_of_the_flaw(*settings: str) -> list[str]:
-    return list(unique_text(load_case(FLAW, ["numerics.spacing=3", "growth.steps=0", *settings])))
+    return list(unique_text(shipped_case("compression30", ["numerics.spacing=3", "growth.steps=0", *settings])))
 
 
 def test_every_load_factor_of_a_case_is_told_of() -> None:
@@ -213,19 +159,9 @@ def test_every_load_factor_of_a_case_is_told_of() -> None:
     assert "there is no friction" in smooth_faces
     (dilating,) = told_of_the_flaw("cracks.flaw.contact.friction=0.3", "cracks.flaw.contact.dilation_angle=5")
     assert "not known: faces that dilate" in dilating
-
-
-def test_a_scene_that_asks_for_its_safety_is_examined_with_the_strength_that_it_has() -> None:
-    case = load_case(FLAW.with_name("slope_safety.yaml"), ["numerics.spacing=2"])
-    (told,) = unique_text(case)
-    assert told.startswith("  at load factor 1: ")
-    assert next(grow(under_its_loads(case))).load_factor == 1.0
-
-
-def test_friction_beyond_the_bound_is_no_proof_of_a_second_solution() -> None:
-    (told,) = told_of_the_flaw("cracks.flaw.contact.friction=50")
-    assert "no second solution was found, which is no proof that there is none" in told
-    assert "only where friction is below" in told
+    (beyond,) = told_of_the_flaw("cracks.flaw.contact.friction=50")
+    assert "no second solution was found, which is no proof that there is none" in beyond
+    assert "only where friction is below" in beyond
 
 
 @pytest.mark.physics

@@ -1,4 +1,4 @@
-"""Manifold elements: they fill the bodies, know the sides of the cracks, and can be located."""
+"""Cells as small as is asked for; manifold elements that fill the bodies, know the sides of cracks, can be located."""
 
 from __future__ import annotations
 
@@ -10,8 +10,10 @@ import shapely
 
 from crackgrow.case.surface import crack_name
 from crackgrow.cover.elements import Elements, cut_elements, locate
-from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.lattice import Lattice, place_lattice
+from crackgrow.cover.refinement import MOST_LEVELS, SizeField, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.tolerance import GRID
 from tests.unit.cover_tables import areas, tile_boxes
@@ -57,18 +59,7 @@ def test_points_are_located_in_elements_that_hold_them_and_points_outside_in_non
     assert locate(sample.lattice, elements, on_the_rim + reach).min() >= 0
 
 
-@pytest.mark.parametrize("elsewhere", [[], [[(8.1, 2.3), (10.8, 2.4)], [(8.3, 6.1), (9.9, 7.7)]]])
-def test_points_on_faces_are_in_the_first_element_there(build, elsewhere: list[list[tuple[float, float]]]) -> None:
-    """So that what is read off there does not depend on what grows elsewhere."""
-    sample = build.block((12, 9), [build.crack(KINKED), *map(build.crack, elsewhere)])
-    elements, edges = sample.cover.elements, sample.cover.elements.lines[0]
-    share = np.array([0.2, 0.5, 0.8])[:, None, None]
-    points = (1.0 - share) * edges.points[:, 0] + share * edges.points[:, 1]
-    found = locate(sample.lattice, elements, points.reshape(-1, 2)).reshape(3, -1)
-    np.testing.assert_array_equal(found, np.tile(np.minimum(edges.plus, edges.minus), (3, 1)))
-
-
-OFFSETS = (0.0, 1e-12, 1e-10, 1e-9, 2e-9, 5e-9, 1e-8, 1e-7, 1e-6, 1e-5, 1e-4, 1e-3)
+OFFSETS = (0.0, 1e-12, 1e-9, 1e-8, 1e-6)
 
 PLACES = {
     "along a lattice line": [(1.3, 3.0), (4.6, 3.0)],
@@ -81,6 +72,13 @@ PLACES = {
     "kink on a node": [(1.3, 2.2), (3.0, 3.0), (4.6, 2.6)],
     "kink on a lattice line": [(1.3, 2.2), (3.0, 2.6), (4.6, 2.4)],
     "two segments on lattice lines": [(1.3, 3.0), (3.0, 3.0), (3.0, 4.6)],
+    "along sides of cells of two sizes": [(3.25, 3.0), (0.9, 3.0)],
+    "at 45 degrees through corners of many sizes": [(1.5, 1.5), (5.0, 5.0)],
+    "at 45 degrees through middles": [(1.25, 1.0), (4.75, 4.5)],
+    "upright from a corner of small cells": [(2.75, 1.125), (2.75, 4.7)],
+    "kinks on corners of small cells": [(2.0, 2.0), (2.25, 2.125), (2.5, 2.0), (4.0, 3.0)],
+    "far off": [(1.31, 2.22), (5.67, 4.41)],
+    "far off and kinked": KINKED,
 }
 
 
@@ -108,60 +106,19 @@ def fault(build, points: np.ndarray, support: float, levels: int = 0) -> str:
 
 
 def shifted(place: str, offset: float) -> list[np.ndarray]:
-    """The crack of a place moved off by `offset` along y, x, both, and with one end only."""
-    points = np.array(AMONG_SIZES[place])
-    moved = [points + offset * np.array(direction) for direction in ((0.0, 1.0), (1.0, 0.0), (-1.0, 1.0))]
-    for end in (0, -1):
-        turned = points.copy()
-        turned[end] += (offset, -offset)
-        moved.append(turned)
-    return moved
+    """The crack of a place moved off by `offset` along y, along both axes, and at its last end only."""
+    points = np.array(PLACES[place])
+    last = np.arange(len(points))[:, None] == len(points) - 1
+    return [points + offset * np.array(way) for way in ((0.0, 1.0), (-1.0, 1.0), last * (1.0, -1.0))]
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize("support", [1.5, 2.0])
+@pytest.mark.parametrize(("levels", "support"), [(0, 1.5), (0, 2.0), (2, 2.0), (6, 2.0), (3, 1.5)])
 @pytest.mark.parametrize("place", PLACES)
-def test_awkward_places_cut_cleanly(build, place: str, support: float) -> None:
-    """Exactly on and up to 1e-3 off lattice lines, nodes and patch corners."""
-    faults = [(offset, fault(build, points, support)) for offset in OFFSETS for points in shifted(place, offset)]
-    assert [found for found in faults if found[1]] == []
-
-
-AMONG_SIZES = PLACES | {
-    "along sides of cells of two sizes": [(3.25, 3.0), (0.9, 3.0)],
-    "at 45 degrees through corners of many sizes": [(1.5, 1.5), (5.0, 5.0)],
-    "at 45 degrees through middles": [(1.25, 1.0), (4.75, 4.5)],
-    "upright from a corner of small cells": [(2.75, 1.125), (2.75, 4.7)],
-    "kinks on corners of small cells": [(2.0, 2.0), (2.25, 2.125), (2.5, 2.0), (4.0, 3.0)],
-    "far off": [(1.31, 2.22), (5.67, 4.41)],
-    "far off and kinked": KINKED,
-}
-
-
-@pytest.mark.physics
-@pytest.mark.parametrize(("levels", "support"), [(2, 2.0), (6, 2.0), (3, 1.5), (0, 1.75), (0, 2.5)])
-@pytest.mark.parametrize("place", AMONG_SIZES)
-def test_awkward_places_among_cells_of_many_sizes_cut_cleanly(build, place: str, support: float, levels: int) -> None:
-    """A part of the crack lies in cells of 2^-levels, the rest in larger ones."""
-    faults = [
-        (offset, fault(build, points, support, levels))
-        for offset in (0.0, 1e-9, 1e-6)
-        for points in shifted(place, offset)[2:4]
-    ]
-    assert [found for found in faults if found[1]] == []
-
-
-def test_outline_edges_go_round_the_body_counter_clockwise(build) -> None:
-    sample = build.block((6, 5), [build.crack([(0.5, 2.2), (3.1, 2.7)], (False, True))])
-    outlines = sample.cover.elements.outlines
-    steps = outlines.points[:, 1] - outlines.points[:, 0]
-    lengths = [np.hypot(*steps[outlines.side == k].T).sum() for k in range(4)]
-    np.testing.assert_allclose(lengths, [6, 5, 6, 5], rtol=1e-8)
-    directions = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[outlines.side]
-    assert np.all(np.sum(steps * directions, axis=1) > 0.0)
-    reference = sample.cover.elements.reference[outlines.element]
-    inward = directions @ np.array([[0, 1], [-1, 0]])
-    assert np.all(np.sum((reference - outlines.points[:, 0]) * inward, axis=1) > 0.0)
+def test_awkward_places_cut_cleanly(build, place: str, support: float, levels: int) -> None:
+    """Exactly on lattice lines, nodes and corners and just off them; a part of the crack lies in cells of 2^-levels."""
+    for offset in OFFSETS:
+        assert [fault(build, points, support, levels) for points in shifted(place, offset)] == [""] * 3, offset
 
 
 def test_crack_that_leaves_the_body_is_refused(build) -> None:
@@ -201,3 +158,90 @@ def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -
     np.testing.assert_allclose(crossed.s[[0, -1], [0, 1]], [0.0, np.hypot(2.1, 1.7)], atol=1e-8)
     lengths = np.bincount(rim.side, np.hypot(*(rim.points[:, 1] - rim.points[:, 0]).T))
     np.testing.assert_allclose(lengths, [6.0, 5.0, 6.0, 5.0], rtol=1e-8)
+
+
+LEVELS = (0, 1, 3, 6)
+SIDES = 6.0
+"""Of the box that the lattices here are placed round, spacings."""
+
+
+def graded(seed: int, levels: int, support: float = 2.0, rings: float = 2.0) -> Lattice:
+    """A lattice with two random places that ask for cells of 2^-levels, and one that asks for half as many levels."""
+    lattice = place_lattice(np.zeros(2), np.full(2, SIDES), 1.0, support)
+    places = lattice.to_lattice(np.random.default_rng(seed).uniform(0.0, SIDES, (3, 2)))
+    sizes = 0.5 ** np.array([levels, levels, levels // 2])
+    return refined(lattice, SizeField(shapely.points(places), sizes, np.full(3, rings)))
+
+
+def boxes(squares: Squares) -> tuple[np.ndarray, np.ndarray]:
+    """Lower left and upper right corners (n, 2) of squares, quanta."""
+    return squares.low, squares.low + squares.size[:, None]
+
+
+def area(squares: Squares) -> int:
+    return int((squares.size**2).sum())
+
+
+@pytest.mark.parametrize("levels", LEVELS)
+def test_cells_are_divided_until_none_is_more_than_twice_as_large_as_one_that_it_touches(levels: int) -> None:
+    for rings in (2.0, 3.0):
+        lattice = graded(levels, levels, rings=rings)
+        low, high = boxes(lattice.cells)
+        assert area(lattice.cells) == np.prod(np.array(lattice.shape) * QUANTA)
+        assert len(np.unique(lattice.cells.at(lattice.cells.low))) == lattice.cells.n
+        touching = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
+        assert not (touching & (lattice.cells.size[:, None] > 2 * lattice.cells.size)).any()
+
+
+def distances(lattice: Lattice, place: np.ndarray) -> np.ndarray:
+    """How far (cells,) a place (2,) is from each cell along the farther axis, spacings."""
+    low, high = (corners / QUANTA for corners in boxes(lattice.cells))
+    return np.maximum(np.maximum(low - place, place - high), 0.0).max(axis=1)
+
+
+@pytest.mark.parametrize("rings", [2.0, 3.5])
+@pytest.mark.parametrize("levels", LEVELS)
+def test_cells_round_a_place_are_as_small_as_asked_in_rings_of_every_size(levels: int, rings: float) -> None:
+    lattice = place_lattice(np.zeros(2), np.full(2, 12.0), 1.0, 2.0)
+    for place in np.random.default_rng(levels).uniform(2.0, 12.0, (4, 2)):
+        fine = refined(lattice, SizeField(shapely.points(place[None]), np.array([0.5**levels]), np.array([rings])))
+        side, away = fine.cells.size / QUANTA, distances(fine, place)
+        assert side[away == 0.0].max() == 0.5**levels == side.min()
+        assert not ((side > 0.5**levels) & (away <= rings * side)).any()
+        # a cell is the quarter of one that was near, or that touches one whose quarters are
+        assert (away[side < 1.0] <= ((rings + 1.0) * 2.0 * side + 2.0 * side)[side < 1.0]).all()
+
+
+def smallest(place: tuple[float, float], asked: float) -> tuple[int, bool]:
+    """The smallest cell, quanta, of a lattice of 6 x 6 with a place that asks for cells, and whether it is filled."""
+    lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
+    cells = refined(lattice, SizeField(shapely.points([place]), np.array([asked]), np.array([2.0]))).cells
+    return int(cells.size.min()), area(cells) == area(lattice.cells)
+
+
+def test_sizes_are_halved_until_they_are_no_larger_and_there_is_a_smallest() -> None:
+    for asked, side in ((1.0, 1.0), (0.99, 0.5), (0.5, 0.5), (0.3, 0.25), (7.0, 1.0), (1e-9, 0.5**MOST_LEVELS)):
+        assert smallest((3.1, 4.2), asked) == (side * QUANTA, True)
+    for outside_or_on_the_rim, divided in (((-40.0, 3.0), 1), ((0.0, 0.0), 8), ((5.0, 0.0), 8), ((1e7, 1e7), 1)):
+        assert smallest(outside_or_on_the_rim, 0.125) == (QUANTA // divided, True)
+    lattice = place_lattice(np.zeros(2), np.full(2, 6.0), 1.0, 2.0)
+    assert refined(lattice, SizeField(np.empty(0, dtype=object), np.empty(0), np.empty(0))) is lattice
+
+
+@pytest.mark.parametrize("support", SUPPORTS)
+def test_the_lattice_is_symmetric_about_the_box_whose_sides_lie_well_within_cells(support: float) -> None:
+    """And all nodes that cover a point of the box are nodes of the lattice."""
+    rng = np.random.default_rng(5)
+    for low in rng.uniform(-20, 20, (40, 2)):
+        high = low + rng.uniform(1.0, 9.0, 2)
+        lattice = place_lattice(low, high, 0.37, support)
+        middle = lattice.to_metres(0.5 * np.array(lattice.shape))
+        np.testing.assert_allclose(middle, 0.5 * (low + high), atol=1e-13)  # coordinates up to 30
+        box = lattice.to_lattice(np.stack([low, high]))
+        assert np.all((box % 1.0 >= 0.25 - 1e-12) & (box % 1.0 <= 0.75 + 1e-12))
+        assert np.all((np.floor(box[0] - support) + 1.0 >= 0.0) & (np.ceil(box[1] + support) - 1.0 <= lattice.shape))
+
+
+def test_more_cells_across_than_have_places_are_refused() -> None:
+    with pytest.raises(GeometryError, match=r"9,00\d cells .* at most 8,192 .* use a larger numerics.spacing"):
+        place_lattice(np.zeros(2), np.array([9.0, 0.002]), 1e-3, 2.0)

@@ -94,25 +94,6 @@ def test_lines_through_one_place_share_one_vertex(seed: int) -> None:
     np.testing.assert_allclose(places.pop(), place, atol=1e-8)
 
 
-def test_junctions_next_to_each_other_all_stay() -> None:
-    """Places more than 2 TOUCH apart are two, also if both lie within rounding of the same vertex."""
-    beside = (P[0] + 2.5 * TOUCH, P[1])
-    host, one, other = with_junctions(lines_of([(1.0, P[1]), (6.0, P[1])], STEEP, [beside, (4.0, 1.0)]))
-    assert set(joined_points(one)) | set(joined_points(other)) == set(joined_points(host))
-    assert len(joined_points(host)) == 2
-    assert np.all(np.diff(host.points[:, 0]) > 0.0)
-
-
-def test_vertices_stay_and_places_come_in_order_along_the_line() -> None:
-    path = [(1.0, 3.0), (3.0, 3.4), (5.0, 3.0), (7.0, 3.2)]
-    crossings = [[(x, 2.0), (x + 0.3, 5.0)] for x in (6.1, 1.4, 4.2, 2.2, 3.9)]
-    line, *_ = with_junctions(lines_of(path, *crossings))
-    assert len(line.points) == len(path) + len(crossings)
-    assert line.junctions.sum() == len(crossings)
-    assert np.all(np.diff(line.points[:, 0]) > 0.0)
-    np.testing.assert_array_equal(line.points[~line.junctions], path)
-
-
 @pytest.mark.parametrize("off", [0.0, 1e-9, 1e-7, 5e-7, -5e-7])
 def test_crack_on_an_interface_does_not_bend_it_off_its_bodies(off: float) -> None:
     """Two bodies, one on top of the other, the crack in the lower one."""

@@ -1,4 +1,4 @@
-"""Physical patches: as many as connected pieces, one per node of the window, singular where a tip ends."""
+"""Physical patches: one a connected piece; tips: their angle, where their functions fade, which are gathered."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import numpy as np
 import pytest
 import shapely
 
-from tests.unit.cover_tables import cells_of, function_table, patch_table, regular_window
+from crackgrow.cover.gathered import RADIUS, STRAIGHT
+from crackgrow.cover.tips import crack_angle, seen_from_tip, tip_angle
+from tests.unit.cover_tables import cells_of, patch_table, regular_window
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -84,38 +86,6 @@ def test_a_node_has_one_patch_for_each_connected_piece_which_elements_there_shar
         assert singular
 
 
-def test_a_corner_cut_off_where_the_weight_is_below_round_off_gets_no_patch(build) -> None:
-    """The crack passes the corner (3.5, 2.5) of the square of node (5, 1) at 0.01 spacings: weight 1e-16 there."""
-    near = build.block((6, 5), [build.crack([(2.0, 1.4), (4.2, 3.0)])])
-    node = np.array([5, 1]) + 2
-    assert len(pieces(near, node)) == 1  # the corner's area, 6e-5, counts for nothing
-    element = np.flatnonzero(shapely.contains_xy(near.cover.elements.polygons, 5.503, 4.497))[0]
-    element += near.cover.elements.n_whole
-    assert not (near.cover.patches.nodes[near.cover.patches.of_element.of(element)] == node).all(axis=1).any()
-    assert (near.cover.patches.nodes == node).all(axis=1).sum() == 1
-
-
-@pytest.mark.parametrize("name", ["many", "uncut"])
-def test_an_element_lists_each_singular_patch_over_it_once_with_its_functions(build, name: str) -> None:
-    cover = (build.field_of_cracks(2) if name == "many" else layout(build, name, 2.0)).cover
-    enrichment = cover.enrichment
-    carrier, of_element = enrichment.place.row, cover.patches.of_element
-    pair, number = enrichment.first.row[carrier], enrichment.first.values[carrier]
-    element, tip = enrichment.tips.row[pair], enrichment.tips.values[pair]
-    patch = of_element.values[of_element.start[element] + enrichment.place.values]
-    listed = list(zip(element.tolist(), tip.tolist(), patch.tolist(), strict=True))
-    first = function_table(cover)
-    expected = [
-        (e, t, p)
-        for e, p in zip(of_element.row.tolist(), of_element.values.tolist(), strict=True)
-        for t in np.flatnonzero(first[:, p] >= 0).tolist()
-    ]
-    assert sorted(listed) == sorted(expected)
-    np.testing.assert_array_equal(number, first[tip, patch])
-    np.testing.assert_array_equal(enrichment.share, 1.0)
-    assert enrichment.acted_on.any() == (name == "many")
-
-
 OFF = (0.0, 1e-15, 1e-9, 1e-7, 1e-5)
 
 
@@ -129,3 +99,108 @@ def test_a_tip_among_small_cells_has_the_functions_of_these(build, support: floa
         cover = build.block((7, 6), [build.crack(tips)], support, levels, tips).cover
         assert [tip.size for tip in cover.tips] == [0.5**levels] * 2
         assert max(len(tip.patches) for tip in cover.tips) <= (2.0 * support) ** 2
+
+
+FROM_TIP = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
+"""Seen from the tip; every circle round it meets the crack once."""
+
+HAND = np.array([[0.3, -0.2], [0.1, 0.2], [-0.5, 0.4]])
+
+
+def directions(points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    along = np.diff(points, axis=0)
+    along /= np.hypot(*along.T)[:, None]
+    return along, np.stack([-along[:, 1], along[:, 0]], axis=1)
+
+
+@pytest.mark.parametrize("points", [FROM_TIP, HAND])
+def test_angle_jumps_by_two_pi_across_the_crack(points: np.ndarray) -> None:
+    """It is pi on the left of the last segment; beyond, that at which the crack lies there."""
+    tip = seen_from_tip(points, 1.0, ends_inside=False)
+    along, left = directions(points)
+    share = np.linspace(0.05, 0.95, 19)[:, None]
+    for k in range(len(along)):
+        on = points[k] + share * (points[k + 1] - points[k])
+        # from the tip on, the left of the crack's direction is the side of t near -pi
+        _, low = tip_angle(tip, on, on + 1e-7 * left[k])
+        _, high = tip_angle(tip, on, on - 1e-7 * left[k])
+        np.testing.assert_allclose(high - low, 2 * np.pi, rtol=1e-14)
+        local = (on - points[0]) @ tip.rotation.T
+        true = np.mod(np.arctan2(local[:, 1], local[:, 0]), 2 * np.pi) if k else np.pi
+        np.testing.assert_allclose(high, true, atol=1e-12)
+        np.testing.assert_allclose(crack_angle(tip, np.hypot(*local.T)), true, atol=1e-12)
+
+
+BACK = np.array([[0.0, 0.0], [2.0, 0.0], [1.0, 0.5], [-3.0, 0.5]])
+"""The second segment comes nearer to the tip again: the angle is not known beyond its start."""
+CORNER = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 1.0]])
+LENGTH = float(np.hypot(*(FROM_TIP[-1] - FROM_TIP[0])))
+
+
+@pytest.mark.parametrize(
+    ("points", "reach", "ends_inside", "fade"),
+    [
+        (FROM_TIP, 5.0, True, LENGTH),
+        (FROM_TIP, 0.9 * LENGTH, True, np.inf),
+        (FROM_TIP, 5.0, False, np.inf),
+        (BACK, 5.0, False, 2.0),
+        (BACK, 1.9, False, np.inf),
+        (CORNER, 5.0, False, np.inf),
+        (CORNER, 5.0, True, np.sqrt(5.0)),
+    ],
+)
+def test_tip_functions_fade_within_reach_at_the_other_tip_and_where_the_crack_turns_back(
+    points: np.ndarray, reach: float, ends_inside: bool, fade: float
+) -> None:
+    tip = seen_from_tip(points, reach, ends_inside)
+    assert tip.fade == pytest.approx(fade)
+    assert points is not BACK or reach < 2.0 or tip.radii.tolist() == [0.0, 2.0]
+
+
+SIZE = (24, 20)
+CRACK = [(7.3, 10.2), (16.4, 11.4)]
+"""Its tips have room for each other, and to the outline of a body of `SIZE`."""
+
+
+def test_a_gathered_tip_has_three_carriers_whatever_patches_there_are(build) -> None:
+    """One, x and y from the tip, faded out; over all patches within R, on both sides of the crack."""
+    cover = build.block(SIZE, [build.crack(CRACK, gathered=True)], 2.0).cover
+    assert cover.n_functions == len(cover.patches.nodes) + 2 * 4 * 3
+    for tip in cover.tips:
+        assert tip.carriers.n == 3
+        off = cover.patches.nodes - tip.point
+        near = np.flatnonzero(np.hypot(*off.T) < RADIUS)
+        chi = (1.0 - (np.hypot(*off[near].T) / RADIUS) ** 4) ** 2
+        np.testing.assert_array_equal(tip.patches.reshape(3, -1), [near] * 3)
+        np.testing.assert_allclose(tip.carriers.shares.reshape(3, -1), chi * [np.ones(len(near)), *off[near].T])
+        nodes = cover.patches.nodes[near]
+        assert len(np.unique(nodes, axis=0)) < len(nodes)  # the crack cuts some of them in two
+
+
+def gathered_at(build, *cracks: list, levels: int = 0, places=(), size=SIZE) -> list[bool]:
+    """Whether the functions of each tip are gathered."""
+    lines = [build.crack(points, name=f"crack {k}", gathered=True) for k, points in enumerate(cracks)]
+    sample = build.block(size, lines, 2.0, levels, places)
+    return [tip.carriers.gathered for tip in sample.cover.tips]
+
+
+@pytest.mark.parametrize(("share", "room"), [(0.95, False), (1.05, True)])
+def test_functions_are_gathered_where_nothing_else_is_within_the_radius(build, share: float, room: bool) -> None:
+    """Nor a kink within the length that must be straight, nor the crack's other end where functions are still seen."""
+    away = share * RADIUS
+    ahead, beside = [(16.4 + away, 8.0), (16.4 + away, 15.0)], [(12.0, 11.4 + away), (20.0, 11.4 + away)]
+    assert gathered_at(build, CRACK, ahead, size=(40, 20))[:2] == [True, room]
+    assert gathered_at(build, CRACK, beside, size=(24, 30))[:2] == [True, room]
+    assert gathered_at(build, [(14.5 - away, 10.2), (24.5 - away, 10.4)]) == [True, room]  # the outline is at 24.5
+    assert gathered_at(build, [*CRACK, (16.4, 11.4 + share * STRAIGHT)]) == [True, room]
+    length = 8.5 if room else 7.5  # the radius and half the diagonal of a patch
+    assert gathered_at(build, [(7.3, 10.2), (7.3 + length, 10.2)]) == [room, room]
+    from_side = build.crack([(0.5, 10.2), (0.5 + length, 10.2)], (False, True), gathered=True)
+    assert build.block(SIZE, [from_side], 2.0).cover.tips[0].carriers.gathered is room
+
+
+def test_the_radius_goes_by_the_cells_at_the_tip_and_a_crack_that_turns_back_has_none(build) -> None:
+    beside = [(14.0, 13.4), (20.0, 13.4)]
+    assert gathered_at(build, CRACK, beside)[1] is False
+    assert gathered_at(build, CRACK, beside, levels=2, places=[CRACK[1]])[1] is True
+    assert gathered_at(build, [(16.0, 14.2), (13.0, 12.2), (8.0, 11.4), (15.0, 10.2)])[1] is False

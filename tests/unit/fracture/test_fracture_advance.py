@@ -1,8 +1,7 @@
-"""Which tips grow, and the geometry of what is added."""
+"""Which tips grow, where cracks can start, and the geometry of what is added."""
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import replace
 from typing import Literal
 
@@ -24,6 +23,7 @@ from crackgrow.fracture.advance import (
     without_tip,
 )
 from crackgrow.fracture.meeting import CORNER, Meeting
+from crackgrow.fracture.sites import BESIDE, Site, StartRegions, start_sites
 
 PLATE = shapely.box(-10.0, -10.0, 10.0, 10.0)
 
@@ -77,22 +77,9 @@ def test_which_tips_grow_and_where_cracks_start(
     assert advancing_sites(np.array(criticality), counts, places, way).tolist() == expected
 
 
-@pytest.mark.parametrize("advance", ["most_critical", "in_turn", "all"])
-def test_the_order_of_the_tips_does_not_matter(advance: Literal["most_critical", "in_turn", "all"]) -> None:
-    criticality = np.array([1.2, 1.0, 1.2, 1.2001, 0.999])
-    places = np.array([(3.0, 1.0), (2.0, 0.0), (-1.0, 5.0), (-1.0 + 1e-12, 2.0), (0.0, 0.0)])
-    n_advances = np.array([1, 0, 1, 1, 0])
-    expected = places[advancing_sites(criticality, n_advances, places, advance)].tolist()
-    for order in itertools.permutations(range(5)):
-        these = list(order)
-        found = advancing_sites(criticality[these], n_advances[these], places[these], advance)
-        assert places[these][found].tolist() == expected
-
-
 @pytest.mark.parametrize("kink_deg", [-70.5, 0.0, 45.0])
-@pytest.mark.parametrize("turn_deg", [0.0, 130.0])
-def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(turn_deg: float, kink_deg: float) -> None:
-    a, kink = np.deg2rad(turn_deg), np.deg2rad(kink_deg)
+def test_the_new_vertex_lies_an_increment_on_turned_counter_clockwise(kink_deg: float) -> None:
+    a, kink = np.deg2rad(130.0), np.deg2rad(kink_deg)
     direction = np.array([np.cos(a), np.sin(a)])
     before = growing([tuple(-2.0 * direction), tuple(direction)])
     for at_end, tip, outward in ((True, direction, a), (False, -2.0 * direction, a + np.pi)):
@@ -150,7 +137,7 @@ def across(x: float, low: float = -3.0, high: float = 3.0) -> list[tuple[float, 
 
 Y = CORNER * CLEARANCE
 ALONG = [(0.0, -0.05), (9.0, -0.05)]
-BESIDE = [(4.0, -0.05), (2.0, -3.0)]
+ASIDE = [(4.0, -0.05), (2.0, -3.0)]
 
 MEETINGS = {
     "the first that it would cross": ([across(4.8), across(4.5), across(4.9)], 0.0, (4.5, 0.0), 1, None),
@@ -168,7 +155,7 @@ MEETINGS = {
     "beyond the clearance": ([across(5.0 + 1.01 * CLEARANCE)], 0.0, (5.0, 0.0), None, None),
     **{f"along a crack or away from it by {kink}": ([ALONG], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
        for kink in (0.0, 0.02, 0.5 * np.sqrt(3.0), -0.01, -0.02)},
-    **{f"a tip beside the tip {kink}": ([BESIDE], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
+    **{f"a tip beside the tip {kink}": ([ASIDE], kink, (4.0 + np.sqrt(1.0 - kink**2), kink), None, None)
        for kink in (0.0, 0.02, 0.5 * np.sqrt(3.0))},
 }  # fmt: skip
 """Other cracks, the kink (its sine), where the segment ends, on which crack (or none), and on which of its tips."""
@@ -326,3 +313,69 @@ def test_a_new_crack_ends_on_what_it_meets_and_goes_both_ways_in_the_rock() -> N
     np.testing.assert_allclose(new.crack.points, [[0.0, -0.2], [0.0, 0.0], [0.0, 0.5]], atol=1e-15)
     assert [(at_end, found.kind) for at_end, found in met] == [(False, "crack")]
     assert (new.can_grow(False), new.can_grow(True)) == (False, True)
+
+
+APART = 0.5
+BENT = [(2.0, 6.1), (6.05, 6.1), (8.05, 6.1 + 2.0 * np.sqrt(3.0))]  # turns by 60 degrees
+GENTLE = [(2.0, 6.1), (6.05, 6.1), (10.05, 7.1)]
+WALL, GUEST = [(6.05, 2.0), (6.05, 10.0)], [(2.0, 6.1), (6.05, 6.1)]
+KINK = (6.05, 6.1)
+SLIGHT = np.rad2deg(np.arctan(0.25)) / 2  # half of the turn of GENTLE
+
+
+def looked(on_cracks: bool = False, on_rims: bool = False, in_rock: bool = False) -> StartRegions:
+    return StartRegions(on_cracks, on_rims, in_rock, 2.0, (APART,))
+
+
+def sites(sample, where: StartRegions, began=()) -> list[Site]:
+    """Sites with their places as those of the sample, whose spacing is 1."""
+    cover, origin = sample.cover, sample.lattice.to_lattice(np.zeros(2))
+    found = start_sites(cover, [0] * len(cover.cracks), [place + origin for place in began], where)
+    return [replace(site, point=site.point - origin) for site in found]
+
+
+def plate(build, *cracks):
+    given = [build.crack(np.array(path), (path[0][0] > 0.0, True)) for path in cracks]
+    return build.sample((0.0, 0.0), (12.0, 12.0), given, support=2.0, spacing=1.0)
+
+
+CORNERS = [
+    ([BENT], [], [(0, 120.0, 30.0), (0, 300.0, 90.0)]),  # a corner of rock on either side of a kink
+    ([GENTLE], [], []),
+    ([GENTLE], [KINK], [(0, 90.0 + SLIGHT, 60.0 - SLIGHT), (0, 270.0 + SLIGHT, 60.0 + SLIGHT)]),  # where growth began
+    ([GUEST], [KINK], []),  # an end of a crack
+    ([WALL, GUEST], [], [(1, 0.0, 60.0), (1, 135.0, 15.0), (1, 225.0, 15.0)]),  # behind WALL the guest may go on
+]
+
+
+@pytest.mark.parametrize(("cracks", "began", "ways"), CORNERS)
+def test_starts_on_cracks_are_the_corners_of_rock(build, cracks: list, began: list, ways: list) -> None:
+    """Crack, direction and half width in degrees of the corners at the kink or junction."""
+    found = sites(plate(build, *cracks), looked(on_cracks=True), [np.array(place) for place in began])
+    assert len(found) == len(ways)
+    for site in found:
+        assert site.kind == "crack"
+        np.testing.assert_allclose(site.point, KINK, atol=1e-8)
+    degrees = [(site.crack, np.rad2deg(site.direction) % 360.0, np.rad2deg(site.half_width)) for site in found]
+    np.testing.assert_allclose(np.reshape(sorted(degrees), (-1, 3)), np.reshape(ways, (-1, 3)), atol=1e-6)
+
+
+def test_starts_on_rims_look_into_the_rock_and_keep_clear_of_cracks(build) -> None:
+    found = sites(plate(build, [(0.0, 6.0), (4.0, 6.0)]), looked(on_rims=True))
+    points = np.array([site.point for site in found])
+    inward = np.array([[np.cos(site.direction), np.sin(site.direction)] for site in found])
+    assert ((points + 0.1 * inward > 0.0) & (points + 0.1 * inward < 12.0)).all()
+    np.testing.assert_allclose([site.half_width for site in found], 0.5 * np.pi - BESIDE, rtol=1e-12)
+    assert np.hypot(*(points - [0.0, 6.0]).T).min() > APART
+    assert {tuple(point) for point in points.tolist()} >= {(2.0, 0.0), (12.0, 4.0), (0.0, 4.0), (0.0, 8.0)}
+
+
+def test_points_of_the_rock_keep_clear_of_rims_and_cracks(build) -> None:
+    """Rock without strength has no starts at all."""
+    found = sites(plate(build, [(2.0, 5.0), (10.0, 5.0)]), looked(in_rock=True))
+    points = np.array([site.point for site in found])
+    assert points.min() >= APART
+    assert points.max() <= 12.0 - APART
+    across = np.maximum(np.maximum(2.0 - points[:, 0], points[:, 0] - 10.0), 0.0)
+    assert np.hypot(across, points[:, 1] - 5.0).min() > APART
+    assert sites(plate(build, BENT), StartRegions(True, True, True, 2.0, (None,))) == []

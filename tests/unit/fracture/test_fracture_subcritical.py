@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
@@ -67,16 +65,3 @@ def test_mean_velocity_is_that_of_an_exponential_law(ratio: float) -> None:
     x, weight = np.polynomial.legendre.leggauss(300)
     inverse = np.sum(0.5 * weight * ratio ** (-0.5 * (x + 1.0))) / 3.0
     assert mean_velocity(3.0, 3.0 * ratio) == pytest.approx(1.0 / inverse, rel=1e-9)
-
-
-@pytest.mark.parametrize(("exponent", "largest"), [(2, 0.001), (10, 0.005), (40, 0.03)])
-def test_time_converges_to_the_closed_form_with_the_square_of_the_increment(exponent: int, largest: float) -> None:
-    """The time in which K = sqrt(a) K_c / 2 grows a crack from a = 1 to 2, in equal increments."""
-    power, error = 1.0 - 0.5 * exponent, []
-    exact = 2.0**exponent * (np.log(2.0) if power == 0.0 else (2.0**power - 1.0) / power)
-    for n in (8, 16, 32):
-        velocity = velocities(0.5 * np.sqrt(np.linspace(1.0, 2.0, n + 1)), Subcritical(1.0, exponent, 0.0))
-        time = sum(1.0 / n / mean_velocity(before, after) for before, after in pairwise(velocity.tolist()))
-        error.append(abs(time / exact - 1.0))
-    assert error[0] < largest
-    np.testing.assert_allclose(np.divide(error[:-1], error[1:]), 4.0, rtol=0.1)

@@ -10,9 +10,9 @@ import shapely
 
 from crackgrow.fracture.face_displacements import from_face_displacements
 from crackgrow.fracture.sites import tip_site
-from crackgrow.fracture.tip_stress import N_RAYS, TipField, stress_functionals
+from crackgrow.fracture.tip_stress import N_RAYS, fields_of, stress_functionals
 from crackgrow.solid.elasticity import plane_elasticity
-from tests.near_tips import site_fields
+from tests.unit import exact_fields
 
 POISSON = 0.25
 SHEAR_MODULUS = 1.0 / (2.0 * (1.0 + POISSON))  # of the sample's Young's modulus 1
@@ -51,23 +51,6 @@ def near_field(sample, K_I: float, K_II: float, plane: str = "strain") -> np.nda
     return u.ravel()
 
 
-def in_tip_axes(field: TipField, stress: np.ndarray) -> np.ndarray:
-    """Stress (n, 3) in the axes of the tip."""
-    c, s = np.cos(field.direction), np.sin(field.direction)
-    turn = np.array([[c, s], [-s, c]])
-    tensors = stress[:, [0, 2, 2, 1]].reshape(-1, 2, 2)
-    turned = turn @ tensors @ turn.T
-    return np.stack([turned[:, 0, 0], turned[:, 1, 1], turned[:, 0, 1]], axis=1)
-
-
-def closed_form(t: np.ndarray, K_I: float, K_II: float) -> np.ndarray:
-    """sqrt(2 pi r) times the stress (n, 3) of the near field at angles t (n,), in the axes of the tip."""
-    c, s, c3, s3 = np.cos(t / 2), np.sin(t / 2), np.cos(3 * t / 2), np.sin(3 * t / 2)
-    first = np.stack([c * (1 - s * s3), c * (1 + s * s3), c * s * c3], axis=1)
-    second = np.stack([-s * (2 + c * c3), s * c * c3, c * (1 - s * s3)], axis=1)
-    return K_I * first + K_II * second
-
-
 @pytest.mark.parametrize(("plane", "spacing"), [("strain", 1.0), ("stress", 1.0), ("strain", 0.02)])
 @pytest.mark.parametrize(("angle", "at_end"), [(0.0, True), (0.0, False), (23.0, True), (-31.0, False)])
 @pytest.mark.parametrize(("K_I", "K_II"), [(1.0, 0.0), (0.0, 1.0), (0.7, -0.4)])
@@ -81,14 +64,16 @@ def test_rays_mean_and_faces_of_the_near_field(
     material, u = plane_elasticity(1.0, POISSON, plane), near_field(sample, K_I, K_II, plane)
     means = []
     for radius in (0.2 * spacing, 0.05 * spacing):
-        (field,) = site_fields(sample.cover, [material], u, at_tips(sample.cover), radius)
+        (field,) = fields_of(
+            sample.cover, [material], u, stress_functionals(sample.cover, at_tips(sample.cover), radius)
+        )
         assert field.direction == pytest.approx(np.deg2rad(angle), abs=1e-8)
         np.testing.assert_allclose(np.diff(field.angles), 2.0 * np.pi / N_RAYS, rtol=1e-12)
         assert np.abs(field.angles).max() == pytest.approx(np.pi * (1.0 - 1.0 / N_RAYS))  # none on the crack
         root = np.sqrt(2.0 * np.pi * radius)
-        expected = 2.0 * closed_form(field.angles, K_I, K_II)
-        np.testing.assert_allclose(root * in_tip_axes(field, field.rays), expected, atol=2e-6)
-        means.append(root * in_tip_axes(field, field.mean[None])[0])
+        expected = 2.0 * exact_fields.near_field(field.angles, K_I, K_II)
+        np.testing.assert_allclose(root * exact_fields.turned(field.rays, -field.direction), expected, atol=2e-6)
+        means.append(root * exact_fields.turned(field.mean[None], -field.direction)[0])
         assert tuple(means[-1][1:]) == pytest.approx((1.5279 * K_I, 1.0186 * K_II), abs=2 * RAYS)
     np.testing.assert_allclose(*means, atol=1e-6)
     found = from_face_displacements(sample.cover, [material.young_prime], u, [0])[0]
@@ -116,8 +101,8 @@ def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
 
     tips = at_tips(cover)
     sites = [*tips, *(replace(tip, kind="crack") for tip in tips)]
-    fields = site_fields(cover, [sample.material], u.ravel(), sites, radius)
     readings = stress_functionals(cover, sites, radius)
+    fields = fields_of(cover, [sample.material], u.ravel(), readings)
     for site, field, points in zip(sites, fields, (reading.points for reading in readings), strict=True):
         toward = field.direction + field.angles
         whole, sight = ([part(site.point, angle, line) for angle in toward] for line in (rim, rim.union(paths)))

@@ -12,29 +12,22 @@ import pytest
 
 import crackgrow.run.critical_load as critical_load
 from crackgrow.case.model import Case
-from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import from_state, held_loads, increment
 from crackgrow.run.scene import make_scene
-from tests.scenes import shipped_case
-from tests.solving import solve_step
+from tests.scenes import shipped_case, specimen
+from tests.solving import ready, solve_step
 from tests.whole_run import whole_run
 
-CRITICAL = ("loading=critical", "output.frames=none", "output.figures=false", "numerics.spacing=3")
-TIPS = ("growth.tip_stress.radius=2",)
+CRITICAL = ("loading=critical", "numerics.spacing=3", "growth.tip_stress.radius=2")
 MOST_SOLVES = 12
 
 
 def case_of(name: str, *settings: str) -> Case:
-    return shipped_case(name, [*CRITICAL, *TIPS, *settings])
-
-
-def ready(case: Case) -> Configuration:
-    cracks = tuple(map(GrowingCrack.given, case.cracks))
-    return assemble(make_scene(case), cracks)
+    return shipped_case(name, [*CRITICAL, *settings])
 
 
 def criticality(solution: StepSolution) -> float:
@@ -83,10 +76,11 @@ def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[floa
 CLOSED = ("cracks.flaw.contact.friction=0.3", "growth.criterion=directional_strength")
 
 
-@pytest.mark.parametrize("kept", ["kept", "lost"])
-@pytest.mark.parametrize("cohesion", [0.0, 0.1, 0.7, 5.0])
+@pytest.mark.parametrize(
+    ("cohesion", "kept"), [(0.0, "lost"), (0.1, "lost"), (0.7, "kept"), (0.7, "lost"), (5.0, "lost")]
+)
 def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criterion(
-    kept: str, cohesion: float, factors: list[float]
+    cohesion: float, kept: str, factors: list[float]
 ) -> None:
     settings = (f"cracks.flaw.contact.cohesion={cohesion}", f"cracks.flaw.contact.cohesion_after_slip={kept}")
     configuration = ready(case_of("compression30", *CLOSED, *settings))
@@ -112,53 +106,47 @@ def test_where_only_loads_have_a_size_the_way_to_the_critical_one_does_not_matte
     found = critical_load.critically_loaded(configuration, 0.07).state
     assert len(factors) <= 3
     alone = increment(configuration, held_loads(configuration), found.factor)
-    for of in ("outcome.u", "outcome.multipliers", "outcome.points.normal", "outcome.points.tangential",
-               "outcome.points.slip", "outcome.memory.slip", "conjugates", "states.tractions"):  # fmt: skip
+    for of in ("outcome.u", "outcome.multipliers", "outcome.memory.slip", "conjugates", "states.tractions"):
         value, known = (attrgetter(of)(state) for state in (found, alone))
         np.testing.assert_allclose(value, known, rtol=0.0, atol=1e-8 * np.abs(known).max(), err_msg=of)
-    one, other = found.outcome.points, alone.outcome.points
-    size = 1e-8 * np.abs(other.slip).max()
-    np.testing.assert_allclose(one.opening, other.opening, rtol=0.0, atol=size)
-    np.testing.assert_array_equal(one.state, other.state)
+    np.testing.assert_array_equal(found.outcome.points.state, alone.outcome.points.state)
     energies = [(e.work, e.strain, e.dissipated, e.released) for e in (found.energy, alone.energy)]
     np.testing.assert_allclose(*energies, rtol=0.0, atol=1e-9 * energies[0][0])
-    assert one.problem is not None
-    assert complementarity_residual(one.problem, found.states.solution.unknowns) < 1e-9
     later = increment(configuration, from_state(found), 1.1 * found.factor)
     assert later.energy.error < 1e-9
 
 
-SHEAR = {"right": [0, 6], "left": [0, -6], "top": [6, 0], "bottom": [-6, 0]}
-PRESSED = {"top": -2, "bottom": 2}
+def made(cracks: dict[str, Any], size: tuple[float, float], tension: float, **more: Any) -> Configuration:
+    """A plate with cracks (mm), of rock of a tensile strength (MPa)."""
+    growth = {"steps": 1, "increment": 2, "criterion": "max_hoop_stress", "tip_stress": {"radius": 2}}
+    scene = specimen(cracks, size, growth=growth, loading="critical", numerics={"spacing": 2}, **more)
+    scene["bodies"]["rock"]["strength"] = {"tension": tension, "cohesion": 100, "friction_angle": 40}
+    return ready(Case.from_dict(scene))
 
 
-def sheared(cracks: str, tension: float) -> Configuration:
-    """A plate with cracks, pressed and sheared."""
-    loads = [f"{{on: {{body: rock, edge: {edge}}}, traction: {t}}}" for edge, t in SHEAR.items()]
-    loads += [f"{{on: {{body: rock, edge: {edge}}}, traction: [0, {t}], held: true}}" for edge, t in PRESSED.items()]
-    settings = (
-        "bodies.rock.shape.rectangle={center: [0, 0], width: 60, height: 60}",
-        "supports=[{at: [-30, -30], displacement: {x: 0, y: 0}}, {at: [30, -30], displacement: {y: 0}}]",
-        f"cracks={cracks}",
-        f"loads=[{', '.join(loads)}]",
-        "growth.criterion=max_hoop_stress",
-        f"bodies.rock.strength.tension={tension}",
-        "numerics.spacing=2",
-    )
-    return ready(case_of("tension0", *settings))
+def on(edge: str, x: float, y: float, held: bool = False) -> dict[str, Any]:
+    return {"on": {"edge": edge}, "traction": [x, y], "held": held}
 
 
-def level(y: float, length: float, cohesion: float, tips: str = "both") -> str:
+def sheared(cracks: dict[str, Any], tension: float) -> Configuration:
+    """Pressed and sheared."""
+    loads = [on("right", 0, 6), on("left", 0, -6), on("top", 6, 0), on("bottom", -6, 0)]
+    loads += [on("top", 0, -2, held=True), on("bottom", 0, 2, held=True)]
+    return made(cracks, (60.0, 60.0), tension, supports="minimal", loads=loads)
+
+
+def level(y: float, length: float, cohesion: float, tips: str = "both") -> dict[str, Any]:
     """A level crack that is bonded, without friction."""
-    path = f"{{center: [0, {y}], length: {length}, angle: 0}}"
-    return f"{{path: {path}, tips: {tips}, contact: {{friction: 0, cohesion: {cohesion}}}}}"
+    path = {"center": [0, y], "length": length, "angle": 0}
+    return {"path": path, "tips": tips, "contact": {"friction": 0, "cohesion": cohesion}}
+
+
+OPEN = {"path": {"center": [0, 0], "length": 10, "angle": 0}, "contact": "none"}
 
 
 def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() -> None:
     """A crack with tips between bonded ones: once these slip they shield it."""
-    flaw = "flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}"
-    above, below = (f"b{number}: {level(y, 24, 9, 'none')}" for number, y in enumerate((4, -4)))
-    configuration = sheared(f"{{{flaw}, {above}, {below}}}", 4)
+    configuration = sheared({"flaw": OPEN, "above": level(4, 24, 9, "none"), "below": level(-4, 24, 9, "none")}, 4)
     found = [critical_load.critically_loaded(configuration, guess) for guess in (0.1, 1.0, 10.0)]
     factors = [solution.state.factor for solution in found]
     np.testing.assert_allclose(factors, factors[0], rtol=1e-8)
@@ -171,7 +159,7 @@ def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() ->
 
 def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
     """Once the long bonded crack has slipped it shields the short one, which would break at a lower load alone."""
-    configuration = sheared(f"{{a: {level(3, 30, 8, 'none')}, b: {level(-1, 16, 9)}}}", 2)
+    configuration = sheared({"a": level(3, 30, 8, "none"), "b": level(-1, 16, 9)}, 2)
     found = critical_load.critically_loaded(configuration, 1.0)
     start, factor = held_loads(configuration), 0.0
     while True:
@@ -186,27 +174,19 @@ def test_the_critical_load_is_that_of_a_load_that_rises_step_by_step() -> None:
 
 def pushed(push: float, tension: float) -> Configuration:
     """A block of 40 x 20 mm with a level crack, pressed on a foundation of friction 0.5 and pushed along it."""
-    settings = (
-        "bodies.rock.shape.rectangle={center: [0, 0], width: 40, height: 20}",
-        "supports=[{on: {body: rock, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]",
-        "cracks={flaw: {path: {center: [0, 0], length: 10, angle: 0}, contact: none}}",
-        "loads=[{on: {body: rock, edge: top}, traction: [0, -10], held: true}, "
-        f"{{on: {{body: rock, edge: right}}, traction: [{push}, 0]}}]",
-        "growth.criterion=max_hoop_stress",
-        f"bodies.rock.strength={{tension: {tension}, cohesion: 100, friction_angle: 40}}",
-        "numerics.spacing=2",
-    )
-    return ready(case_of("tension0", *settings))
+    supports = [{"on": {"edge": "bottom"}, "contact": {"friction": 0.5, "cohesion": 0}}]
+    loads = [on("top", 0, -10, held=True), on("right", push, 0)]
+    return made({"flaw": OPEN}, (40.0, 20.0), tension, supports=supports, loads=loads)
 
 
-@pytest.mark.parametrize("push", [10.0, 25.0, 2000.0])
+@pytest.mark.parametrize("push", [10.0, 2000.0])
 def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float) -> None:
     """A block on a rough foundation slides at a load that does not depend on the unit of the load factor."""
     found = critical_load.critically_loaded(pushed(push, 0.5), 1.0)
     assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
 
 
-@pytest.mark.parametrize("guess", [0.01, 1.0, 300.0])
+@pytest.mark.parametrize("guess", [0.01, 300.0])
 def test_a_block_that_slides_before_its_crack_grows_is_free(guess: float) -> None:
     """It is told of at the load at which friction carries all it can: half of the pressure on 40 mm, against 20 mm."""
     with pytest.raises(FreePieceError, match=r"free to move.* before the criterion is met") as found:

@@ -13,65 +13,48 @@ from crackgrow.run.layout import cover_of
 from crackgrow.run.scene import make_scene
 from crackgrow.run.scene_warnings import dry_joints, free_edges
 
-PLATE = {"rectangle": {"center": [0, 0], "width": 100, "height": 100}}
-ROCK = {"young": "30 GPa", "poisson": 0.2, "density": 2600}
 HOLES = [{"disk": {"center": [0, 0], "radius": 10}}]
 OPEN = {"friction": 0.3, "cohesion": 0}
+ROCK = {"young": "30 GPa", "poisson": 0.2, "density": 2600}
+STRESS, FAR, DRIVER = {"stress": [-2, -10, 0]}, {"far_field": [-2, -10, 0]}, {"far_field": [0, -3, 0]}
 
 
 def scene(loads: list[dict[str, Any]], supports: Any = "minimal", holes: Any = (), **more: Any) -> Case:
-    shape = {**PLATE, **({"holes": list(holes)} if holes else {})}
+    """A square of 100 mm."""
+    shape = {"rectangle": {"center": [0, 0], "width": 100, "height": 100}, **({"holes": list(holes)} if holes else {})}
+    fixed = {"title": "unsaid", "units": {"length": "mm", "stress": "MPa"}, "plane": "strain"}
+    bodies = {"rock": {"shape": shape, "material": ROCK}}
     return Case.from_dict(
-        {
-            "title": "unsaid",
-            "units": {"length": "mm", "stress": "MPa"},
-            "plane": "strain",
-            "bodies": {"rock": {"shape": shape, "material": ROCK}},
-            "supports": supports,
-            "loads": loads,
-            "numerics": {"accuracy": "draft"},
-            **more,
-        }
+        {**fixed, "bodies": bodies, "supports": supports, "loads": loads, "numerics": {"accuracy": "draft"}, **more}
     )
-
-
-STRESS = {"stress": [-2, -10, 0]}
 
 
 def told(case: Case) -> list[str]:
     return [warning.words for warning in free_edges(make_scene(case))]
 
 
-def on(edge: str, traction: list[float], **more: Any) -> dict[str, Any]:
-    return {"on": {"edge": edge}, "traction": traction, **more}
-
-
-def all_round(part: float, **more: Any) -> list[dict[str, Any]]:
+def all_round(part: float) -> list[dict[str, Any]]:
     """Tractions of a part of the stress."""
     sides = {"left": (2, 0), "right": (-2, 0), "top": (0, -10), "bottom": (0, 10)}
-    return [on(edge, [part * x, part * y], **more) for edge, (x, y) in sides.items()]
+    return [{"on": {"edge": edge}, "traction": [part * x, part * y]} for edge, (x, y) in sides.items()]
 
 
 def held(edge: str, *components: str) -> dict[str, Any]:
     return {"on": {"edge": edge}, "displacement": dict.fromkeys(components, 0)}
 
 
-FAR, DRIVER = {"far_field": [-2, -10, 0]}, {"far_field": [0, -3, 0]}
+BALANCED = [
+    ([STRESS], [{"outline": "rollers"}]),
+    ([STRESS], [{"outline": "fixed"}]),
+    ([STRESS, FAR], "minimal"),
+    ([STRESS, *all_round(1.0)], "minimal"),
+    ([{**STRESS, "held": True}, FAR], "minimal"),
+    ([{**STRESS, "held": True}, {**FAR, "held": True}, DRIVER], "minimal"),
+    ([{"stress": [0, "0.01*(y - 50)", 0]}], [held("left", "x"), held("right", "x"), held("bottom", "y")]),
+]
 
 
-@pytest.mark.parametrize(
-    ("loads", "supports"),
-    [
-        ([STRESS], [{"outline": "rollers"}]),
-        ([STRESS], [{"outline": "fixed"}]),
-        ([STRESS, FAR], "minimal"),
-        ([STRESS, *all_round(1.0)], "minimal"),
-        ([{**STRESS, "held": True}, FAR], "minimal"),
-        ([{**STRESS, "held": True}, {**FAR, "held": True}, DRIVER], "minimal"),
-        ([{"stress": [0, "0.01*(y - 50)", 0]}], [held("left", "x"), held("right", "x"), held("bottom", "y")]),
-    ],
-    ids=["rollers", "fixed", "far field", "tractions", "held and not", "and a driver", "free surface"],
-)
+@pytest.mark.parametrize(("loads", "supports"), BALANCED)
 def test_where_all_of_the_stress_is_taken_nothing_is_told(loads: list[dict[str, Any]], supports: Any):
     for holes in ((), HOLES):
         assert told(scene(loads, supports, holes)) == []
@@ -128,14 +111,16 @@ WET = {"crack": "wet", "pressure": 2}
 def test_a_joint_that_a_pressurised_crack_meets_stays_dry(path: list[list[float]], places: list[str]):
     cracks = joints(wet=[[-20, 0], [20, 0]], joint=path)
     assert dry(scene([WET], cracks=cracks)) == places
-    for pressure in (0, 2):
-        assert dry(scene([WET, {"crack": "joint", "pressure": pressure}], cracks=cracks)) == []
+    for load in ({**WET, "crack": "joint"}, {"crack": "joint", "pressure": 0}):
+        assert dry(scene([WET, load], cracks=cracks)) == []
     assert dry(scene([{**WET, "pressure": "abs(x)"}], cracks=cracks)) == []  # none where they meet
 
 
 def test_a_crack_on_the_rim_of_a_pressurised_hole_stays_dry():
     cracks = joints(radial=[[10, 0], [30, 0]], elsewhere=[[-30, 0], [-20, 0]])
-    on_rim = scene([{"on": {"edge": "hole0"}, "pressure": 5}], holes=HOLES, cracks=cracks)
-    assert dry(on_rim) == ["crack 'radial' at edge hole0 of body 'rock'"]
-    wet = [{"on": {"edge": "hole0"}, "pressure": 5}, {"crack": "radial", "pressure": 5}]
-    assert dry(scene(wet, holes=HOLES, cracks=cracks)) == []
+    rim = {"on": {"edge": "hole0"}, "pressure": 5}
+    for loads, places in (
+        ([rim], ["crack 'radial' at edge hole0 of body 'rock'"]),
+        ([rim, {**WET, "crack": "radial"}], []),
+    ):
+        assert dry(scene(loads, holes=HOLES, cracks=cracks)) == places

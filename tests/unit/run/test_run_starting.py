@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 
-from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
 from crackgrow.fracture.criteria import TipLoading
 from crackgrow.fracture.sites import LARGEST_KINK, Site
@@ -13,37 +14,9 @@ from crackgrow.fracture.tip_stress import TipField
 from crackgrow.run.checkpoint import restored
 from crackgrow.run.evaluation import verdicts
 from crackgrow.run.scene import make_scene
-from tests.scenes import shipped_case
+from tests.scenes import shipped_case, specimen
 from tests.whole_run import whole_run
 
-PLATE = """
-title: a plate without cracks
-units: {length: mm, stress: MPa}
-plane: strain
-bodies:
-  rock:
-    shape: {SHAPE}
-    material: {young: 10000, poisson: 0.2}
-    strength: {tension: 5, cohesion: 20, friction_angle: 30}
-supports:
-  - {at: [-20, -20], displacement: {x: 0, y: 0}}
-  - {at: [20, -20], displacement: {y: 0}}
-loads:
-  - {on: {body: rock, edge: top}, traction: [0, 1]}
-  - {on: {body: rock, edge: bottom}, traction: [0, -1]}
-loading: critical
-growth:
-  steps: 2
-  increment: 2
-  advance: most_critical
-  criterion: CRITERION
-  tip_stress: {radius: 1}
-  initiation: {at: AT, spacing: 5}
-numerics: {spacing: 2}
-output: {figures: false, frames: none}
-"""
-SQUARE = "{rectangle: {center: [0, 0], width: 40, height: 40}}"
-HOLED = "{rectangle: {center: [0, 0], width: 40, height: 40}, holes: [{disk: {center: [0, 0], radius: 1.5}}]}"
 SECOND = (
     "growth.steps=3",
     "growth.increment=2",
@@ -57,16 +30,20 @@ SECOND = (
 )
 
 
-def plate(shape: str, at: str, *settings: str, criterion: str = "strength") -> Case:
-    text = PLATE.replace("{SHAPE}", shape).replace("CRITERION", criterion).replace("AT", at)
-    return read_case(text, "plate", "plate", settings)
+def plate(at: str, criterion: str, spacing: float, apart: float, **shape: Any) -> Case:
+    """A square plate without cracks, pulled by 1 MPa, of a tensile strength of 5 MPa."""
+    initiation = {"at": at, "spacing": apart}
+    growth = {"steps": 1, "increment": 2, "criterion": criterion, "tip_stress": {"radius": 1}, "initiation": initiation}
+    scene = specimen({}, (40.0, 40.0), growth=growth, loading="critical", numerics={"spacing": spacing})
+    scene["bodies"]["rock"]["strength"] = {"tension": 5, "cohesion": 20, "friction_angle": 30}
+    scene["bodies"]["rock"]["shape"] |= shape
+    return Case.from_dict(scene)
 
 
 @pytest.mark.parametrize(("criterion", "exact"), [("strength", 1e-9), ("directional_strength", 2e-5)])
 def test_rock_under_uniform_tension_cracks_across_it_at_its_strength(criterion: str, exact: float) -> None:
     """Between rays 5 degrees apart the hoop stress is that of a parabola."""
-    case = plate(SQUARE, "anywhere", "growth.steps=1", criterion=criterion)
-    results, end = whole_run(case)
+    results, end = whole_run(plate("anywhere", criterion, 2, 5))
     assert results[0].load_factor == pytest.approx(5.0, rel=exact)
     assert [event.kind for event in results[1].events] == ["initiation"]
     (crack,) = end.cracks
@@ -77,9 +54,8 @@ def test_rock_under_uniform_tension_cracks_across_it_at_its_strength(criterion: 
 
 def test_a_hole_in_tension_cracks_where_its_rim_is_stretched_most() -> None:
     """Kirsch: the hoop stress ahead of the wall is S/2 (2 + a^2/r^2 + 3 a^4/r^4); its mean over R decides."""
-    settings = ("growth.steps=1", "numerics.spacing=1", "growth.initiation.spacing=0.5")
-    case = plate(HOLED, "outlines", *settings, criterion="directional_strength")
-    results, _ = whole_run(case)
+    hole = {"disk": {"center": [0, 0], "radius": 1.5}}
+    results, _ = whole_run(plate("outlines", "directional_strength", 1, 0.5, holes=[hole]))
     (event,) = results[1].events
     assert event.kind == "initiation"
     assert event.met == "hole0 of body 'rock' (tension)"

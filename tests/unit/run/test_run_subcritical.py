@@ -2,45 +2,21 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 import pytest
 
-from crackgrow.fracture.subcritical import WAITS, mean_velocity
+from crackgrow.fracture.subcritical import mean_velocity
 from crackgrow.results.log import criticality_words
-from crackgrow.run.result import RunEnd, StepResult
+from crackgrow.run.result import StepResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
 from tests.whole_run import whole_run
 
-INCREMENT, V_MAX, N = 1e-3, 0.01, 10  # m, m/s, -
-
-
-@pytest.fixture(scope="module")
-def two() -> tuple[list[StepResult], RunEnd]:
-    """Two cracks, of 6 and of 4 mm."""
-    return whole_run(slow_cracks(SHORTER, "growth.steps=8", "growth.subcritical.exponent=4"))
+INCREMENT, V_MAX = 1e-3, 0.01  # m, m/s
 
 
 def crack_lengths(result: StepResult) -> dict[str, float]:
     return {path.name: float(np.hypot(*np.diff(path.points, axis=0).T).sum()) for path in result.cracks}
-
-
-def test_a_slow_tip_waits_and_then_advances_by_all_it_has_gathered(two: tuple[list[StepResult], RunEnd]) -> None:
-    results, _ = two
-    steps = np.diff([crack_lengths(result)["shorter"] for result in results])
-    velocity = [{tip.crack: tip.velocity for tip in result.tips} for result in results]
-    gathered = 0.0
-    for step, (before, after) in zip(steps, pairwise(velocity), strict=True):
-        due = gathered + INCREMENT * before["shorter"] / before["notch"]
-        if step > 0.0:
-            assert step == pytest.approx(due, rel=1e-9)
-        else:
-            assert due < WAITS * INCREMENT
-        mean = {crack: mean_velocity(before[crack], after[crack]) for crack in before}
-        gathered += INCREMENT * mean["shorter"] / mean["notch"] - step
-    assert 0 < np.count_nonzero(steps) < len(steps)  # it does both
 
 
 def test_below_its_threshold_a_crack_stands_still() -> None:

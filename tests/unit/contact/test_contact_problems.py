@@ -1,4 +1,4 @@
-"""Newton on active sets, beside Lemke and from any start; the way it takes out of circles; problems on some points."""
+"""Coulomb's law and contact problems: by hand, and Newton on active sets beside Lemke and from any start."""
 
 from __future__ import annotations
 
@@ -9,18 +9,89 @@ import pytest
 
 import crackgrow.contact.newton as module
 from crackgrow.contact.contact_lcp import solve_by_lemke
-from crackgrow.contact.coulomb import SLIP, ActiveSet, active_set, complementarity_residual
-from crackgrow.contact.equations import ActiveEquations
+from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, complementarity_residual, project
+from crackgrow.contact.equations import solve_active
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
+from crackgrow.errors import NotSolvedError
 from tests.contact_problems import crack_problem, dilating, random_problem, smooth, spread_problem
 from tests.stability.contact_at_random import drawn
 
+ROUND_OFF = 1e-14
+
+
+def one_point(free_n: float, free_t: float, friction: float, cohesion: float = 0.0, unit: float = 1.0):
+    """A_nn = 2, A_tt = 4, no coupling: p_n = free_n / 2, p_t = free_t / 4 where closed and sticking."""
+    compliance, free = np.diag([2.0, 4.0]) / unit, np.array([free_n, free_t])
+    return ContactProblem(CondensedPoints(compliance), free, np.array([friction]), np.array([cohesion * unit]))
+
+
+# free_n, free_t, friction, cohesion -> p_n, p_t, state
+BY_HAND = [
+    (1.0, 3.0, 0.5, 0.0, 0.0, 0.0, OPEN),
+    (1.0, 3.0, 0.5, 0.2, 0.0, 0.2, OPEN),  # law (6) as written: cohesion acts at an open point
+    (1.0, 0.4, 0.5, 0.2, 0.0, 0.1, OPEN),
+    (-2.0, 1.0, 0.5, 0.0, -1.0, 0.25, STICK),
+    (-2.0, 8.0, 0.5, 0.0, -1.0, 0.5, SLIP),
+    (-2.0, -8.0, 0.5, 0.0, -1.0, -0.5, SLIP),
+    (-2.0, -8.0, 0.5, 0.25, -1.0, -0.75, SLIP),
+    (-2.0, 8.0, 0.0, 0.0, -1.0, 0.0, SLIP),
+    (-2.0, 8.0, 5.0, 0.0, -1.0, 2.0, STICK),
+]
+
+
+@pytest.mark.parametrize("unit", [1e-6, 1.0, 1e9])
+@pytest.mark.parametrize(("free_n", "free_t", "friction", "cohesion", "p_n", "p_t", "state"), BY_HAND)
+def test_one_point_by_hand(free_n, free_t, friction, cohesion, p_n, p_t, state, unit) -> None:
+    """It has no residual, is what its branch gives, and what both solvers find."""
+    problem = one_point(free_n, free_t, friction, cohesion, unit)
+    p = np.array([p_n, p_t]) * unit
+    near = {"rtol": ROUND_OFF, "atol": ROUND_OFF * unit}
+    assert complementarity_residual(problem, p) <= ROUND_OFF
+    active = active_set(problem, p, problem.jump(p))
+    assert active.states().tolist() == [state]
+    np.testing.assert_allclose(project(problem, p, problem.jump(p)), p, **near)
+    np.testing.assert_allclose(solve_active(problem, active), p, **near)
+    for solution in (solve_by_lemke(problem), solve_by_newton(problem)):
+        assert solution.status == "solved"
+        assert solution.state.tolist() == [state]
+        np.testing.assert_allclose(solution.traction, p, atol=1e-12 * unit)
+
+
+@pytest.mark.parametrize(
+    ("free_n", "free_t", "p_n", "p_t", "violation"),
+    [
+        (-2.0, 0.0, -0.5, 0.0, "overlap alone"),
+        (-2.0, 0.0, -2.0, 0.0, "pressure across a gap alone"),
+        (2.0, 0.0, 0.5, 0.0, "tension alone"),
+        (-2.0, 4.0, -1.0, 1.0, "no slip, shear beyond the bound alone"),
+        (-2.0, -4.0, -1.0, -1.0, "the same backward"),
+        (-2.0, 8.0, -1.0, 0.1, "forward slip below the bound alone"),
+        (-2.0, -8.0, -1.0, -0.1, "backward slip below the bound alone"),
+    ],
+)
+def test_each_violation_alone_is_detected(free_n, free_t, p_n, p_t, violation) -> None:
+    assert complementarity_residual(one_point(free_n, free_t, 0.5), np.array([p_n, p_t])) > 0.1, violation
+
+
+def test_singular_active_set_gets_the_least_tractions() -> None:
+    problem = smooth(np.ones((3, 3)), np.array([-1.0, -1.0, -1.0]))
+    p = solve_active(problem, ActiveSet(np.ones(3, dtype=bool), *np.ones((2, 3), dtype=np.int64)))
+    np.testing.assert_allclose(p[:3], np.full(3, -1.0 / 3.0), rtol=1e-13)
+
+
+@pytest.mark.parametrize("name", ["compliance", "free", "friction", "cohesion"])
+def test_values_that_are_not_finite_and_rock_that_does_not_resist_are_refused(name: str) -> None:
+    arrays = {"compliance": np.eye(4), "free": np.zeros(4), "friction": np.zeros(2), "cohesion": np.zeros(2)}
+    arrays[name].flat[1] = np.nan
+    with pytest.raises(NotSolvedError, match=f"contact {name}"):
+        ContactProblem(CondensedPoints(arrays.pop("compliance")), **arrays)
+    with pytest.raises(NotSolvedError, match="diagonal: entry 2"):
+        ContactProblem(CondensedPoints(np.diag([1.0, 1.0, 0.0, 1.0])), np.zeros(4), np.zeros(2))
+
+
 EXACT = 1e-10
 """Complementarity residual of a solution."""
-
-NO_CURE = smooth(np.array([[1.0, -2.0], [-2.0, 1.0]]), np.array([-1.0, -1.0]))
-"""Pressure on one point closes the other."""
 
 
 def solved(problem: ContactProblem, start: np.ndarray | None = None) -> ContactSolution:
@@ -71,18 +142,6 @@ def test_cycles_are_left(seed) -> None:
     solved(replace(problem, free=noise * np.abs(problem.free).max()), np.zeros(6))
 
 
-def test_a_reversing_point_sticks_first_and_keeps_what_slip_has_opened() -> None:
-    """This ends most cycles."""
-    slipped = np.array([-0.3, 0.2, 0.1, 0.0])
-    problem = replace(random_problem(4, 0.5, 1), dilation=np.full(4, 0.1), slipped=slipped)
-    before, after = (
-        ActiveSet(np.ones(4, dtype=bool), *[np.array(slip)] * 2) for slip in ([-1, 1, 1, 0], [1, -1, 1, -1])
-    )
-    following = module._through_stick(problem, before, after)
-    assert following.slip.tolist() == [0, 0, 1, -1]
-    assert following.sense.tolist()[:2] == [-1, 1]
-
-
 @pytest.mark.parametrize("friction", [0.0, 0.4, 1.0])
 def test_every_start_gives_the_same(friction) -> None:
     problem = crack_problem(50, friction, 0.05, 1e3, 0.4, 7)
@@ -97,29 +156,10 @@ def test_every_start_gives_the_same(friction) -> None:
     assert solve_by_newton(problem, expected).iterations == 1
 
 
-def test_an_overlap_without_cure_ends_at_the_limit() -> None:
-    assert solve_by_newton(NO_CURE).status == "limit"
-
-
-def test_without_load_nothing_acts() -> None:
-    unloaded = solved(ContactProblem(CondensedPoints(np.eye(4)), np.zeros(4), np.full(2, 0.3), np.zeros(2)))
-    assert not unloaded.traction.any()
-
-
-@pytest.mark.parametrize("start", [np.zeros(3), np.array([np.nan, 0.0])])
-def test_wrong_start_is_refused(start) -> None:
-    with pytest.raises(ValueError, match="contact start"):
-        solve_by_newton(ContactProblem(CondensedPoints(np.eye(2)), np.zeros(2), np.zeros(1)), start)
-
-
-def one_point(friction: float, free_n: float, free_t: float) -> ContactProblem:
-    A = np.array([[1.0, 0.5], [0.5, 1.0]])
-    return ContactProblem(CondensedPoints(A), np.array([free_n, free_t]), np.array([friction]))
-
-
 def test_the_only_solution_is_found_beyond_a_fold() -> None:
     """Slip that presses the point less: on the branch that Newton comes to the point would pull."""
-    found = solved(one_point(10.0, -1.0, -5.0))
+    points = CondensedPoints(np.array([[1.0, 0.5], [0.5, 1.0]]))
+    found = solved(ContactProblem(points, np.array([-1.0, -5.0]), np.array([10.0])))
     np.testing.assert_allclose(found.traction, [-1.0 / 6.0, -10.0 / 6.0])
     assert found.state.tolist() == [SLIP]
 
@@ -132,7 +172,7 @@ def test_rock_of_any_friction_always_has_a_state(seed: int) -> None:
     solved(spread_problem(n, rng.uniform(0.0, 30.0, n), seed, cohesion))
 
 
-@pytest.mark.parametrize("seed", [437, 509, 585, 765, 795, 895, 1453, 1563, 3511])
+@pytest.mark.parametrize("seed", [437, 509, 585, 765, 795, 895, 1563])
 def test_where_active_sets_come_back_there_is_a_way_out(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     problem, _ = drawn(seed).problem.settled()
     found = solve_by_newton(problem)
@@ -140,44 +180,3 @@ def test_where_active_sets_come_back_there_is_a_way_out(seed: int, monkeypatch: 
     assert complementarity_residual(problem, found.unknowns) < EXACT
     monkeypatch.setattr(module, "MOST_TIMES", 0)
     assert solve_by_newton(problem).status == "limit"
-
-
-@pytest.mark.parametrize("seed", [*range(6), 16, 26, 39, 45, 61, 70, 73, 90, 99, 109, 129])
-def test_an_update_of_the_factors_solves_the_equations_of_the_other_active_set(seed: int) -> None:
-    """Also where contact alone holds blocks; points open, close, slip one way or the other, stick, and dilate."""
-    tried = 0
-    for problem in (
-        drawn(seed).problem.settled()[0],
-        random_problem(12, 0.4, seed),
-        crack_problem(40, 0.4, 0.3, np.inf, 0.6, seed),
-        dilating(random_problem(12, 0.4, seed), seed),
-    ):
-        known = solve_by_newton(problem)
-        branches = active_set(problem, known.traction, problem.jump(known.unknowns))
-        some = np.arange(problem.n_points) % 5 == seed % 5
-        slip = np.where(some, (branches.slip + 2) % 3 - 1, branches.slip)
-        other = ActiveSet(branches.closed ^ some, slip, np.where(slip == 0, branches.sense, slip))
-        for first, last in ((branches, other), (other, branches)):
-            fresh = ActiveEquations(problem, last)
-            x = ActiveEquations(problem, first).solution(problem, last)
-            if x is None or fresh.singular:
-                continue
-            exact = fresh.solution(problem, last)
-            np.testing.assert_allclose(x, exact, rtol=0.0, atol=1e-7 * np.abs(exact).max())
-            tried += 1
-    assert tried >= 4
-
-
-def test_an_update_is_made_where_few_points_leave_their_branches_alone() -> None:
-    problem = random_problem(12, 0.4, 0)
-    active = active_set(problem, np.full(24, -1.0), np.zeros(24))
-    other = ActiveSet(~active.closed, active.slip, active.sense)
-    assert ActiveEquations(problem, active).solution(problem, other, 0.5) is None
-    assert ActiveEquations(problem, active).solution(problem, active, 0.0) is not None
-
-
-def test_equations_of_other_points_serve_none() -> None:
-    """However many points these are: more are dealt with where faces close on the way."""
-    problem, other = (random_problem(n, 0.3, 1) for n in (7, 6))
-    found, alone = (solve_by_newton(problem, near=near) for near in (solve_by_newton(other).equations, None))
-    np.testing.assert_array_equal(found.traction, alone.traction)

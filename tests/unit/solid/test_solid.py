@@ -1,4 +1,4 @@
-"""Supports and loads: resultants of tractions, multipliers along edges, and motions that nothing holds."""
+"""Elasticity, supports and loads: Hooke's law, resultants, what edges hold, motions that nothing holds."""
 
 from __future__ import annotations
 
@@ -12,11 +12,35 @@ from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTrac
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import FreePieceError, GeometryError
+from crackgrow.solid.elasticity import energy_components, plane_elasticity
 from crackgrow.solid.loads import load_vector
-from crackgrow.solid.recovery import displacement_at, stress_at
+from crackgrow.solid.recovery import displacement_at
 from crackgrow.solid.rigid_modes import free_motions
 from crackgrow.solid.supports import EdgePoints, constraints, points_along
 from tests.conftest import Build, Sample
+
+E, NU = 70e9, 0.3
+
+
+def test_elasticity_inverts_the_flexibility_of_either_plane() -> None:
+    strain, stress = (plane_elasticity(E, NU, plane) for plane in ("strain", "stress"))
+    flexibility = np.array([[1, -NU, 0], [-NU, 1, 0], [0, 0, 2 * (1 + NU)]]) / E
+    np.testing.assert_allclose(stress.matrix @ flexibility, np.eye(3), atol=1e-15)
+    assert (stress.young_prime, stress.zz) == (E, 0.0)
+    flexibility = (1 + NU) / E * np.array([[1 - NU, -NU, 0], [-NU, 1 - NU, 0], [0, 0, 2]])
+    np.testing.assert_allclose(strain.matrix @ flexibility, np.eye(3), atol=1e-15)
+    assert (strain.young_prime, strain.zz) == (pytest.approx(E / 0.91, rel=1e-15), NU)  # no strain along z
+    assert strain.c11 - strain.c12 == pytest.approx(2 * strain.c33, rel=1e-14)
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
+def test_energy_components_square_to_the_strain_energy(plane: str) -> None:
+    material = plane_elasticity(3.0, 0.3, plane)
+    stress = np.array([[1.0, 2.0, -0.5], [0.0, 0.0, 1.0]])
+    body = np.zeros(2, dtype=np.int64)
+    expected = np.einsum("ni,ij,nj->n", stress, np.linalg.inv(material.matrix), stress)
+    np.testing.assert_allclose(np.sum(energy_components([material], stress, body) ** 2, axis=1), expected)
+
 
 SIDES = {"bottom": 6.0, "right": 5.0, "top": 6.0, "left": 5.0}
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -85,41 +109,6 @@ def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
     assert found.cells.max() < n_cells  # no jumps where cells of two sizes meet
 
 
-@pytest.mark.parametrize("quadrature", [3, 8])
-def test_stretch_between_edge_supports_is_uniform(build, quadrature: int) -> None:
-    """u_x = 0 left, 0.01 right, u_y = 0 bottom: free sides contract by Poisson's ratio; the field is linear."""
-    sample = build.block((6, 5), support=2.0)
-    held = [
-        EdgeSupport(build.edge("left"), (0.0, None)),
-        EdgeSupport(build.edge("right"), (0.01, None)),
-        EdgeSupport(build.edge("bottom"), (None, 0.0)),
-    ]
-    u = sample.solve(held, {}, quadrature)
-    metres = np.random.default_rng(50).uniform((0.5, 0.5), (6.5, 5.5), (200, 2))
-    points = sample.lattice.to_lattice(metres)
-    elements = locate(sample.lattice, sample.cover.elements, points)
-    strain = 0.01 / 6
-    ratio = -sample.material.c12 / sample.material.c11
-    exact = (metres - 0.5) * (strain, ratio * strain)
-    error = np.abs(displacement_at(sample.cover, u, points, elements) - exact).max() / 0.01
-    assert error < {3: 1e-4, 8: 3e-6}[quadrature]  # quadrature noise of 3 x 3 and of 8 x 8 points
-    stress = stress_at(sample.cover, [sample.material], u, points, elements)
-    sxx = sample.material.c11 * strain + sample.material.c12 * ratio * strain
-    np.testing.assert_allclose(stress, np.broadcast_to([sxx, 0, 0], stress.shape), atol=1e-3 * sxx)
-
-
-def test_multipliers_are_the_reactions(build) -> None:
-    """Pulled with a uniform traction at the top, held at the bottom: reactions sum to the pull."""
-    sample = build.block((6, 5), [build.crack(KINKED)], 2.0)
-    held = (EdgeSupport(build.edge("bottom"), (0.0, 0.0)),)
-    system, given = sample.system(held)
-    f = load_vector(sample.cover, (sample.body,), (EdgeTraction(build.edge("top"), (0.5, 2.0)),), 4)
-    u, multipliers = system.solve(f, given)
-    reactions = system.constraints.T @ multipliers
-    np.testing.assert_allclose(resultant(sample, f - reactions), 0.0, atol=1e-8)
-    assert np.abs(u).max() > 1.0
-
-
 def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
     """Each row gives a constant as it is, and their values of a linear field lie within the edge, in order."""
     sample = build.block((6, 5), support=2.0)
@@ -177,15 +166,6 @@ def test_free_motions_are_named_in_any_unit_of_length(build: type[Build]) -> Non
     for size, place in IN_UNITS:
         with pytest.raises(FreePieceError, match=re.escape(f"rotation about {place}")):
             body(build, size).system([at(3.0 * size, 2.0 * size, (HELD, HELD))])
-
-
-def test_piece_that_cracks_cut_off_is_named_with_its_place(build: type[Build]) -> None:
-    """A crack right through leaves the upper part without supports."""
-    cut = build.crack([(LOWER[0], 4.2), (UPPER[0], 4.2)], tips=(False, False))
-    sample = build.sample(LOWER, UPPER, [cut])
-    piece = r"the piece of body 'rock' round \(5 m, 5.* m\)"
-    with pytest.raises(FreePieceError, match=f"{piece} is free to move: translation in x and translation in y and rot"):
-        sample.system([EdgeSupport(build.edge("bottom"), (0.0, 0.0))])
 
 
 def test_loads_that_balance_by_themselves_pull_at_no_motion(build: type[Build]) -> None:

@@ -1,15 +1,18 @@
-"""All functions at points, among cells of any size: unity, slopes, jumps, and the definition of tip functions."""
+"""All functions at points: closed forms, unity, slopes and jumps among cells of any size."""
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.mls import mls
+from crackgrow.approximation.tip_functions import tip_functions, tip_table
 from crackgrow.cover.elements import locate
-from crackgrow.cover.tips import tip_angle
+from crackgrow.cover.tips import TipView, seen_from_tip
 from tests.conftest import Sample
-from tests.unit.approximation.tip_values import at_polar
 from tests.unit.cover_tables import gradient_rows
 
 CRACK = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -118,36 +121,57 @@ def test_functions_jump_on_cracks_and_nowhere_else(build, name: str, support: fl
                 assert (abs(slope - beyond).max(axis=1).toarray().ravel() * size).max() < 1e-10
 
 
-@pytest.mark.parametrize("support", [1.5, 2.0, 2.5])
-def test_moments_are_as_well_conditioned_as_on_one_size(build, support: float) -> None:
-    """The sum of the absolute values of all functions at a point bounds how far errors are blown up."""
-    worst = []
-    for levels in (0, 2, 6):
-        sample = scene(build, "graded", support, levels)
-        found = values_at(sample.cover, *inner_points(sample, 5)).rows[:, : len(sample.cover.patches.nodes)]
-        worst.append(abs(found).sum(axis=1).max())
-    assert max(worst) < 1.5 * worst[0]
+def functions_of(nodes: np.ndarray, point: np.ndarray, support: float) -> np.ndarray:
+    """Values and derivatives (3, k) at a point (2,) of the functions of nodes (k, 2), all of one half width."""
+    k = len(nodes)
+    found, alone, work, per_half = np.empty((3, k)), np.empty((1, k)), np.empty((5, k)), np.full(k, 1.0 / support)
+    at = np.ascontiguousarray(nodes.T, dtype=float)
+    mls(*point, at, per_half, k, True, found, work)
+    mls(*point, at, per_half, k, False, alone, work)
+    np.testing.assert_array_equal(alone[0], found[0])
+    return found
 
 
-@pytest.mark.parametrize(
-    ("name", "levels"), [("graded", 0), ("graded", 3), ("many tips", 0), ("gathered", 0), ("gathered", 2)]
-)
-def test_functions_at_tips_are_the_carriers_times_the_four_within_their_reach(build, name: str, levels: int) -> None:
-    """A carrier is the function of a patch, or a sum over patches for gathered ones."""
-    sample = scene(build, name, 2.0, levels)
-    cover, n_patches = sample.cover, len(sample.cover.patches.nodes)
-    points, elements = inner_points(sample, 30, 2000)
-    found, seen = values_at(cover, points, elements).rows.toarray(), 0
-    for tip in cover.tips:
-        four, first = at_polar(tip, *tip_angle(tip, points, cover.elements.reference[elements]))[0], tip.first_function
-        for carrier in range(tip.carriers.n):
-            mine = tip.carriers.number == carrier
-            sums = found[:, :n_patches][:, tip.patches[mine]] @ tip.carriers.shares[mine]
-            own = slice(first + 4 * carrier, first + 4 * carrier + 4)
-            tolerance = 1e-13 if tip.carriers.gathered else 1e-14
-            np.testing.assert_allclose(found[:, own], sums[:, None] * four, atol=tolerance)
-        seen += 4 * tip.carriers.n
-        near = found[:, first : first + 4 * tip.carriers.n].any(axis=1)
-        farthest = np.hypot(*(points[near] - tip.point).T).max()
-        assert 0.6 * tip.carriers.gathered * tip.carriers.reach < farthest <= tip.carriers.reach
-    assert n_patches + seen == cover.n_functions
+def test_weight_is_the_cubic_spline() -> None:
+    """Two groups of nodes mirrored about the point: phi follow from ratios of w(q) = 4/3 ((1-q)^3 - 4 (1/2-q)^3)."""
+    for a, b in ((0.2, 0.4), (0.3, 0.8), (0.6, 0.9)):
+        nodes = np.array([(s * d, t) for d in (a, b) for s in (-1.0, 1.0) for t in (-0.1, 0.1)])
+        phi = functions_of(nodes, np.zeros(2), 1.0)[0]
+        w = [4 / 3 * ((1 - q) ** 3 - 4 * max(0.5 - q, 0.0) ** 3) for q in (a, b)]
+        np.testing.assert_allclose(phi[:4], w[0] / (4.0 * (w[0] + w[1])), rtol=1e-13)
+        np.testing.assert_allclose(phi[4:], w[1] / (4.0 * (w[0] + w[1])), rtol=1e-13)
+
+
+POINTS = np.array([[4.0, 3.0], [3.2, 2.9], [2.6, 2.3], [1.6, 2.5]])
+
+
+def tip_with(fade: float) -> TipView:
+    return replace(seen_from_tip(POINTS, 1.0, ends_inside=False), fade=fade)
+
+
+def test_tip_functions_follow_the_closed_form_and_those_with_sines_jump_across_the_crack() -> None:
+    r, t = np.array([0.25, 1.0, 4.0, 1.0, 1.0]), np.array([0.0, np.pi, -np.pi, np.pi / 2, -np.pi / 3])
+    s = np.sqrt(0.5)
+    expected = [[0.5, 0, 0.5, 0], [0, 1, 0, -1], [0, -2, 0, 2], [s, s, -s, s], [np.sqrt(3) / 2, -0.5, 0, -1]]
+    np.testing.assert_allclose(at_polar(tip_with(np.inf), r, t)[0], expected, atol=1e-15)
+    values, gradients = at_polar(tip_with(np.inf), np.zeros(1), np.zeros(1))
+    assert np.all(values == 0.0)
+    assert np.isfinite(gradients).all()
+
+
+def test_fading_multiplies_by_chi_and_leaves_nothing_beyond() -> None:
+    r, t = np.linspace(0.01, 3.0, 60), np.linspace(-3, 3, 60)
+    (plain, _), (faded, slopes) = (at_polar(tip_with(fade), r, t) for fade in (np.inf, 2.0))
+    chi = np.where(r < 2.0, (1 - (r / 2.0) ** 2) ** 2, 0.0)
+    np.testing.assert_allclose(faded, chi[:, None] * plain, atol=1e-15)
+    assert not faded[r >= 2.0].any()
+    assert not slopes[r >= 2.0].any()
+
+
+def at_polar(tip: TipView, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Values (n, 4) and gradients (n, 4, 2) at polar coordinates (n,) round a tip, on the side that the angles say."""
+    points = (r * np.array([np.cos(t), np.sin(t)])).T @ tip.rotation
+    (row,), found = tip_table([replace(tip, point=np.zeros(2))]), np.empty((len(r), 3, 4))
+    for point, side, f in zip(points, t, found, strict=True):
+        tip_functions(*point, row, side, f)
+    return found[:, 0], found[:, 1:].transpose(0, 2, 1)

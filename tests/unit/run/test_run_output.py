@@ -1,0 +1,240 @@
+"""The output mesh and its fields, conforming and double along cracks alone; the course of named points."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from crackgrow.contact.jump import gap_and_slip
+from crackgrow.run.checkpoint import beginning
+from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.frame import OutputMesh, make_frame, output_mesh
+from crackgrow.run.layout import cover_of
+from crackgrow.run.loop import grow, solved_steps
+from crackgrow.run.result import Frame, History
+from crackgrow.run.scene import make_scene
+from crackgrow.solid.recovery import stress_at
+from tests.scenes import shipped_case
+from tests.solving import face_vertices, solve_case
+from tests.whole_run import steps_of, whole_run
+
+NEAR = 1e-9
+"""m: vertices lie on a grid of 1e-12 m; no two of them are nearer than 1e-6 m here."""
+
+AT_TIP = 1e-4
+"""Relative jump at a tip: vertices lie off it by the grid of 1e-9 spacings, and the jump grows as the square root."""
+
+WING = "cracks.flaw.path={points: [[-4.33, -2.5], [4.33, 2.5], [3.98, 4.47]]}"
+KINKED = "cracks.flaw.path={points: [[-4.33, -2.5], [4.33, 2.5], [3.98, 4.47], [4.33, 6.44]]}"
+SCENES = {
+    "closed": ("compression30",),
+    "open": ("tension0",),
+    "kinked": ("compression30", KINKED),
+    "finer tiles": ("compression30", WING, "numerics.support=1.75", "numerics.spacing=1.5"),
+}
+"""Scenes and settings."""
+
+BY_HAND = ("numerics.spacing=1.5", "numerics.refine.tips=3", "numerics.refine.kinks=6")
+STUCK = ("compression30", WING, "cracks.flaw.contact.friction=20", *BY_HAND)
+
+CUT = ("flaw_and_hole", "interface_friction04", "junction_static", "en_echelon")
+"""Scenes with curved outlines, several bodies, cracks that meet."""
+
+
+@cache
+def solved(file: str, *settings: str) -> tuple[StepSolution, Frame]:
+    solution = solve_case(shipped_case(file, settings))
+    return solution, make_frame(solution.cover, solution.scene.materials, solution.outcome.u)
+
+
+def areas(frame: Frame | OutputMesh) -> np.ndarray:
+    """Signed areas of all cells, triangles first."""
+    found = []
+    for cells in (frame.triangles, frame.quads):
+        x, y = frame.points[cells].transpose(2, 0, 1)
+        found.append(0.5 * np.sum(x * np.roll(y, -1, axis=1) - np.roll(x, -1, axis=1) * y, axis=1))
+    return np.concatenate(found)
+
+
+def edges(frame: Frame | OutputMesh) -> tuple[np.ndarray, np.ndarray]:
+    """Undirected edges (n, 2) of the mesh and how many cells have each."""
+    both = [
+        np.stack([cells, np.roll(cells, -1, axis=1)], axis=2).reshape(-1, 2) for cells in (frame.triangles, frame.quads)
+    ]
+    return np.unique(np.sort(np.concatenate(both), axis=1), axis=0, return_counts=True)
+
+
+def nodes_at(frame: Frame, point: np.ndarray) -> np.ndarray:
+    return np.flatnonzero(np.hypot(*(frame.points - point).T) < NEAR)
+
+
+def from_tips(solution: StepSolution, points: np.ndarray) -> np.ndarray:
+    """Distance (n,) in spacings of points (n, 2) m from the nearest tip."""
+    local = solution.cover.lattice.to_lattice(points)
+    return np.min([np.hypot(*(local - tip.point).T) for tip in solution.cover.tips], axis=0)
+
+
+@pytest.mark.parametrize("name", [*SCENES, *CUT])
+def test_cells_fill_the_specimen_once_and_no_corner_lies_in_a_side_of_another(name: str) -> None:
+    """Sides of one cell alone are those of the elements on outlines, and of both faces of cracks and interfaces."""
+    file, *settings = SCENES.get(name, (name,))
+    case = shipped_case(file, settings)
+    cover = cover_of(make_scene(case), beginning(case).cracks)
+    elements, mesh = cover.elements, output_mesh(cover.elements, cover.tips)
+    pairs, n_cells = edges(mesh)
+    assert set(n_cells.tolist()) == {1, 2}
+    alone = np.hypot(*np.diff(mesh.points[pairs[n_cells == 1]], axis=1)[:, 0].T).sum()
+    faces = np.where(elements.edges.right < 0, 1, np.where(elements.passable, 0, 2))
+    length = np.hypot(*(elements.vertices[elements.edges.b] - elements.vertices[elements.edges.a]).T)
+    assert alone == pytest.approx(faces @ length, rel=1e-9)
+    start, end = elements.vertices[elements.rings.start], elements.vertices[elements.rings.end]
+    whole, size = 0.5 * np.sum(start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]), areas(mesh)
+    assert size.sum() == pytest.approx(whole, rel=1e-9)
+    assert size.min() > -4e-10  # counter-clockwise; needles along a lattice line may have no area
+    used = np.concatenate([mesh.triangles.ravel(), mesh.quads.ravel()])
+    np.testing.assert_array_equal(np.unique(used), np.arange(len(mesh.points)))
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str) -> None:
+    solution, frame = solved(*SCENES[name])
+    mesh = output_mesh(solution.cover.elements, solution.cover.tips)
+    node, element = mesh.place_node, mesh.place_element
+    stress = stress_at(solution.cover, solution.state.materials, solution.outcome.u, mesh.points[node], element)
+    off_tips = from_tips(solution, frame.points[node]) > 1e-6
+    size = np.abs(stress[off_tips]).max()
+    np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)
+
+
+def test_a_uniform_stress_is_that_of_all_nodes() -> None:
+    """Cut tiles, a kink and tips in rock whose cracks stick."""
+    _, frame = solved(*STUCK)
+    np.testing.assert_allclose(frame.point_stress, np.tile([0.0, -100e6, 0.0], (len(frame.points), 1)), atol=100.0)
+    np.testing.assert_allclose(frame.point_stress_zz, -25e6, atol=100.0)
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_the_displacement_jumps_by_gap_and_slip_from_node_to_node(name: str) -> None:
+    """Of each pair, the node on the plus face is the one in a cell on the left of the crack."""
+    solution, frame = solved(*SCENES[name])
+    cover, u = solution.cover, solution.outcome.u
+    vertices = face_vertices(cover, 0)
+    gap, slip = gap_and_slip(cover, vertices, u)
+    jump = gap[:, None] * vertices.normal + slip[:, None] * np.stack([vertices.normal[:, 1], -vertices.normal[:, 0]], 1)
+    tolerance = AT_TIP * np.abs(jump).max()
+    n_pairs = 0
+    for k, place in enumerate(cover.lattice.to_metres(vertices.points)):
+        nodes = nodes_at(frame, place)
+        found = frame.displacement[nodes[-1]] - frame.displacement[nodes[0]]  # zero at a tip
+        assert min(np.abs(found - jump[k]).max(), np.abs(found + jump[k]).max()) < tolerance
+        n_pairs += len(nodes) == 2
+    assert n_pairs > 10
+
+
+def test_the_errors_of_cells_add_up_to_the_estimate() -> None:
+    case = shipped_case("compression30", ["numerics.spacing=3", "growth.steps=1", "output.fields=[energy_error]"])
+    results, end = whole_run(case)
+    for result, expected in zip(results, (results[0].norm_error, end.norm_error), strict=True):
+        assert result.frame is not None
+        assert result.frame.error_density is not None
+        share = areas(result.frame) @ result.frame.error_density**2 / areas(result.frame).sum()
+        np.testing.assert_allclose(100.0 * np.sqrt(share), expected, rtol=1e-9)
+
+
+YOUNG, STRESS = 1e9, 1e6  # Pa
+
+BAR = """
+title: a bar
+plane: stress
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 0.02, height: 0.04}}
+    material: {young: 1e9, poisson: 0.25}
+supports:
+  - {on: {body: rock, edge: bottom}, displacement: {y: 0}}
+  - {at: [0, -0.02], displacement: {x: 0}}
+loads: [{on: {body: rock, edge: top}, traction: [0, 1e6]}]
+loading: {history: [0.5, -1]}
+numerics: {spacing: 0.004}
+output: {frames: none, figures: false, points: {corner: {at: [0.01, 0.02]}, gauge: {between: [[0, -0.01], [0, 0.01]]}}}
+"""
+
+BLOCK_ON_ITS_WAY = (
+    "numerics.spacing=0.4",
+    "supports.0.contact.friction=0.18",
+    "loads.0.held=true",
+    "output.points={corner: {at: [-2, 0], body: block}}",
+)
+FLAW_ON_ITS_WAY = (
+    "growth.steps=0",
+    "numerics.spacing=1.5",
+    "cracks.flaw.contact.friction=0.3",
+    "cracks.flaw.contact.cohesion=2",
+    "output.points={mouth: {crack: flaw, at: [0, 0]}}",
+    "output.figures=false",
+    "output.frames=none",
+)
+
+
+def histories(text: str, *overrides: str) -> list[History]:
+    found = [result.history for result in steps_of(text, *overrides)]
+    assert all(found)
+    return [history for history in found if history is not None]
+
+
+def column(history: History, name: str) -> np.ndarray:
+    return history.values[:, history.columns.index(name)]
+
+
+def test_points_of_a_bar_in_tension_have_its_exact_fields() -> None:
+    for history, factor in zip(histories(BAR), (0.5, -1.0), strict=True):
+        strain = factor * STRESS / YOUNG
+        assert history.load_factor.tolist() == [factor]
+        assert column(history, "corner.u_y") == pytest.approx([0.04 * strain], rel=1e-9)
+        assert column(history, "corner.u_x") == pytest.approx([-0.25 * 0.01 * strain], rel=1e-9)
+        assert column(history, "corner.stress_yy") == pytest.approx([factor * STRESS], rel=1e-9)
+        assert column(history, "corner.stress_xy") == pytest.approx([0.0], abs=1e-3)
+        assert column(history, "gauge.convergence") == pytest.approx([-0.02 * strain], rel=1e-8)
+        assert column(history, "supports.0.force_y") == pytest.approx([-0.02 * factor * STRESS], rel=1e-9)
+
+
+def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:
+    """A flaw that sticks up to its cohesion and slips: slip lies on the line of one increment to the same load."""
+    strong = "bodies.rock.strength={tension: 60, cohesion: 100, friction_angle: 40}"
+    settings = (
+        *FLAW_ON_ITS_WAY,
+        strong,
+        "growth.criterion=max_hoop_stress",
+        "cracks.flaw.contact.cohesion_after_slip=kept",
+    )
+
+    def under(loading: str) -> History:
+        found = next(grow(shipped_case("compression30", [*settings, f"loading={loading}"]))).history
+        assert found is not None
+        return found
+
+    rising = under("critical")
+    known = under(f"{{history: [{float(rising.load_factor[-1])!r}]}}")
+    assert len(rising.load_factor) > len(known.load_factor) > 1  # it makes for other loads first
+    assert np.all(np.diff(rising.load_factor) > 0.0)
+    slip = np.interp(rising.load_factor, known.load_factor, column(known, "mouth.slip"))
+    np.testing.assert_allclose(column(rising, "mouth.slip"), slip, rtol=0, atol=1e-7 * np.abs(slip).max())
+
+
+@pytest.mark.parametrize("pressed", ["whole", "loose"])
+def test_states_found_together_are_those_found_alone(pressed: str) -> None:
+    """Of a flaw on its way to slip, and of a block that contact alone holds: displacements and support forces."""
+    whole = pressed == "whole"
+    case = shipped_case("compression30", FLAW_ON_ITS_WAY) if whole else shipped_case("block_rigid", BLOCK_ON_ITS_WAY)
+    _, solution = next(iter(solved_steps(case)))
+    states = [*solution.passed, solution.state]
+    assert len(states) > 1
+    assert (solution.contact.loose is None) == (pressed == "whole")
+    together = solution.configuration.displacements([(state.level, state.states) for state in states])
+    for (u, multipliers), state in zip(together, states, strict=True):
+        outcome = state.outcome
+        np.testing.assert_allclose(u, outcome.u, atol=1e-10 * np.abs(outcome.u).max())
+        size = np.abs(solution.configuration.scaled).max()
+        np.testing.assert_allclose(multipliers, outcome.multipliers, atol=1e-9 * size)
