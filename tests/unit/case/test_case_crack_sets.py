@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from crackgrow.case import Case, dump_case, load_case
-from crackgrow.errors import CaseError
 from tests.unit.case.scenes import reread
 
 CONTACT = {"friction": 0.3, "cohesion": 0}
@@ -227,17 +226,3 @@ def test_attributes_choose_lines_name_them_and_give_laws(tmp_path: Path):
     assert [crack.contact and crack.contact.friction for crack in open_.cracks] == [None, 0.3, 0.1, None]
     without = of_file(tmp_path, "map.geojson", {}, contact_by={"note": {"": smooth}})  # an attribute that some have
     assert [crack.contact.friction for crack in without.cracks] == [0.3, 0.1, 0.1, 0.1]
-
-
-def test_faults_of_cracks_name_the_feature_or_the_row(tmp_path: Path):
-    """What is wrong with the law stands in the case, once; what is wrong with a trace in the map."""
-    with_attributes(tmp_path)
-    rows = ["crack,x,y", "a,100,100", "a,200,200", "b,300,300", "b,300,300.001"]
-    (tmp_path / "traces.csv").write_text("\n".join(rows) + "\n")
-    with pytest.raises(CaseError, match=r"^traces\.csv:4: cracks\.joints-2\.path: length 0\.001 mm is less than"):
-        of_file(tmp_path, "traces.csv", {"tolerance": "0.1 um"})
-    with pytest.raises(CaseError) as caught:
-        of_file(tmp_path, "map.geojson", {}, contact={**CONTACT, "residual_friction": 0.5})
-    (fault,) = caught.value.faults
-    assert fault.source.endswith("scene.yaml")
-    assert fault.key == "cracks.joints-1.contact.residual_friction"

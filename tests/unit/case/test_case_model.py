@@ -28,7 +28,6 @@ from tests.unit.case.scenes import (
     EVERYTHING,
     NAMES,
     compression,
-    faults_of,
     held,
     load,
     rectangle,
@@ -54,20 +53,6 @@ def test_compression30_in_si():
     growth = case.growth
     assert (growth.steps, growth.increment, growth.tip_radius) == (22, 0.002, 0.001)
     assert (growth.criterion, growth.advance) == ("directional_strength", "most_critical")
-
-
-def test_defaults_are_filled_in(tmp_path: Path):
-    keys = ("growth.advance", "growth.unload_between_steps", "cracks.flaw.contact.cohesion", "numerics.support")
-    case = load_case(without(tmp_path, *keys))
-    growth, numerics, output = case.growth, case.numerics, case.output
-    assert (growth.advance, growth.direction, growth.unload_between_steps) == ("all", "explicit", True)
-    assert (growth.initiation.at, growth.initiation.spacing, growth.link_distance) == ("tips", None, None)
-    assert (numerics.spacing, numerics.support, numerics.quadrature) == (0.0015, 2.0, 3)
-    contact = numerics.contact
-    assert (contact.stiffness, contact.discretization, contact.solver) == (None, "mortar", "newton")
-    assert contact.spacing == 1.25
-    assert (output.frames, output.fields, output.figures) == ("every_step", ("displacement", "stress"), True)
-    assert written(case)["units"] == {"length": "m", "stress": "Pa"}
 
 
 def test_everything(tmp_path: Path):
@@ -185,15 +170,9 @@ def test_what_is_changed_in_python_is_written(tmp_path: Path):
         output=replace(case.output, frames="none"),
     )
     again = read_case(dump_case(changed), "text", case.name)
-    assert (again.title, again.output.frames, again.loading.factors) == ("another one", "none", (0.5, 1.0))
-    assert [body.material.young for body in again.bodies] == [1e9] * 3
-    assert again.cracks[0].contact is None
-    assert again.interfaces[0].contact.stiffness == (1e9, 2e9)
-    assert again.supports[0].contact.weakening_length == 1e-4
-    assert (again.loads[2].acceleration, again.loads[2].held) == ((1.0, -5.0), True)
-    assert (again.numerics.spacing, again.numerics.auto_rule) == (0.001, None)
-    assert (again.numerics.contact.stiffness, again.growth.steps, again.growth.tip_radius) == (10.0, 3, 0.002)
-    assert dump_case(again) == dump_case(changed)
+    for part in ("title", "bodies", "cracks", "interfaces", "supports", "loads", "growth", "loading", "output"):
+        assert same(getattr(again, part), getattr(changed, part)), part
+    assert same(again.numerics, replace(changed.numerics, auto_rule=None))
 
 
 @pytest.mark.parametrize("part", ["bodies", "cracks"])
@@ -222,51 +201,34 @@ def test_a_case_is_not_changed_from_outside():
     assert dump_case(case) == text
 
 
-# --- keys that are there or not --------------------------------------------------------------------------------------
+# --- short forms -----------------------------------------------------------------------------------------------------
+
+AT, SPACING = "growth.initiation.at", "growth.initiation.spacing"
+OUTLINES = [f"{AT}=outlines", f"{SPACING}=5"]
+HELD = "supports=[{{on: {}, displacement: {}}}]"
 
 
-def without(folder: Path, *keys: str) -> Path:
-    """Write the resolved compression30 without some keys, such as "bodies.rock.strength"."""
-    resolved = compression().to_dict()
-    for key in keys:
-        *parents, last = key.split(".")
-        mapping = resolved
-        for parent in parents:
-            mapping = mapping[parent]
-        del mapping[last]
-    path = folder / "without.yaml"
-    path.write_text(yaml.safe_dump(resolved, sort_keys=False), encoding="utf-8")
-    return path
-
-
-def line_of(path: Path, text: str) -> int:
-    """The number of the first line that holds a text."""
-    return next(n for n, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1) if text in line)
-
-
-REQUIRED = [
-    "title", "plane", "bodies", "bodies.rock.shape", "bodies.rock.shape.rectangle.width", "bodies.rock.material",
-    "bodies.rock.material.young", "bodies.rock.material.poisson", "bodies.rock.strength.cohesion", "cracks.flaw.path",
-    "cracks.flaw.contact", "cracks.flaw.contact.friction", "growth.steps", "growth.increment", "growth.criterion",
-    "growth.tip_stress", "growth.tip_stress.radius",
-]  # fmt: skip
-
-
-@pytest.mark.parametrize("key", REQUIRED)
-def test_missing_key(key: str, tmp_path: Path):
-    path = without(tmp_path, key)
-    (fault,) = faults_of(path)
-    assert fault.key == key
-    assert fault.message.startswith("missing")
-    assert fault.line == (line_of(path, f"{key.split('.')[-2]}:") if "." in key else 1)
-
-
-def test_only_growth_needs_strength(tmp_path: Path):
-    path = without(tmp_path, "bodies.rock.strength")
-    (fault,) = faults_of(path)
-    assert (fault.key, fault.line) == ("bodies.rock.strength", line_of(path, "rock:"))
-    case = load_case(without(tmp_path, "growth", "bodies.rock.strength"))
-    assert (case.growth, case.bodies[0].strength) == (None, None)
+@pytest.mark.parametrize(("short", "long"), [
+    (["cracks.flaw.path=[[0, 0], [5, 5]]"], ["cracks.flaw.path={points: [[0, 0], [5, 5]]}"]),
+    (["loading=[0.5, 1]"], ["loading={history: [0.5, 1]}"]),
+    (["growth.tip_stress=2"], ["growth.tip_stress={radius: 2}"]),
+    # other units
+    (["cracks.flaw.path.length=0.5 in"], ["cracks.flaw.path.length=12.7"]),
+    (["cracks.flaw.path.length=0.04 ft"], ["cracks.flaw.path.length=12.192"]),
+    (["loads.0.traction=[0, -1000 psi]"], ["loads.0.traction=[0, -6.894757293168361]"]),
+    (["loads.0.traction=[0, -1 ksi]"], ["loads.0.traction=[0, -6.894757293168361]"]),
+    # vectors as lists and as mappings; the only body need not be named
+    ([HELD.format("{edge: bottom}", "[0, 0.1*x]")], [HELD.format("{body: rock, edge: bottom}", "{x: 0, y: 0.1*x}")]),
+    (["loads.0={on: {edge: top}, traction: {y: -1, x: 2*x}}"],
+     ["loads.0={on: {body: rock, edge: top}, traction: [2*x, -1]}"]),
+    (["loads.0={stress: [-1, -2, 0]}"], ["loads.0={body: rock, stress: [-1, -2, 0]}"]),
+    # a word alone says where cracks start, and takes an override of a key inside
+    *(([f"growth.initiation={at}"], [f"{AT}={at}"]) for at in ("tips", "ends", "cracks", "outlines", "anywhere")),
+    (["growth.initiation=outlines", f"{SPACING}=5"], OUTLINES),
+    (["growth.initiation=ends", *OUTLINES], OUTLINES),
+])  # fmt: skip
+def test_short_forms_mean_what_the_long_ones_do(short: list[str], long: list[str]):
+    assert dump_case(compression(*short)) == dump_case(compression(*long))
 
 
 # --- cases from mappings ---------------------------------------------------------------------------------------------

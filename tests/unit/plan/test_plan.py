@@ -1,19 +1,20 @@
-"""The plan of a case: counts are those of the run, cost and warnings follow the scene."""
+"""What `crackgrow check` says of a case: its words, counts that are those of the run, cost and warnings."""
 
 from __future__ import annotations
 
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from crackgrow import cli
 from crackgrow.case import Case
 from crackgrow.plan import cost
-from crackgrow.plan.cost import Sizes, cost_of, estimated_cost, guessed_sizes, sizes_of
-from crackgrow.plan.text import plan_text
+from crackgrow.plan.cost import Sizes, cost_of, estimated_cost, estimated_nodes, guessed_sizes, sizes_of
+from crackgrow.plan.text import overview, plan_text
 from crackgrow.run import grow
 from tests.scenes import shipped_case
+from tests.unit.case.scenes import EVERYTHING, load
 
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = {
@@ -45,7 +46,6 @@ def test_counts_are_those_of_the_run(name: str) -> None:
 
 
 FRICTION = "cracks.flaw.contact.friction=0.3"
-SMOOTH = "interfaces=[{between: [lower, upper], contact: {friction: 0, cohesion: 0}}]"
 BONDED = "interfaces=[{between: [lower, upper], contact: bonded}]"
 
 
@@ -57,9 +57,7 @@ BONDED = "interfaces=[{between: [lower, upper], contact: bonded}]"
         ("compression30", [FRICTION], r"flaw: \d+ points?, with friction or cohesion"),
         ("compression30", [FRICTION], r"contact: \d+ tractions at \d+ mortar nodes, normal and tangential"),
         ("compression30", ["cracks.flaw.contact=none"], "flaw: no contact: its faces never touch"),
-        ("interface_friction04", [SMOOTH], "points, normal contact alone: neither"),
         ("interface_friction04", [BONDED], "bonded: multipliers close gap and slip"),
-        ("block_rigid", [], "points, with friction or cohesion"),
     ],
 )
 def test_text_says_what_is_modelled_and_why(name: str, settings: list[str], words: str) -> None:
@@ -123,17 +121,6 @@ def test_a_sound_case_has_no_warnings() -> None:
     assert plan_text(shipped_case("compression30")).endswith("no warnings")
 
 
-def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    case = str(CASES / "compression30.yaml")
-    assert cli.main(["check", case, "--set", "numerics.spacing=3", "--picture", str(tmp_path / "a.png")]) == 0
-    assert f"picture in {tmp_path / 'a.png'}" in capsys.readouterr().out
-    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
-    with pytest.raises(SystemExit) as caught:
-        cli.main(["check", case, "--picture", "a.gif"])
-    assert caught.value.code == 2
-    assert "ends in .png or .svg" in capsys.readouterr().err
-
-
 UNTOLD = {
     **dict.fromkeys(("en_echelon", "tunnel_excavated"), "three and more rounds of refinement in a step"),
     "13_curved": "two rounds: cells to begin with take no heed of curves",
@@ -152,3 +139,67 @@ def test_what_is_told_of_a_shipped_case_is_within_a_factor_of_two_of_what_it_too
     lowest = 0.2 if name in UNTOLD else 0.5
     assert lowest < told.seconds / float(taken[4]) < 2.0
     assert lowest < told.memory / float(taken[6]) < 2.0
+
+
+LAW = "{friction: 0.5, cohesion: 1, residual_friction: 0.3, cohesion_after_slip: kept, dilation_angle: 5}"
+PRESSURE = "loads.0={{on: {{edge: top}}, pressure: '{}'}}"
+
+
+@pytest.mark.parametrize(("name", "settings", "parts"), [
+    ("cyclic_friction", ["loads.2.held=true"], [
+        "loads: 6 tractions on edges (3 held), 25 load factors 0.2, 0.4, 0.6, 0.8, 1, 0.8",
+        "0, -0.2, -0.4, ..., 1\ngrowth: none, 25 static solves",
+    ]),
+    ("tunnel_excavated", [], [
+        "in stages: at rest (factor 1), face near by (without core, 60 % of core released), "
+        "face far away (100 % of core released), wet (water times 1), drained (water times 0)",
+    ]),
+    ("compression30", ["loading=critical", "growth.steps=0"], [
+        "each step at its critical load factor\n"
+        "growth: none, directional_strength is judged, tip radius 1 mm",
+    ]),
+    # the whole law where it is not the default
+    ("compression30", [f"cracks.flaw.contact={LAW}"], [
+        "tips: start and end; friction 0.5, cohesion 1 MPa, residual friction 0.3, cohesion kept after slip, "
+        "dilation angle 5 deg\n",
+    ]),
+    ("junction_static", [], ["cracks: 3, tips: 3, meeting at 1 place\n"]),
+    # a formula is told in the unit it was given in, and never silently cut
+    ("compression30", [PRESSURE.format("max(0, 10 - y/y)")], [
+        "pressure max(0, 10 - y / 0.001 / (y / 0.001)) [MPa] on rock.top",
+    ]),
+    ("compression30", [PRESSURE.format(" + ".join(f"{n}*x" for n in range(20)))], ["... [MPa] on rock.top"]),
+])  # fmt: skip
+def test_overview_of_shipped_cases(name: str, settings: list[str], parts: list[str]) -> None:
+    text = overview(shipped_case(name, settings))
+    assert [part for part in parts if part not in text] == []
+
+
+def test_overview_of_everything(tmp_path: Path) -> None:
+    lines = overview(load(tmp_path, EVERYTHING)).splitlines()
+    for line in (
+        "body foundation: 40 x 10 mm, E = 10 GPa, nu = 0.25; no strength given",
+        "body block: 20 x 20 mm with 3 holes, E = 10 GPa, nu = 0.25, density 2500 kg/m^3; tension 0.5 MPa, "
+        "cohesion 10 MPa, friction angle 40 deg",
+        "interface between block and foundation: length 20 mm; friction 0.5, cohesion 0 MPa",
+        "interface between plug and block: length 12.5662 mm; bonded",  # 720 * 2 mm * sin(0.5 deg)
+        "supports: 1 at points, 1 on edges, 1 rigid foundation",
+        "platen that moves on edge bottom of foundation: friction 0.3, cohesion 1 MPa",
+        "loads: 2 tractions on edges, gravity on block, pressure 2 MPa in flaw, in-situ stress in block, "
+        "load factors 1",
+        "growth: 2 steps of 1 mm, max_hoop_stress (implicit direction), all, tip radius 1 mm (1 x the spacing)",
+    ):
+        assert line in lines
+    held = [f"loads.{index}.held=true" for index in (0, 2, 4)]
+    assert (
+        "loads: 2 tractions on edges (1 held), gravity on block (held), pressure 2 MPa in flaw, in-situ stress in "
+        "block (held), load factors 1, -0.5"
+    ) in overview(load(tmp_path, EVERYTHING, *held, "loading.history=[1, -0.5]")).splitlines()
+
+
+@pytest.mark.parametrize("spacing", [0.005, 0.001, 0.0004])
+def test_estimated_nodes_is_close_to_the_count_on_a_rectangle(spacing: float) -> None:
+    case = shipped_case("compression30", [f"numerics.spacing={spacing} m"])
+    reach = case.numerics.support * spacing
+    count = np.prod([np.floor((length + 2 * reach) / spacing) for length in (0.031, 0.055)])
+    assert estimated_nodes(case) == pytest.approx(count, rel=0.15)

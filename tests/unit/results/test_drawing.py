@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
 from matplotlib.text import Annotation
 
 from crackgrow.case import Case, dump_case
@@ -19,11 +18,11 @@ from crackgrow.results.places import extent
 from crackgrow.results.report.page import described_actions
 from crackgrow.results.units import LENGTHS, STRESSES, TIMES, factor_text, rounded_all, shown, unit_of
 from tests.scenes import shipped_case
+from tests.unit.case.scenes import EVERYTHING, load
 
 Arrow = tuple[np.ndarray, np.ndarray]
 """Tail and head (2,), m."""
 
-CASES = Path(__file__).parents[3] / "cases"
 HELD = "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]"
 
 
@@ -32,49 +31,32 @@ def size_of(case: Case) -> float:
     return float((high - low).max())
 
 
-def drawn(case: Case) -> tuple[list[Arrow], list[np.ndarray], int]:
-    """Arrows, from left to right, the corners of triangles, and the number of wheels of all supports and loads."""
+def arrows_of(load: str) -> tuple[float, list[Arrow]]:
+    """The size of the plate, and the arrows of its load, from left to right."""
+    case = shipped_case("compression30", [f"loads=[{load}]"])
     sheet = signs.Sheet(Figure().add_subplot(), case, size_of(case))
-    for support in case.supports:
-        sheet.draw_support(support)
-    for load in case.loads:
-        sheet.draw_load(load)
+    sheet.draw_load(case.loads[0])
     found = [text for text in sheet.axes.texts if isinstance(text, Annotation)]
     arrows = [(np.array(text.xyann), np.array(text.xy)) for text in found]
-    triangles = [patch.get_xy()[:3] for patch in sheet.axes.patches if isinstance(patch, Polygon)]
-    wheels = sum(isinstance(patch, Circle) for patch in sheet.axes.patches)
-    return sorted(arrows, key=lambda arrow: float(arrow[0][0])), triangles, wheels
-
-
-def loaded(traction: str) -> tuple[float, list[Arrow]]:
-    """The size of the plate and its arrows, with one traction on its top."""
-    case = shipped_case("compression30", [f"loads=[{{on: {{body: rock, edge: top}}, traction: {traction}}}]"])
-    return size_of(case), drawn(case)[0]
+    return size_of(case), sorted(arrows, key=lambda arrow: float(arrow[0][0]))
 
 
 def test_arrows_push_on_the_edge_or_pull_from_it() -> None:
     for way in (-1, 1):
-        size, arrows = loaded(f"[0, {3 * way}]")
+        size, arrows = arrows_of(f"{{on: {{body: rock, edge: top}}, traction: [0, {3 * way}]}}")
         near = [(head if way < 0 else tail)[1] for tail, head in arrows]
         np.testing.assert_allclose(near, 0.0275 + signs.GAP * size)
         np.testing.assert_allclose([head - tail for tail, head in arrows], [[0.0, way * signs.ARROW * size]] * 7)
         np.testing.assert_allclose([tail[0] for tail, _ in arrows], 0.031 * (np.arange(7) - 3) / 7, atol=1e-15)
 
 
-def test_the_same_scene_is_the_same_file(tmp_path: Path) -> None:
-    case = shipped_case("two_flaws", ["numerics.spacing=4"])
+def test_a_case_with_every_form_of_the_format_can_be_drawn_and_is_the_same_file_again(tmp_path: Path) -> None:
+    case = load(tmp_path, EVERYTHING)
     paths = [tmp_path / name for name in ("a.svg", "b.svg")]
     for path in paths:
         draw_scene(path, case, squares_of(case))
     assert paths[0].read_bytes() == paths[1].read_bytes()
-
-
-@pytest.mark.physics
-@pytest.mark.parametrize("name", sorted(path.stem for path in CASES.glob("*.yaml")))
-def test_every_case_can_be_drawn(name: str, tmp_path: Path) -> None:
-    case = shipped_case(name)
-    draw_scene(tmp_path / "scene.svg", case, squares_of(case))
-    assert (tmp_path / "scene.svg").read_text(encoding="utf-8").count("<path") > 20
+    assert paths[0].read_text(encoding="utf-8").count("<path") > 20
 
 
 @pytest.mark.physics
@@ -95,8 +77,7 @@ def test_the_picture_shows_cracks_and_what_acts_and_nothing_else(
 
 
 def test_the_arrow_of_a_point_force_ends_at_its_point() -> None:
-    case = shipped_case("compression30", ["loads=[{at: [0, 27.5], force: [0 N/m, -1000 N/m]}]"])
-    ((tail, head),) = drawn(case)[0]
+    _, ((tail, head),) = arrows_of("{at: [0, 27.5], force: [0 N/m, -1000 N/m]}")
     np.testing.assert_allclose(head, [0.0, 0.0275], atol=1e-15)
     assert tail[1] > head[1]
 

@@ -55,23 +55,6 @@ def test_lines_are_appended_as_a_whole_or_not_at_all(tmp_path: Path) -> None:
     assert file.path.read_text(encoding="utf-8") == "x\nµ\n"
 
 
-def test_columns_are_those_of_the_contract() -> None:
-    wanted = {
-        "tips": "step,crack,tip,x,y,K_I,K_II,sigma_1,sigma_3,criterion,kink_deg,advanced,load_factor,K_I_error,"
-        "K_II_error,K_radius,K_note,K_I_faces,K_II_faces,K_I_spread,K_II_spread,cell_size,kink_error_deg,velocity,"
-        "K_error_expected,criticality,sticks,K_growth,T,T_error,K_range,growth_per_cycle",
-        "events": "step,kind,crack,tip,x,y,met,load_factor,energy",
-        "paths": "crack,vertex,x,y,step",
-        "contact": "step,crack,s,x,y,normal_traction,tangential_traction,opening,slip,state,mean_opening,mean_slip",
-        "steps": "step,n_dofs,n_contact,contact_iterations,factorizations,residual,penetration,seconds_cover,"
-        "seconds_assembly,seconds_factorize,seconds_contact,seconds_criterion,seconds_output,load_factor,"
-        "contact_status,complementarity,overlap,work,strain_energy,dissipation,released_energy,energy_error,"
-        "load_displacement,crack_length,overlap_share,load_factor_error,goal_error,time,slip_error,reaction_error,"
-        "mean_stress_xx,mean_stress_yy,mean_stress_xy,mean_strain_xx,mean_strain_yy,mean_strain_xy,cycles",
-    }
-    assert {name: ",".join(tables.HEADERS[name]) for name in wanted} == wanted
-
-
 def test_rows_are_appended_and_a_file_that_is_gone_is_whole_again(tmp_path: Path) -> None:
     table = tables.Table(tmp_path, "a", ("x", "y"))
     table.write()

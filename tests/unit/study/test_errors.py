@@ -34,15 +34,6 @@ def random_lines(seed: int) -> tuple[Floats, Floats]:
 POINT, ABOVE = line((0, 0)), line((0, 1), (0, 4))
 
 
-@pytest.mark.parametrize("offset", [0.0, 1e5])
-def test_sampling_of_the_same_line_changes_nothing(offset: float) -> None:
-    a = line((0, 0), (1, 2), (4, 2)) + offset
-    b = shapely.get_coordinates(shapely.segmentize(shapely.LineString(a), 0.17))
-    size = 4 * RESOLUTION
-    assert max(farthest(a, b)[0], farthest(b, a)[0], frechet(a, b)) < size + 1e-15 * offset
-    assert (farthest(a, a)[0], frechet(a, a)) == (0.0, 0.0)
-
-
 def test_frechet_sees_the_order() -> None:
     """A line that runs back on itself is near everywhere, but not in the order of a walk: half of the way back."""
     there = line((0, 0), (10, 0))
@@ -110,14 +101,6 @@ def test_each_side_of_a_kink_is_held_against_its_own(rounding: float) -> None:
     pressure, _, slip = contact_errors(kinked(4, 3, rounding), kinked(9, 8))
     assert (pressure, slip) == (0.0, 0.0)
     assert contact_errors(kinked(4, 1, rounding), kinked(1, 8)) == (0.0, 0.0, 0.0)
-
-
-def test_equal_results_have_no_error_and_a_single_point_counts():
-    points = contact(np.array([0.2, 0.9, 1.4]))
-    assert contact_errors(points, points) == (0.0, 0.0, 0.0)
-    one = contact(np.array([1.0]), scale=1.5)
-    assert contact_errors(one, points)[2] == pytest.approx(0.5, rel=0.05)
-    assert all(map(math.isnan, contact_errors(contact(np.empty(0)), points)))
 
 
 def results(folder: Path, end: tuple[float, float], *, steps: int = 2) -> Path:

@@ -9,7 +9,8 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import dask
@@ -19,32 +20,157 @@ from distributed import Client, LocalCluster
 import crackgrow
 from crackgrow import cli
 from crackgrow.case import load_case
+from crackgrow.results.lock import LOCK
 from crackgrow.study import workers
-from crackgrow.study.plan import Study
+from crackgrow.study.errors import ERRORS, errors_of
+from crackgrow.study.pictures import draw_sweep, responses_of
+from crackgrow.study.plan import Run, Study
+from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep, sweep
-from crackgrow.study.workers import ClusterError
-from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, process_of
+from crackgrow.study.workers import ClusterError, Workers, run_process
+
+ROOT = Path(__file__).parents[3]
+FLAW = ROOT / "cases" / "compression30.yaml"
+PATIENCE = 60.0  # s, for what happens at last
+ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+LONG = ("growth.steps=15", "growth.increment=0.05", "output.frames=none", "output.figures=false", "output.report=false")
+COARSE = "numerics.spacing: 4, growth.steps: 1"
+LASTING = "numerics.spacing: 4, growth.steps: 15, growth.increment: 0.05"
+FRICTION = "cracks.flaw.contact.friction: [0, -1, 0.3]"  # a negative one is refused
 
 pytestmark = pytest.mark.physics
 
-SHORT = "growth.steps: 1"
+
+def command(folder: Path, *settings: str) -> tuple[str, ...]:
+    return ("run", str(FLAW), "--out", str(folder), "--quiet", *(w for s in settings for w in ("--set", s)))
+
+
+def until(holds: Callable[[], object]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def process_of(folder: Path) -> int:
+    """The process that runs into a folder, once it has got through a step."""
+    until(lambda: (folder / "steps.csv").is_file() and len((folder / "steps.csv").read_text().splitlines()) > 1)
+    return int(json.loads((folder / LOCK).read_text())["process"])
+
+
+def is_there(process: int) -> bool:
+    """Whether a process goes on; one that has ended may wait to be asked for its exit code."""
+    done = subprocess.run(["ps", "-o", "stat=", "-p", str(process)], capture_output=True, text=True, check=False)
+    return done.stdout.strip()[:1] not in ("", "Z")
+
+
+def test_what_fails_a_run_is_told_in_its_own_words(tmp_path: Path) -> None:
+    assert run_process(("--version",), None, None) == ""
+    refused = run_process(command(tmp_path, "cracks.flaw.contact.friction=-1"), None, None)
+    assert "friction: '-1' is out of range" in refused
+    assert run_process(command(tmp_path), None, 0.01) == "not done after 0.01 s"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems bound no memory")
+def test_memory_is_bounded(tmp_path: Path) -> None:
+    """The program itself says that it has less than it needs to load."""
+    assert "KiB of data are allowed" in run_process(command(tmp_path), 200_000_000, None)
+
+
+def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
+    with Workers(1).there() as submit:
+        future, waiting = submit(command(tmp_path, *LONG)), submit(("--version",))
+        process = process_of(tmp_path)
+    assert future.result() == "broken off"
+    assert waiting.cancelled()
+    assert not is_there(process)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere they go on to their own end")
+def test_runs_end_with_a_study_that_has_no_time_to_end_them(tmp_path: Path) -> None:
+    code = f"from crackgrow.study.workers import run_process; run_process({command(tmp_path, *LONG)}, None, None)"
+    with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT) as program:
+        process = process_of(tmp_path)
+        program.kill()
+    until(lambda: not is_there(process))
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
 
 
-def written(folder: Path, friction: str = "[0, -1, 0.3]", settings: str = SHORT) -> Path:
-    """A sweep over friction; a negative one is refused."""
+def written(folder: Path, parameters: str = FRICTION, settings: str = COARSE, more: str = "") -> Path:
     path = folder / "study.yaml"
-    path.write_text(
-        f"base: {FLAW}\nset: {{numerics.spacing: 4, {settings}}}\n"
-        f"parameters: {{cracks.flaw.contact.friction: {friction}}}\n"
-    )
+    path.write_text(f"base: {FLAW}\nset: {{{settings}}}\nparameters: {{{parameters}}}\n{more}")
     return path
 
 
-LASTING = ", ".join(setting.replace("=", ": ") for setting in LONG if setting.startswith("growth"))
+def planned(folder: Path, *asked: str) -> Study:
+    return plan_sweep(written(folder, *asked), folder / "out")
+
+
+def solve(run: Run) -> Values:
+    assert run.case is not None
+    crackgrow.run_case(run.case, run.folder)
+    return found_in(run)
+
+
+@pytest.fixture(scope="module")
+def table(tmp_path_factory: pytest.TempPathFactory) -> Table:
+    """Two criteria, two angles, one of which is refused; one run is not done yet."""
+    parameters = "growth.criterion: [strength, max_hoop_stress], cracks.flaw.path.angle: [30, 45]"
+    plan = planned(tmp_path_factory.mktemp("table"), parameters)
+    table = Table(plan, {})
+    for run in plan.runs[:2]:
+        table.ended(run, solve(run))
+    table.ended(plan.runs[2], {"status": "refused", "reason": "no such thing"})
+    table.write()
+    return table
+
+
+def test_rows_tell_what_their_files_tell(table: Table) -> None:
+    run = table.study.runs[0]
+    row = table.row(run)
+    tips = rows_of(run.folder / "tips.csv")
+    ends = [cells for cells in tips if cells["tip"] == "end"]
+    assert [row[f"flaw.end.K_II_{step}"] for step in ("first", "last")] == [float(cells["K_II"]) for cells in ends]
+    path = rows_of(run.folder / "paths.csv")
+    assert (row["flaw.start.x"], row["flaw.end.y"]) == (float(path[0]["x"]), float(path[-1]["y"]))
+    assert (row["status"], row["steps"], row["load_factor"]) == ("completed", 1, 1.0)
+    assert row["n_dofs"] == int(rows_of(run.folder / "steps.csv")[-1]["n_dofs"])
+
+
+def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "numerics.spacing: [5, 4]", "growth.steps: 1", "reference: {numerics.spacing: 2}")
+    table = Table(plan, {})
+    coarse, fine, reference = plan.runs
+    assert "K_error" not in table.ended(coarse, solve(coarse)).values
+    assert "K_error" not in table.ended(reference, solve(reference)).values
+    table.ended(fine, solve(fine))
+    far, near = (table.row(run) for run in (coarse, fine))
+    assert 0.0 < float(near["slip_error"] or 0.0) < float(far["slip_error"] or 0.0) < 0.1
+    assert {name: far[name] for name in ERRORS} == errors_of(coarse.folder, reference.folder, grows=True)
+    table.write()
+    assert [row["K_error"] == "" for row in rows_of(plan.folder / "sweep.csv")] == [False, False, True]
+
+
+def test_overview_takes_words_as_values_and_runs_that_are_missing(table: Table, tmp_path: Path) -> None:
+    draw_sweep(tmp_path / "sweep.png", table)
+    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
+    assert responses_of(table, [table.row(run) for run in table.study.runs]) == chosen
+
+
+def test_nothing_is_told_of_a_folder_that_is_damaged_of_another_version_or_of_another_case(tmp_path: Path) -> None:
+    one, other = planned(tmp_path, "cracks.flaw.path.angle: [30, 45]").runs
+    assert found_in(one) == {}
+    assert solve(one)["status"] == "completed"
+    one.folder.rename(other.folder)
+    assert found_in(other) == {}
+    other.folder.rename(one.folder)
+    for text in ('{"status": "compl', "[]", '{"status": "completed"}'):
+        (one.folder / "summary.json").write_text(text, encoding="utf-8")
+        assert found_in(one) == {}
 
 
 def tables(folder: Path) -> dict[str, str]:
@@ -112,28 +238,10 @@ def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytes
     assert [row["status"] for row in rows_of(out / "sweep.csv")] == ["completed", "refused", "completed"]
 
 
-NO_ADDRESS = "--scheduler: '{}' is no address of a scheduler; wanted: such as tcp://"
-
-
-@pytest.mark.parametrize(("option", "values", "told"), [
-    ("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"], NO_ADDRESS),
-    ("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"], "--memory: '{}' is "),
-    ("timeout", ["0", "-5", "nan", "inf"], "--timeout: "),
-])  # fmt: skip
-def test_options_that_no_machine_can_meet_are_refused_at_once(
-    option: str, values: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path, out = written(tmp_path), tmp_path / "out"
-    for value in values:
-        assert cli.main(["sweep", str(path), f"--{option}={value}", "--out", str(out)]) == 2
-        assert told.format(value) in capsys.readouterr().err
-    assert not out.exists()
-
-
 @pytest.mark.parametrize("scheduled", [True, False])
 def test_killed_runs_are_told_and_gone_on_with(scheduled: bool, address: str, tmp_path: Path) -> None:
     """To the same digits as without a break."""
-    plan = plan_sweep(written(tmp_path, "[0, 0.1]", LASTING), tmp_path / "out")
+    plan = planned(tmp_path, "cracks.flaw.contact.friction: [0, 0.1]", LASTING)
     where = {"scheduler": address} if scheduled else {"workers": 2}
     killer = threading.Thread(target=lambda: os.kill(process_of(plan.runs[0].folder), signal.SIGKILL))
     killer.start()
@@ -150,15 +258,14 @@ def test_killed_runs_are_told_and_gone_on_with(scheduled: bool, address: str, tm
 
 def test_a_run_that_is_out_of_memory_is_told(tmp_path: Path) -> None:
     """The linear algebra of many points takes more than the rest of them."""
-    path = tmp_path / "study.yaml"
-    path.write_text(f"base: {FLAW}\nset: {{growth.steps: 0}}\nparameters: {{numerics.spacing: [4, 0.1]}}\n")
-    rows = {row.run.number: row.values for row in sweep(plan_sweep(path, tmp_path / "out"), memory="600MB")}
+    plan = planned(tmp_path, "numerics.spacing: [4, 0.1]", "growth.steps: 0")
+    rows = {row.run.number: row.values for row in sweep(plan, memory="600MB")}
     assert [rows[number]["status"] for number in range(2)] == ["completed", "failed"]
     assert str(rows[1]["reason"]).startswith("out of memory")
 
 
 def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path: Path) -> None:
-    plan = plan_sweep(written(tmp_path, "[0]", LASTING), tmp_path / "out")
+    plan = planned(tmp_path, "cracks.flaw.contact.friction: [0]", LASTING)
 
     def kill() -> None:
         process_of(plan.runs[0].folder)
@@ -175,7 +282,7 @@ def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path
 
 
 def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = plan_sweep(written(tmp_path, "[0, -1]"), tmp_path)
+    plan = plan_sweep(written(tmp_path, "cracks.flaw.contact.friction: [0, -1]"), tmp_path)
     for path in (tmp_path / "sweep.csv", plan.runs[0].folder / "summary.json"):
         path.parent.mkdir(exist_ok=True)
         path.write_text("earlier")
@@ -190,7 +297,7 @@ def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypa
 
 def test_folders_with_files_of_somebody_else_or_of_another_case(tmp_path: Path) -> None:
     """The first fails its own run alone, the second is replaced, also by a study that goes on."""
-    plan = plan_sweep(written(tmp_path, "[0, 0.1, 0.2]"), tmp_path)
+    plan = plan_sweep(written(tmp_path, "cracks.flaw.contact.friction: [0, 0.1, 0.2]"), tmp_path)
     own = plan.runs[1].folder / "paths.csv"
     own.parent.mkdir()
     own.write_text("digitised")
@@ -204,7 +311,10 @@ def test_folders_with_files_of_somebody_else_or_of_another_case(tmp_path: Path) 
 
 @pytest.mark.slow
 def test_interrupted_sweep_leaves_a_whole_table_and_says_how_to_go_on(tmp_path: Path) -> None:
-    path, out = written(tmp_path, "[0, 0.1, 0.2]", "growth.steps: 6"), tmp_path / "out"
+    path, out = (
+        written(tmp_path, "cracks.flaw.contact.friction: [0, 0.1, 0.2]", "numerics.spacing: 4, growth.steps: 6"),
+        tmp_path / "out",
+    )
     command = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
     process = subprocess.Popen(
         command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
