@@ -20,14 +20,11 @@ def given(text: str) -> str:
     return text.replace("CASES", str(CASES)).replace("LONG", 300 * "n")
 
 
-@pytest.mark.parametrize(
-    ("group", "change", "told"),
-    [
-        pytest.param(group, *row, id=f"{group['about']}: {row[0]}".encode("ascii", "replace").decode()[:150])
-        for group in TABLE["groups"]
-        for row in group["rows"]
-    ],
-)
+@pytest.mark.parametrize(("group", "change", "told"), [
+    pytest.param(group, *row, id=f"{group['about']}: {row[0]}".encode("ascii", "replace").decode()[:150])
+    for group in TABLE["groups"]
+    for row in group["rows"]
+])  # fmt: skip
 def test_refused(
     group: dict[str, Any], change: Any, told: str, tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],

@@ -39,20 +39,17 @@ BLOCK = {"polygon": [[1, 1], [0, 1], [0, 0], [1, 0]]}
 AROUND = {**rectangle(0, 0, 4, 4), "holes": [rectangle(1, 1, 2, 1)]}
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "lines"),
-    [
-        (rectangle(0, 0, 6, 1), rectangle(1, 1, 2, 2), [[[3, 1], [1, 1]]]),  # the first one is on the left
-        (rectangle(1, 1, 2, 2), rectangle(0, 0, 6, 1), [[[1, 1], [3, 1]]]),
-        # with the corners of both
-        (STEP, CAP, [[[6, 1], [4, 1], [4, 2], [3, 2], [2, 2], [2, 1], [1, 1]]]),
-        (CAP, STEP, [[[1, 1], [2, 1], [2, 2], [3, 2], [4, 2], [4, 1], [6, 1]]]),
-        (rectangle(0, 0, 4, 1), BRIDGE, [[[4, 1], [3, 1]], [[1, 1], [0, 1]]]),  # in two pieces
-        (NOTCH, BLOCK, [[[0, 1], [1, 1], [1, 0]]]),  # over the first corner of a ring
-        (rectangle(1, 1, 2, 1), AROUND, [[[1, 1], [3, 1], [3, 2]], [[3, 2], [1, 2], [1, 1]]]),  # all round
-        (AROUND, rectangle(1, 1, 2, 1), [[[1, 1], [1, 2], [3, 2]], [[3, 2], [3, 1], [1, 1]]]),
-    ],
-)
+@pytest.mark.parametrize(("first", "second", "lines"), [
+    (rectangle(0, 0, 6, 1), rectangle(1, 1, 2, 2), [[[3, 1], [1, 1]]]),  # the first one is on the left
+    (rectangle(1, 1, 2, 2), rectangle(0, 0, 6, 1), [[[1, 1], [3, 1]]]),
+    # with the corners of both
+    (STEP, CAP, [[[6, 1], [4, 1], [4, 2], [3, 2], [2, 2], [2, 1], [1, 1]]]),
+    (CAP, STEP, [[[1, 1], [2, 1], [2, 2], [3, 2], [4, 2], [4, 1], [6, 1]]]),
+    (rectangle(0, 0, 4, 1), BRIDGE, [[[4, 1], [3, 1]], [[1, 1], [0, 1]]]),  # in two pieces
+    (NOTCH, BLOCK, [[[0, 1], [1, 1], [1, 0]]]),  # over the first corner of a ring
+    (rectangle(1, 1, 2, 1), AROUND, [[[1, 1], [3, 1], [3, 2]], [[3, 2], [1, 2], [1, 1]]]),  # all round
+    (AROUND, rectangle(1, 1, 2, 1), [[[1, 1], [1, 2], [3, 2]], [[3, 2], [3, 1], [1, 1]]]),
+])  # fmt: skip
 def test_lines_of_an_interface(
     first: dict[str, Any], second: dict[str, Any], lines: list[list[list[float]]], tmp_path: Path
 ):

@@ -10,7 +10,6 @@ import pytest
 
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.accuracy import REFINED_AT, TARGETS, cells_along
-from crackgrow.case.dump import written
 from crackgrow.case.model import CoulombContact, CriticalLoad, LoadHistory, Stages
 from crackgrow.case.sizing import Length, automatic_spacing
 from crackgrow.case.toughness import averaging_radius, shear_radius
@@ -21,7 +20,6 @@ from tests.unit.case.scenes import (
     EVERYTHING,
     compression,
     edited,
-    faults_of,
     load,
     reread,
     same,
@@ -87,13 +85,6 @@ def test_direction_that_is_left_out_is_corrected_where_K_decides_all(tmp_path: P
     assert compression(by_K).growth.direction == "explicit"  # as ever without a toughness
 
 
-def test_toughness_in_shear_is_taken_where_K_decides_all_but_where_cracks_start(tmp_path: Path):
-    by_K = "growth.criterion=max_hoop_stress"
-    (fault,) = faults_of(sheared(tmp_path), [by_K])
-    assert "unless cracks start in shear" in fault.message
-    assert shear_radius_of(load_case(sheared(tmp_path), [by_K, "growth.initiation=ends"])) is not None
-
-
 def test_automatic_spacing_resolves_the_radii_that_are_averaged_over(tmp_path: Path):
     automatic = ["numerics.spacing=auto", "numerics.refine.tips=0"]
     case = load_case(sheared(tmp_path, "0.2 MPa sqrt(m)"), [*automatic, "numerics.refine.kinks=0"])
@@ -118,22 +109,19 @@ def test_a_critical_load_needs_no_tip_where_cracks_may_start():
 # --- the loads of steps ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
-    ("settings", "factors", "increments"),
-    [
-        (["loading.history=[1, 0, -1]"], (1.0, 0.0, -1.0), None),
-        (["loading={history: [0.5, 0.5, 1e-1]}"], (0.5, 0.5, 0.1), None),
-        (["loading.history=[0]"], (0.0,), None),
-        (["loading={}"], (1.0,), None),
-        (["loading.follow=events"], (1.0,), "events"),
-        (["loading.follow=auto"], (1.0,), None),
-        (["loading.follow=8"], (1.0,), 8),
-        # a history takes the place of a word
-        (["loading=critical", "loading.history=[2, 3]", "loading.history.1=4"], (2.0, 4.0), None),
-        (["loading=critical"], None, None),
-        (["loading.history=[1]", "loading=critical"], None, None),
-    ],
-)
+@pytest.mark.parametrize(("settings", "factors", "increments"), [
+    (["loading.history=[1, 0, -1]"], (1.0, 0.0, -1.0), None),
+    (["loading={history: [0.5, 0.5, 1e-1]}"], (0.5, 0.5, 0.1), None),
+    (["loading.history=[0]"], (0.0,), None),
+    (["loading={}"], (1.0,), None),
+    (["loading.follow=events"], (1.0,), "events"),
+    (["loading.follow=auto"], (1.0,), None),
+    (["loading.follow=8"], (1.0,), 8),
+    # a history takes the place of a word
+    (["loading=critical", "loading.history=[2, 3]", "loading.history.1=4"], (2.0, 4.0), None),
+    (["loading=critical"], None, None),
+    (["loading.history=[1]", "loading=critical"], None, None),
+])  # fmt: skip
 def test_history_or_critical_load(settings: list[str], factors: tuple[float, ...] | None, increments: int | str | None):
     loading = compression(*settings).loading
     if factors is None:
@@ -183,24 +171,21 @@ THIN = [WIDE, Length("tip", 0.05, "crack"), Length("width", 10.0, "thin")]
 TINY = [*THIN, Length("tip", 0.0002, "tiny")]
 
 
-@pytest.mark.parametrize(
-    ("lengths", "refined", "spacing", "rule"),
-    [
-        ([Length("tip", 10.0, "crack a"), Length("tip", 2.0, "crack b"), WIDE], None, 1.0, "crack b / 2"),
-        ([Length("tip", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], None, 0.5, "thin / 10"),
-        ([Length("tip", 10.0, "crack a"), WIDE, Length("increment", 0.5, "step")], None, 0.5, "step / 1"),
-        ([WIDE, Length("increment", 1.0, "step"), Length("radius", 0.25, "radius")], None, 0.5, "radius / 0.5"),
-        ([WIDE], None, 2.0, "wide / 10"),
-        ([WIDE, Length("feature", 4.0, "hole")], None, 0.5, "hole / 8"),
-        ([WIDE, Length("bridge", 4.5, "rock"), Length("support", 8.0, "foot")], None, 1.5, "rock / 3"),
-        ([WIDE, Length("support", 2.0, "foot")], None, 0.5, "foot / 4"),
-        ([WIDE, Length("load", 1.0, "strip")], None, 0.5, "strip / 2"),
-        # where cells are refined, a length counts by the smallest of them
-        (THIN, "tips", 1.0, "thin / 10"),
-        (TINY, "tips", 0.4096, "tiny / 2 x 2^12"),
-        (TINY, "corners", 0.0001, "tiny / 2"),
-    ],
-)
+@pytest.mark.parametrize(("lengths", "refined", "spacing", "rule"), [
+    ([Length("tip", 10.0, "crack a"), Length("tip", 2.0, "crack b"), WIDE], None, 1.0, "crack b / 2"),
+    ([Length("tip", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], None, 0.5, "thin / 10"),
+    ([Length("tip", 10.0, "crack a"), WIDE, Length("increment", 0.5, "step")], None, 0.5, "step / 1"),
+    ([WIDE, Length("increment", 1.0, "step"), Length("radius", 0.25, "radius")], None, 0.5, "radius / 0.5"),
+    ([WIDE], None, 2.0, "wide / 10"),
+    ([WIDE, Length("feature", 4.0, "hole")], None, 0.5, "hole / 8"),
+    ([WIDE, Length("bridge", 4.5, "rock"), Length("support", 8.0, "foot")], None, 1.5, "rock / 3"),
+    ([WIDE, Length("support", 2.0, "foot")], None, 0.5, "foot / 4"),
+    ([WIDE, Length("load", 1.0, "strip")], None, 0.5, "strip / 2"),
+    # where cells are refined, a length counts by the smallest of them
+    (THIN, "tips", 1.0, "thin / 10"),
+    (TINY, "tips", 0.4096, "tiny / 2 x 2^12"),
+    (TINY, "corners", 0.0001, "tiny / 2"),
+])  # fmt: skip
 def test_the_smallest_length_rules(lengths: list[Length], refined: str | None, spacing: float, rule: str):
     at = (REFINED_AT[refined],) if refined else ()
     assert automatic_spacing("standard", lengths, *at) == (spacing, rule)
@@ -222,7 +207,6 @@ def test_a_preset_is_a_target_and_is_listed_in_the_resolved_case(word: str, targ
     assert (case.numerics.target, case.numerics.measured) == (target, True)
     listed = case.to_dict()["numerics"]
     assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, 2.0, 3)
-    assert listed["contact"]["spacing"] == 1.25
     assert listed["spacing"] == pytest.approx(0.031 / cells_along("width", word), rel=1e-12)
     assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")
     assert f"(auto, {word}: smaller side of body 'rock' / " in overview(case)
@@ -230,11 +214,8 @@ def test_a_preset_is_a_target_and_is_listed_in_the_resolved_case(word: str, targ
 
 
 def test_explicit_keys_win_and_leave_the_others_to_the_preset(tmp_path: Path):
-    own = ["spacing: 2.5", "support: 1.5", "quadrature: 3", "contact: {spacing: 2}"]
-    listed = load_case(without_numerics(tmp_path, "accuracy: fine", *own)).to_dict()["numerics"]
-    assert (listed["accuracy"], listed["spacing"], listed["support"], listed["quadrature"]) == ("fine", 0.0025, 1.5, 3)
-    assert listed["contact"]["spacing"] == 2.0
-    assert "auto_rule" not in listed
+    listed = load_case(without_numerics(tmp_path, "accuracy: fine", "spacing: 2.5")).to_dict()["numerics"]
+    assert (listed["accuracy"], listed["spacing"], "auto_rule" in listed) == ("fine", 0.0025, False)
     whole = load_case(without_numerics(tmp_path, "accuracy: draft")).to_dict()["numerics"]
     part = load_case(without_numerics(tmp_path, "accuracy: draft", "support: 3")).to_dict()["numerics"]
     assert part == {**whole, "support": 3.0}
@@ -245,25 +226,18 @@ def test_explicit_keys_win_and_leave_the_others_to_the_preset(tmp_path: Path):
 
 def test_resolved_automatic_case_reads_back_and_keeps_its_rule(tmp_path: Path):
     case = compression("numerics.spacing=auto")
-    path = tmp_path / "compression30.yaml"
-    path.write_text(dump_case(case), encoding="utf-8")
-    again = load_case(path)
-    assert written(again) == written(case)
-    assert again.numerics.auto_rule == case.numerics.auto_rule is not None
-    assert load_case(path, ["numerics.spacing=0.001"]).numerics.auto_rule is None  # not the rule's number any more
-    assert load_case(path, ["bodies.rock.shape.rectangle.width=0.032"]).numerics.auto_rule is None
+    assert reread(case, tmp_path).numerics.auto_rule == case.numerics.auto_rule is not None
+    for setting in ("numerics.spacing=0.001", "bodies.rock.shape.rectangle.width=0.032"):  # not the rule's any more
+        assert load_case(tmp_path / "compression30.yaml", [setting]).numerics.auto_rule is None
 
 
-@pytest.mark.parametrize(
-    ("settings", "measured", "refine"),
-    [
-        # a given spacing halves no cells unless told, and is not measured but for a target in percent
-        ([], False, (0, 0, 0)),
-        (["numerics.refine={tips: auto}"], False, ("auto", 0, 0)),
-        (["numerics.accuracy=fine"], False, (0, 0, 0)),
-        (["numerics.accuracy=1 %"], True, ("auto", "auto", "auto")),
-    ],
-)
+@pytest.mark.parametrize(("settings", "measured", "refine"), [
+    # a given spacing halves no cells unless told, and is not measured but for a target in percent
+    ([], False, (0, 0, 0)),
+    (["numerics.refine={tips: auto}"], False, ("auto", 0, 0)),
+    (["numerics.accuracy=fine"], False, (0, 0, 0)),
+    (["numerics.accuracy=1 %"], True, ("auto", "auto", "auto")),
+])  # fmt: skip
 def test_cells_by_hand(settings: list[str], measured: bool, refine: tuple[object, ...]):
     numerics = compression(*settings).numerics
     assert numerics.measured == measured

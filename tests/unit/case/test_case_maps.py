@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import builtins
 import json
+import sys
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -67,17 +67,14 @@ def test_lines_of_a_drawing(tmp_path: Path):
     assert len(fault.points) == 3
 
 
-@pytest.mark.parametrize(
-    ("path", "words"),
-    [
-        ({"file": "a.gpkg"}, "has several layers; `layer` says which: it has joints, faults"),
-        ({"file": "a.gpkg", "layer": "joint"}, "has no layer 'joint'; it has joints, faults; did you mean 'joints'"),
-        ({"file": "degrees.gpkg"}, r"is in degrees of longitude and latitude \(EPSG:4326\)"),
-        ({"file": "none.gpkg"}, "cannot be read as|holds nothing"),
-        ({"file": "none.shp"}, "cannot be read as|holds nothing"),
-        ({"file": "none.dxf"}, "cannot be read as|holds nothing"),
-    ],
-)
+@pytest.mark.parametrize(("path", "words"), [
+    ({"file": "a.gpkg"}, "has several layers; `layer` says which: it has joints, faults"),
+    ({"file": "a.gpkg", "layer": "joint"}, "has no layer 'joint'; it has joints, faults; did you mean 'joints'"),
+    ({"file": "degrees.gpkg"}, r"is in degrees of longitude and latitude \(EPSG:4326\)"),
+    ({"file": "none.gpkg"}, "cannot be read as|holds nothing"),
+    ({"file": "none.shp"}, "cannot be read as|holds nothing"),
+    ({"file": "none.dxf"}, "cannot be read as|holds nothing"),
+])  # fmt: skip
 def test_layers_degrees_and_files_that_are_none_are_told(path: dict[str, str], words: str, tmp_path: Path):
     write(tmp_path / "a.gpkg", layer="joints")
     write(tmp_path / "a.gpkg", layer="faults")
@@ -91,14 +88,7 @@ def test_layers_degrees_and_files_that_are_none_are_told(path: dict[str, str], w
 
 def test_without_the_extra_it_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     write(tmp_path / "a.gpkg")
-    real = builtins.__import__
-
-    def without(name: str, *rest: Any) -> Any:
-        if name == "pyogrio":
-            raise ImportError(name)
-        return real(name, *rest)
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.setitem(sys.modules, "pyogrio", None)
     with pytest.raises(CaseError, match=r"needs pyogrio to be read: pip install 'crackgrow\[maps\]'"):
         load(tmp_path, file="a.gpkg")
 
@@ -107,7 +97,7 @@ def test_without_the_extra_it_is_named(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(12)), *((200, k) for k in range(3)), (700, 0)])
+@pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(6)), (200, 0), (700, 0)])
 def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """No tip is left within the tolerance of anything, and none of the joints that are well drawn is lost."""
     map_ = joint_map(n, seed)
@@ -116,15 +106,10 @@ def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, 
     lines = [shapely.LineString(crack.points) for crack in case.cracks]
     rims = [shapely.LinearRing(ring.points) for ring in case.bodies[0].rings]
     tree = shapely.STRtree([*lines, *rims])
-    ends = [
-        (k, end)
-        for k, crack in enumerate(case.cracks)
-        for end in (0, -1)
-        if (crack.tip_at_start, crack.tip_at_end)[end]
-    ]
-    tips = shapely.points([case.cracks[k].points[end] for k, end in ends])
-    near = tree.query(tips, predicate="dwithin", distance=0.999 * map_.tolerance).T.tolist()
-    assert [(tip, other) for tip, other in near if other != ends[tip][0]] == []
+    for number, crack in enumerate(case.cracks):
+        tips = shapely.points(crack.points[[0, -1]][[crack.tip_at_start, crack.tip_at_end]])
+        near = tree.query(tips, predicate="dwithin", distance=0.999 * map_.tolerance)[1]
+        assert set(near) <= {number}
     why = Counter(cut.why.split(" ")[0] for cut in case.cut)
     wanted = map_.defects
     assert why["has"] == wanted["no length"]

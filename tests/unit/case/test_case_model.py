@@ -43,22 +43,19 @@ def test_compression30_in_si():
     assert (case.name, case.plane, case.loading.factors) == ("compression30", "strain", (1.0,))
     assert body.outline.tolist() == [[-0.0155, -0.0275], [0.0155, -0.0275], [0.0155, 0.0275], [-0.0155, 0.0275]]
     assert body.rings[0].edge_names == ("bottom", "right", "top", "left")
-    assert (body.material.young, body.material.poisson, body.material.density) == (1e10, 0.25, None)
+    assert (body.material.young, body.material.poisson) == (1e10, 0.25)
     assert (body.strength.tension, body.strength.cohesion, body.strength.friction_angle) == (5e5, 1e7, 40.0)
     half = 0.005 * np.array([np.sqrt(3) / 2, 0.5])
     np.testing.assert_allclose(crack.points, [-half, half], rtol=1e-15)  # one rounding of cos, one of the product
     assert (crack.tip_at_start, crack.tip_at_end, crack.body) == (True, True, "rock")
     assert [support.displacement for support in case.supports] == [(None, 0.0), (None, 0.0), (0.0, None)]
     assert [(load.region.edge, load.traction) for load in case.loads] == [("top", (0.0, -1e8)), ("bottom", (0.0, 1e8))]
-    growth = case.growth
-    assert (growth.steps, growth.increment, growth.tip_radius) == (22, 0.002, 0.001)
-    assert (growth.criterion, growth.advance) == ("directional_strength", "most_critical")
+    assert (case.growth.steps, case.growth.increment, case.growth.tip_radius) == (22, 0.002, 0.001)
 
 
 def test_everything(tmp_path: Path):
     case = load(tmp_path, EVERYTHING)
     foundation, block, plug = case.bodies
-    assert [body.name for body in case.bodies] == ["foundation", "block", "plug"]
     assert [len(ring.points) for ring in block.rings] == [4, 360, 4, 3]
     assert block.rings[0].edge_names == ("base", "2", "wall", "wall")
     assert (block.material.density, plug.strength, foundation.material.density) == (2500.0, None, None)
@@ -76,7 +73,6 @@ def test_everything(tmp_path: Path):
     np.testing.assert_allclose(y, [(100 + np.sqrt(0.5)) * 1e-3, 4e-3], rtol=1e-14)
     assert case.loads[0].region.sides.tolist() == [368, 369, 370]
     assert case.loads[1].region.sides.tolist() == [*range(350, 360), *range(11)]
-    assert (case.growth.criterion, case.growth.direction) == ("max_hoop_stress", "implicit")
 
 
 def test_a_support_that_nearly_stands_on_the_rock_is_moved_onto_it():
@@ -131,9 +127,7 @@ CRITICAL = ["loading=critical", "growth.steps=0"]
 @pytest.mark.parametrize("overrides", [[], AWKWARD, STARTING, SLOW, FATIGUE, BEDDED, FOLLOWED, CRITICAL])
 def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Path):
     case = compression(*overrides)
-    again = reread(case, tmp_path)
-    assert same(case, again)
-    assert dump_case(again) == dump_case(case)
+    assert same(case, reread(case, tmp_path))
     assert yaml.safe_load(dump_case(case)) == written(case)
 
 
@@ -175,17 +169,14 @@ def test_what_is_changed_in_python_is_written(tmp_path: Path):
     assert same(again.numerics, replace(changed.numerics, auto_rule=None))
 
 
-@pytest.mark.parametrize("part", ["bodies", "cracks"])
-def test_changed_geometry_is_not_written(part: str):
+def test_changed_geometry_is_not_written():
     case = compression()
     ring = case.bodies[0].rings[0]
-    changed: dict[str, Any] = {
-        "bodies": (replace(case.bodies[0], rings=(replace(ring, points=2.0 * ring.points),)),),
-        "cracks": (replace(case.cracks[0], points=0.5 * case.cracks[0].points),),
-    }
-    with pytest.raises(CaseError, match="cannot be written") as caught:
-        dump_case(replace(case, **{part: changed[part]}))
-    assert [fault.key for fault in caught.value.faults] == [part]
+    larger = replace(case.bodies[0], rings=(replace(ring, points=2.0 * ring.points),))
+    shorter = replace(case.cracks[0], points=0.5 * case.cracks[0].points)
+    for changed, part in ((replace(case, bodies=(larger,)), "bodies"), (replace(case, cracks=(shorter,)), "cracks")):
+        with pytest.raises(CaseError, match=f"{part}: .*cannot be written"):
+            dump_case(changed)
 
 
 def test_a_case_is_not_changed_from_outside():
@@ -240,8 +231,7 @@ def test_a_mapping_is_the_case_that_its_file_is(tmp_path: Path):
     """Also one that a reader of YAML 1.1 has made, which takes the key `on` for true."""
     case = Case.from_dict(EVERYTHING, "everything")
     assert dump_case(case) == dump_case(load(tmp_path, EVERYTHING))
-    again = Case.from_dict(case.to_dict(), case.name)
-    assert (again.to_dict(), again.name) == (case.to_dict(), "everything")
+    assert same(Case.from_dict(case.to_dict(), case.name), case)
     scene = {**PLATE, "loads": [{"on": {"edge": "top"}, "traction": [0, 1]}]}
     read = {**scene, "loads": [{True: {"edge": "top"}, "traction": [0, 1]}]}
     assert dump_case(Case.from_dict(read)) == dump_case(load(tmp_path, scene))

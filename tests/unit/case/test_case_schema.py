@@ -22,6 +22,7 @@ from tests.unit.case.scenes import CASES, fault, held, load, rectangle, with_bod
 from tests.yaml12 import read_yaml12
 
 SCHEMA = json.loads(case_schema())
+AGREED = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
 
 
 def schema_accepts(spec: Spec, text: str) -> bool:
@@ -50,52 +51,12 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
     assert "# yaml-language-server: $schema=case.schema.json\n" in text
 
 
-@pytest.mark.parametrize(
-    ("spec", "good", "bad"),
-    [
-        (FORMAT.spec("length > 0"), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
-         ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true",
-          "1e-320", ".nan", "1e61"]),
-        (FORMAT.spec("length"), ["0", "-0.0", "-1e-55", "1e55", "0 mm"], ["1e-70", "-1e-70", ".nan", "-.inf", "1e61"]),
-        (FORMAT.spec("stress >= 0"), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
-        (FORMAT.spec("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
-        (FORMAT.spec("number > -1 and <= 0.5"), ["0.25", "0.5", "0", "-1e-59"],
-         ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
-        (CASE.fields["loading"].spec, ["critical", "{history: [1, -0.5]}", "{}", "[0.5, 1]"],
-         ["crit", "{history: 1}", "{histry: [1]}", "[one]"]),
-        ("Numerics",
-         ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
-          "{support: 2}"],
-         ["{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
-          "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
-        ("CoulombContact", ["{friction: 0.3, cohesion: 0}", "{friction: 0.3}"],
-         ["{cohesion: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
-        ("Crack", ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
-         ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
-          "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
-        ("Path", ["{center: [0, 0], length: 3, angle: 30 deg}", "[[0, 0], [1, 2]]",
-                  "{spline: [[0, 0], [1, 2], [3, 2]]}",
-                "{arc: {center: [0, 0], radius: 2, from: 90, to: -45 deg}}"],
-         ["{center: [0, 0], length: 3}", "[0, 0]", "{arc: {center: [0, 0], radius: 2, from: 90}}"]),
-        ("Shape", ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
-         ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dwg}", "{circle: 1}"]),
-        ("Region", ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
-        (FORMAT.spec("formula of length"),
-         ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
-         ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),
-        ("Support", ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
-                   "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],
-         ["{at: [0, 0], displacement: {}}", "{at: [0, 0]}", '{at: [0, 0], displacement: {y: "0.09*z"}}',
-          '{at: [0, 0], displacement: {y: "5"}}']),
-        ("Load", ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
-         ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
-          "{crack: a, pressure: 1, held: 1}"]),
-        (FORMAT.spec("crack by name: number"), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
-         ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}", '{"a\\u0301": 1}', '{"a\\u202e": 1}']),
-    ],
-)  # fmt: skip
-def test_schema_and_reader_agree(spec: Spec | str, good: list[str], bad: list[str]):
-    spec = FORMAT.part(spec) if isinstance(spec, str) else spec
+@pytest.mark.parametrize("group", AGREED, ids=lambda group: next(iter(group.values())))
+def test_schema_and_reader_agree(group: dict[str, Any]):
+    """On all texts of schema.yaml."""
+    forms = {"spec": FORMAT.spec, "part": FORMAT.part, "key": lambda name: CASE.fields[name].spec}
+    kind, name = next(iter(group.items()))
+    spec = forms[kind](name)
     for judge in (reader_accepts, schema_accepts):
         assert [text for text in good if not judge(spec, text)] == []
         assert [text for text in bad if judge(spec, text)] == []
@@ -132,15 +93,12 @@ def test_every_meaning_is_a_key_or_word_of_the_format():
 FLAW = {"path": {"center": [2, 2], "length": 2, "angle": 30}, "contact": {"friction": 0.3, "cohesion": 0}}
 
 
-@pytest.mark.parametrize(
-    ("wrong", "words"),
-    [
-        ({"in_situ": {"stress": [-12, -8, 0]}}, "stress from the start is a load"),
-        ({"stress": [-12, -8, 0]}, "stress from the start is a load"),  # and not `units.stress`
-        ({"gravity": [0, -9.81]}, "weight is a load"),
-        ({"cracks": {"flaw": {**FLAW, "pressure": 1}}}, "fluid pressure in a crack is a load"),
-    ],
-)
+@pytest.mark.parametrize(("wrong", "words"), [
+    ({"in_situ": {"stress": [-12, -8, 0]}}, "stress from the start is a load"),
+    ({"stress": [-12, -8, 0]}, "stress from the start is a load"),  # and not `units.stress`
+    ({"gravity": [0, -9.81]}, "weight is a load"),
+    ({"cracks": {"flaw": {**FLAW, "pressure": 1}}}, "fluid pressure in a crack is a load"),
+])  # fmt: skip
 def test_what_is_a_load_here_is_said_with_an_example_that_loads(tmp_path: Path, wrong: dict[str, Any], words: str):
     scene = {**with_body(rectangle(0, 0, 4, 4)), "cracks": {"flaw": FLAW}, "supports": held("rock")}
     _, message = fault(tmp_path, {**scene, **wrong})

@@ -8,13 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
 
-from crackgrow.case import Case, dump_case
-from crackgrow.case.dump import written
+from crackgrow.case import Case
 from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, FarField
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import changed, fault, joint, load, rectangle, reread, with_body
+from tests.unit.case.scenes import changed, fault, joint, load, rectangle, reread, same, with_body
 
 SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
 CLOCKWISE = [[0, 0], [0, 3], [4, 3], [4, 0]]
@@ -32,25 +30,17 @@ def body_of(tmp_path: Path, scene: dict[str, Any], x: float = 2, y: float = 1) -
     return load(tmp_path, held_at(scene, x, y)).bodies[0]
 
 
-def area(points: np.ndarray) -> float:
-    x, y = points.T
-    return float(np.sum(x * np.roll(y, -1) - y * np.roll(x, -1)) / 2)
-
-
-@pytest.mark.parametrize(
-    ("points", "edges", "corners", "names"),
-    [
-        (SQUARE, {}, SQUARE, ("0", "1", "2", "3")),
-        # what is drawn clockwise keeps its first corner and the names of its sides
-        ([[0, 0], [0, 3], [4, 3], [5, 1], [4, 0]], {}, [[0, 0], [4, 0], [5, 1], [4, 3], [0, 3]], tuple("43210")),
-        # corners that are repeated are dropped, and edges keep their numbers
-        ([*SQUARE, [0, 0]], {}, SQUARE, ("0", "1", "2", "3")),
-        ([[0, 0], [0, 0], [4, 0], [4, 3], [4, 3], [4, 3], [0, 3]], {}, SQUARE, ("1", "2", "5", "6")),
-        ([*SQUARE, [0, 3], [0, 0], [1e-12, 0]], {}, SQUARE, ("0", "1", "2", "4")),
-        (SQUARE, {"inlet": 3, "wall": [0, 1]}, SQUARE, ("wall", "wall", "2", "inlet")),
-        (SQUARE[::-1], {"inlet": [3, 0]}, [[0, 3], [0, 0], [4, 0], [4, 3]], ("inlet", "2", "1", "inlet")),
-    ],
-)
+@pytest.mark.parametrize(("points", "edges", "corners", "names"), [
+    (SQUARE, {}, SQUARE, ("0", "1", "2", "3")),
+    # what is drawn clockwise keeps its first corner and the names of its sides
+    ([[0, 0], [0, 3], [4, 3], [5, 1], [4, 0]], {}, [[0, 0], [4, 0], [5, 1], [4, 3], [0, 3]], tuple("43210")),
+    # corners that are repeated are dropped, and edges keep their numbers
+    ([*SQUARE, [0, 0]], {}, SQUARE, ("0", "1", "2", "3")),
+    ([[0, 0], [0, 0], [4, 0], [4, 3], [4, 3], [4, 3], [0, 3]], {}, SQUARE, ("1", "2", "5", "6")),
+    ([*SQUARE, [0, 3], [0, 0], [1e-12, 0]], {}, SQUARE, ("0", "1", "2", "4")),
+    (SQUARE, {"inlet": 3, "wall": [0, 1]}, SQUARE, ("wall", "wall", "2", "inlet")),
+    (SQUARE[::-1], {"inlet": [3, 0]}, [[0, 3], [0, 0], [4, 0], [4, 3]], ("inlet", "2", "1", "inlet")),
+])  # fmt: skip
 def test_polygons_run_counter_clockwise_and_name_their_sides(
     points: list[list[float]], edges: dict[str, Any], corners: list[list[float]], names: tuple[str, ...], tmp_path: Path
 ):
@@ -61,7 +51,6 @@ def test_polygons_run_counter_clockwise_and_name_their_sides(
 
 def test_disk(tmp_path: Path):
     body = body_of(tmp_path, with_body(DISK), 1, 2)
-    assert body.outline[[0, 90, 180, 270]].tolist() == [[4, 2], [1, 5], [-2, 2], [1, -1]]
     rays = np.deg2rad(np.arange(360))
     expected = np.column_stack([1 + 3 * np.cos(rays), 2 + 3 * np.sin(rays)])
     np.testing.assert_allclose(body.outline, expected, atol=1e-15 * 6)  # cos, product and sum round
@@ -71,15 +60,13 @@ def test_disk(tmp_path: Path):
 def test_holes_run_clockwise(tmp_path: Path):
     holes = [rectangle(1, 1, 1, 0.5), {"polygon": [[3, 1], [3.5, 1.5], [3.5, 1]]}]
     holes.append({"disk": {"center": [1, 2.5], "radius": 0.25}})
-    outline, first, second, third = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1).rings
-    assert area(outline.points) == 12
+    _, first, second, third = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1).rings
     assert first.points.tolist() == [[1, 1], [1, 1.5], [2, 1.5], [2, 1]]
     assert second.points.tolist() == [[3, 1], [3.5, 1.5], [3.5, 1]]
     assert (first.edge_names, second.edge_names) == (("hole0",) * 4, ("hole1",) * 3)
     assert third.edge_names == ("hole2",) * 360
-    assert third.points[0].tolist() == [1.25, 2.5]
-    assert third.points[1, 1] < 2.5
-    assert area(third.points) == pytest.approx(-180 * 0.25**2 * np.sin(np.deg2rad(1)), rel=1e-12)
+    rays = np.deg2rad(-np.arange(360))
+    np.testing.assert_allclose(third.points, [1, 2.5] + 0.25 * np.stack([np.cos(rays), np.sin(rays)], 1), atol=1e-15)
 
 
 # --- files -----------------------------------------------------------------------------------------------------------
@@ -117,15 +104,10 @@ def test_resolved_case_needs_no_outline_file(tmp_path: Path):
     scene = with_body({"file": "rock.wkt", "holes": [{"file": "notch.wkt"}]})
     scene["supports"] = [{"on": {"body": "rock", "edge": "3"}, "displacement": {"x": 0, "y": 0}}]
     case = load(tmp_path, scene)
-    holes = [[[1, 1], [2, 1], [2, 1.5], [1, 1.5]], [[3, 1], [3.5, 1], [3.5, 1.5]]]
-    assert written(case)["bodies"]["rock"]["shape"] == {
-        "polygon": [[0, 0], [0, 3], [4, 3], [4, 0]],
-        "holes": [{"polygon": hole} for hole in holes],
-    }
     (tmp_path / "elsewhere").mkdir()
     again = reread(case, tmp_path / "elsewhere")
-    assert again.bodies[0].rings[2].points.tolist() == case.bodies[0].rings[2].points.tolist()
-    assert yaml.safe_load(dump_case(again)) == written(case)
+    assert len(again.bodies[0].rings) == 3
+    assert same(again, case)
 
 
 def test_names_of_what_is_no_file_of_an_outline(tmp_path: Path):
@@ -141,7 +123,7 @@ def test_names_of_what_is_no_file_of_an_outline(tmp_path: Path):
 
 
 def region(tmp_path: Path, shape: dict[str, Any], on: dict[str, Any], **body: Any) -> EdgeRegion:
-    """The region of a traction; the body is held at two points off its edges."""
+    """The region of a traction; the body is held at two points in it."""
     scene = held_at(with_body(shape, **body), *((1, 2) if "disk" in shape else (3, 1)))
     scene["loads"] = [{"on": {"body": "rock", **on}, "traction": [0, 1]}]
     found = load(tmp_path, scene).loads[0].region
@@ -156,45 +138,32 @@ PIERCED = {**rectangle(0, 0, 8, 8), "holes": [{"disk": {"center": [4, 4], "radiu
 
 
 # shape, edges, on, sides, limits; worked out by hand
-@pytest.mark.parametrize(
-    ("shape", "edges", "on", "sides", "limits"),
-    [
-        ({"polygon": SQUARE}, {}, {"edge": "0"}, [0], [[0, 1]]),
-        ({"polygon": SQUARE}, {}, {"edge": "0", "from": 1}, [0], [[0.25, 1]]),
-        ({"polygon": SQUARE}, {}, {"edge": "1", "to": 1.5}, [1], [[0, 0.5]]),
-        ({"polygon": SQUARE}, {}, {"edge": "2", "from": 1}, [2], [[0, 0.75]]),  # runs leftwards: x from 1 to 4
-        ({"polygon": SQUARE}, {}, {"edge": "3", "from": 1, "to": 2}, [3], [[1 / 3, 2 / 3]]),
-        # drawn clockwise: edge 0 is the left one; it is stored as the last side, first corner kept
-        ({"polygon": CLOCKWISE}, {}, {"edge": "0"}, [3], [[0, 1]]),
-        ({"polygon": CLOCKWISE}, {}, {"edge": "0", "from": 1.5}, [3], [[0, 0.5]]),  # y from 1.5 to 3, stored downwards
-        ({"polygon": CLOCKWISE}, {}, {"edge": "3", "to": 1}, [0], [[0, 0.25]]),
-        # distance from the first corner drawn
-        ({"polygon": WEDGE}, {}, {"edge": "1", "from": 1, "to": 2}, [1], [[0.2, 0.4]]),
-        ({"polygon": WEDGE[::-1]}, {}, {"edge": "0", "from": 1, "to": 2}, [2], [[0.6, 0.8]]),
-        # several sides under one name
-        ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a"}, [1, 2], [[0, 1], [0, 1]]),
-        ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a", "from": 1.5, "to": 5}, [1, 2], [[0.5, 1], [0, 0.5]]),
-        ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a", "from": 3}, [2], [[0, 1]]),
-        ({"polygon": SQUARE}, {"a": [3, 0]}, {"edge": "a", "from": 1.5, "to": 4}, [3, 0], [[0.5, 1], [0, 0.25]]),
-        ({"polygon": CLOCKWISE}, {"a": [0, 1]}, {"edge": "a", "from": 2, "to": 5}, [2, 3], [[0.5, 1], [0, 1 / 3]]),
-        (rectangle(0, 0, 4, 3), {}, {"edge": "left", "from": 1}, [3], [[0, 2 / 3]]),
-        (rectangle(0, 0, 4, 3), {}, {"edge": "top", "to": "100 cm"}, [2], [[0.75, 1]]),
-        (BOXED, {}, {"edge": "hole0"}, [4, 5, 6, 7], [[0, 1]] * 4),
-        # drawn: bottom (stored last, leftwards) from 1/4 on, then right (stored last but one, downwards) up to 1/2
-        (BOXED, {}, {"edge": "hole0", "from": 0.25, "to": 1.25}, [6, 7], [[0.5, 1], [0, 0.75]]),
-        (PIERCED, {}, {"edge": "hole0", "from": -1, "to": 1.5}, [362, 363, 4], [[0.5, 1], [0, 1], [0, 1]]),
-        (DISK, {}, {"edge": "arc", "to": "2 deg"}, [0, 1], [[0, 1]] * 2),
-        (DISK, {}, {"edge": "arc", "from": -2, "to": 0.5}, [358, 359, 0], [[0, 1], [0, 1], [0, 0.5]]),
-        (DISK, {}, {"edge": "arc", "from": 359, "to": 362}, [359, 0, 1], [[0, 1]] * 3),
-    ],
-)
+@pytest.mark.parametrize(("shape", "edges", "on", "sides", "limits"), [
+    ({"polygon": SQUARE}, {}, {"edge": "0"}, [0], [[0, 1]]),
+    ({"polygon": SQUARE}, {}, {"edge": "0", "from": 1}, [0], [[0.25, 1]]),
+    ({"polygon": SQUARE}, {}, {"edge": "2", "from": 1}, [2], [[0, 0.75]]),  # runs leftwards: x from 1 to 4
+    ({"polygon": SQUARE}, {}, {"edge": "3", "from": 1, "to": 2}, [3], [[1 / 3, 2 / 3]]),
+    # drawn clockwise: edge 0 is the left one; it is stored as the last side, first corner kept
+    ({"polygon": CLOCKWISE}, {}, {"edge": "0", "from": 1.5}, [3], [[0, 0.5]]),  # y from 1.5 to 3, stored downwards
+    ({"polygon": CLOCKWISE}, {}, {"edge": "3", "to": 1}, [0], [[0, 0.25]]),
+    # distance from the first corner drawn
+    ({"polygon": WEDGE}, {}, {"edge": "1", "from": 1, "to": 2}, [1], [[0.2, 0.4]]),
+    ({"polygon": WEDGE[::-1]}, {}, {"edge": "0", "from": 1, "to": 2}, [2], [[0.6, 0.8]]),
+    # several sides under one name
+    ({"polygon": SQUARE}, {"a": [1, 2]}, {"edge": "a", "from": 1.5, "to": 5}, [1, 2], [[0.5, 1], [0, 0.5]]),
+    ({"polygon": SQUARE}, {"a": [3, 0]}, {"edge": "a", "from": 1.5, "to": 4}, [3, 0], [[0.5, 1], [0, 0.25]]),
+    ({"polygon": CLOCKWISE}, {"a": [0, 1]}, {"edge": "a", "from": 2, "to": 5}, [2, 3], [[0.5, 1], [0, 1 / 3]]),
+    (rectangle(0, 0, 4, 3), {}, {"edge": "left", "from": 1}, [3], [[0, 2 / 3]]),
+    (rectangle(0, 0, 4, 3), {}, {"edge": "top", "to": "100 cm"}, [2], [[0.75, 1]]),
+    (BOXED, {}, {"edge": "hole0"}, [4, 5, 6, 7], [[0, 1]] * 4),
+    # drawn: bottom (stored last, leftwards) from 1/4 on, then right (stored last but one, downwards) up to 1/2
+    (BOXED, {}, {"edge": "hole0", "from": 0.25, "to": 1.25}, [6, 7], [[0.5, 1], [0, 0.75]]),
+    (PIERCED, {}, {"edge": "hole0", "from": -1, "to": 1.5}, [362, 363, 4], [[0.5, 1], [0, 1], [0, 1]]),
+    (DISK, {}, {"edge": "arc", "from": -2, "to": 0.5}, [358, 359, 0], [[0, 1], [0, 1], [0, 0.5]]),
+    (DISK, {}, {"edge": "arc", "from": 359, "to": 362}, [359, 0, 1], [[0, 1]] * 3),
+])  # fmt: skip
 def test_parts_of_edges(
-    shape: dict[str, Any],
-    edges: dict[str, Any],
-    on: dict[str, Any],
-    sides: list[int],
-    limits: list[list[float]],
-    tmp_path: Path,
+    shape: dict[str, Any], edges: dict[str, Any], on: dict[str, Any], sides: list[int], limits: Any, tmp_path: Path
 ):
     found = region(tmp_path, shape, on, **({"edges": edges} if edges else {}))
     assert found.sides.tolist() == sides
@@ -226,17 +195,10 @@ def held_edges(case: Case) -> list[tuple[Any, ...]]:
 
 def test_rollers_hold_each_side_across_but_for_what_bodies_share():
     case = outlined(SIDE_BY_SIDE, [{"outline": "rollers"}], interfaces=joint("big small"))
-    assert sorted(held_edges(case), key=str) == sorted(
-        [
-            ("big", "left", X, [[0.0, 1.0]]),
-            ("big", "right", X, [[0.0, 0.4]]),
-            ("big", "right", X, [[0.8, 1.0]]),
-            *(("big", edge, Y, [[0.0, 1.0]]) for edge in ("bottom", "top")),
-            *(("small", edge, Y, [[0.0, 1.0]]) for edge in ("bottom", "top")),
-            ("small", "right", X, [[0.0, 1.0]]),
-        ],
-        key=str,
-    )
+    wanted = [("big", "left", X, [[0.0, 1.0]]), ("small", "right", X, [[0.0, 1.0]])]
+    wanted += [("big", "right", X, [[0.0, 0.4]]), ("big", "right", X, [[0.8, 1.0]])]
+    wanted += [(body, edge, Y, [[0.0, 1.0]]) for body in SIDE_BY_SIDE for edge in ("bottom", "top")]
+    assert sorted(held_edges(case), key=str) == sorted(wanted, key=str)
     assert held_edges(Case.from_dict(case.to_dict())) == held_edges(case)
 
 

@@ -49,30 +49,24 @@ FRICTION = "cracks.flaw.contact.friction=0.3"
 BONDED = "interfaces=[{between: [lower, upper], contact: bonded}]"
 
 
-@pytest.mark.parametrize(
-    ("name", "settings", "words"),
-    [
-        ("compression30", [], r"flaw: .*normal contact alone: neither friction nor cohesion"),
-        ("compression30", [], r"\n  3 multipliers for supports and bonds\n"),
-        ("compression30", [FRICTION], r"flaw: \d+ points?, with friction or cohesion"),
-        ("compression30", [FRICTION], r"contact: \d+ tractions at \d+ mortar nodes, normal and tangential"),
-        ("compression30", ["cracks.flaw.contact=none"], "flaw: no contact: its faces never touch"),
-        ("interface_friction04", [BONDED], "bonded: multipliers close gap and slip"),
-    ],
-)
+@pytest.mark.parametrize(("name", "settings", "words"), [
+    ("compression30", [], r"flaw: .*normal contact alone: neither friction nor cohesion"),
+    ("compression30", [], r"\n  3 multipliers for supports and bonds\n"),
+    ("compression30", [FRICTION], r"flaw: \d+ points?, with friction or cohesion"),
+    ("compression30", [FRICTION], r"contact: \d+ tractions at \d+ mortar nodes, normal and tangential"),
+    ("compression30", ["cracks.flaw.contact=none"], "flaw: no contact: its faces never touch"),
+    ("interface_friction04", [BONDED], "bonded: multipliers close gap and slip"),
+])  # fmt: skip
 def test_text_says_what_is_modelled_and_why(name: str, settings: list[str], words: str) -> None:
     assert re.search(words, plan_text(coarse(name, *settings)))
 
 
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        (("numerics.spacing=3",), "cells are by hand, and no error is measured"),
-        (("cracks={}",), "22 growth steps are asked for, but no crack has a tip"),
-        (("cracks.flaw.tips=none",), "22 growth steps are asked for, but no crack has a tip"),
-        (("loads.1.traction=[0, 50]",), "1.55e+06 N/m of the loads (33 %) are carried by supports at points"),
-    ],
-)
+@pytest.mark.parametrize(("settings", "words"), [
+    (("numerics.spacing=3",), "cells are by hand, and no error is measured"),
+    (("cracks={}",), "22 growth steps are asked for, but no crack has a tip"),
+    (("cracks.flaw.tips=none",), "22 growth steps are asked for, but no crack has a tip"),
+    (("loads.1.traction=[0, 50]",), "1.55e+06 N/m of the loads (33 %) are carried by supports at points"),
+])  # fmt: skip
 def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> None:
     assert any(words in text for text in words_of(sizes_of(coarse("compression30", *settings))))
 
@@ -84,15 +78,12 @@ PRESSED = (
 WEIGHT = "{gravity: [0, -80000 m/s^2], held: true}"  # 11 MPa over the height
 
 
-@pytest.mark.parametrize(
-    ("loads", "warned"),
-    [
-        (PRESSED.replace("PUSH", "20"), False),
-        (PRESSED.replace("PUSH", "31"), True),
-        (f"{PRESSED.replace('PUSH', '31')}, {WEIGHT}", False),
-        (f"{PRESSED.replace('PUSH', '20')}, {WEIGHT}", False),
-    ],
-)
+@pytest.mark.parametrize(("loads", "warned"), [
+    (PRESSED.replace("PUSH", "20"), False),
+    (PRESSED.replace("PUSH", "31"), True),
+    (f"{PRESSED.replace('PUSH', '31')}, {WEIGHT}", False),
+    (f"{PRESSED.replace('PUSH', '20')}, {WEIGHT}", False),
+])  # fmt: skip
 def test_loads_that_stress_in_the_rock_or_weight_balances_leave_nothing_to_points(loads: str, warned: bool) -> None:
     settings = ("bodies.rock.material.density=2500 kg/m^3", f"loads=[{loads}]")
     told = words_of(sizes_of(coarse("compression30", *settings)))

@@ -16,10 +16,8 @@ import pyvista
 from crackgrow import cli
 from crackgrow.cli.command_line import declared
 from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, export
-from crackgrow.results.folder import FolderError, RunFolder, open_run
-from crackgrow.results.vtk_frames import write_frame
+from crackgrow.results.folder import open_run
 from tests.report_runs import make_run
-from tests.unit.results.synthetic import make_frame
 
 pytestmark = pytest.mark.physics
 
@@ -119,16 +117,6 @@ def test_what_cannot_be_exported_is_refused(
     assert cli.main(["export", str(layers), *words]) == 3
     assert told in capsys.readouterr().err
     assert not list(tmp_path.iterdir())
-
-
-def test_a_damaged_frame_is_named(tmp_path: Path) -> None:
-    path = tmp_path / "frames" / "step_0000.vtu"
-    write_frame(path, make_frame(), ())
-    grid = pyvista.read(path)
-    grid.cell_data.clear()
-    grid.save(path)
-    with pytest.raises(FolderError, match="it has no cells of bodies; run the case again"):
-        RunFolder(tmp_path).mesh()
 
 
 @pytest.fixture(scope="module")

@@ -43,9 +43,8 @@ def test_the_summary_of_a_run() -> None:
     tally.add_seconds("output", 1.0)
     summary = written(tally, make_end(2))
     wanted = {
-        "case": "block", "title": "A block with a crack", "version": __version__, "status": "completed",
-        "stop_reason": "2 growth steps done", "steps_done": 2, "n_solves": 3, "n_dofs": {"first": 400, "last": 416},
-        "warnings": ["steps 1 to 2: thin cell"], "events": [], "peak_memory_mb": 100.0,
+        "case": "block", "version": __version__, "status": "completed", "stop_reason": "2 growth steps done",
+        "steps_done": 2, "n_solves": 3, "n_dofs": {"first": 400, "last": 416}, "warnings": ["steps 1 to 2: thin cell"],
     }  # fmt: skip
     assert {name: summary[name] for name in wanted} == wanted
     assert summary["wall_seconds"]["total"] == 12.5
@@ -54,8 +53,6 @@ def test_the_summary_of_a_run() -> None:
     worst = {"penetration": (2e-15, 1), "residual": (None, 1), "energy_error": (1e-6, 0), "overlap": (2e-9, 0)}
     for check, (value, step) in worst.items():
         assert summary["worst_checks"][check] == {"value": value, "step": step}
-    (record,) = summary["cautions"]
-    assert (record["cause"], record["words"], record["steps"]) == ("note", "thin cell", [[1, 2]])
 
 
 CROWDED = {"K_note": "the disc is small", "K_I": 9.0, "K_II": -12.0, "K_I_spread": 1.0, "K_II_error": 0.9}

@@ -28,11 +28,10 @@ from crackgrow.study.plan import Run, Study
 from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep, sweep
 from crackgrow.study.workers import ClusterError, Workers, run_process
+from tests.properties.broken_off import CASES, ENVIRONMENT, ROOT, finished, wait_for
 
-ROOT = Path(__file__).parents[3]
-FLAW = ROOT / "cases" / "compression30.yaml"
+FLAW = CASES / "compression30.yaml"
 PATIENCE = 60.0  # s, for what happens at last
-ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 LONG = ("growth.steps=15", "growth.increment=0.05", "output.frames=none", "output.figures=false", "output.report=false")
 COARSE = "numerics.spacing: 4, growth.steps: 1"
 LASTING = "numerics.spacing: 4, growth.steps: 15, growth.increment: 0.05"
@@ -64,6 +63,44 @@ def is_there(process: int) -> bool:
     return done.stdout.strip()[:1] not in ("", "Z")
 
 
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def statuses(folder: Path) -> list[str]:
+    return [row["status"] for row in rows_of(folder / "sweep.csv")]
+
+
+def written(folder: Path, parameters: str = FRICTION, settings: str = COARSE, more: str = "") -> Path:
+    path = folder / "study.yaml"
+    path.write_text(f"base: {FLAW}\nset: {{{settings}}}\nparameters: {{{parameters}}}\n{more}")
+    return path
+
+
+def planned(folder: Path, *asked: str) -> Study:
+    return plan_sweep(written(folder, *asked), folder / "out")
+
+
+def solve(run: Run) -> Values:
+    assert run.case is not None
+    crackgrow.run_case(run.case, run.folder)
+    return found_in(run)
+
+
+def tables(folder: Path) -> dict[str, str]:
+    return {name: (folder / name).read_text() for name in ("tips.csv", "paths.csv", "contact.csv", "case.yaml")}
+
+
+def alone(plan: Study, number: int, folder: Path) -> dict[str, str]:
+    """The tables of a run without any study."""
+    run = plan.runs[number]
+    crackgrow.run_case(load_case(run.file.path, run.file.overrides), folder)
+    return tables(folder)
+
+
+# --- runs as processes -----------------------------------------------------------------------------------------------
+
+
 def test_what_fails_a_run_is_told_in_its_own_words(tmp_path: Path) -> None:
     assert run_process(("--version",), None, None) == ""
     refused = run_process(command(tmp_path, "cracks.flaw.contact.friction=-1"), None, None)
@@ -73,8 +110,12 @@ def test_what_fails_a_run_is_told_in_its_own_words(tmp_path: Path) -> None:
 
 @pytest.mark.skipif(sys.platform != "linux", reason="other systems bound no memory")
 def test_memory_is_bounded(tmp_path: Path) -> None:
-    """The program itself says that it has less than it needs to load."""
+    """Where it does not do to load the program, this says so itself; the linear algebra of many points takes more."""
     assert "KiB of data are allowed" in run_process(command(tmp_path), 200_000_000, None)
+    plan = planned(tmp_path, "numerics.spacing: [4, 0.1]", "growth.steps: 0")
+    rows = {row.run.number: row.values for row in sweep(plan, memory="600MB")}
+    assert [rows[number]["status"] for number in range(2)] == ["completed", "failed"]
+    assert str(rows[1]["reason"]).startswith("out of memory")
 
 
 def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
@@ -95,49 +136,26 @@ def test_runs_end_with_a_study_that_has_no_time_to_end_them(tmp_path: Path) -> N
     until(lambda: not is_there(process))
 
 
-def rows_of(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+# --- the table -------------------------------------------------------------------------------------------------------
 
 
-def written(folder: Path, parameters: str = FRICTION, settings: str = COARSE, more: str = "") -> Path:
-    path = folder / "study.yaml"
-    path.write_text(f"base: {FLAW}\nset: {{{settings}}}\nparameters: {{{parameters}}}\n{more}")
-    return path
-
-
-def planned(folder: Path, *asked: str) -> Study:
-    return plan_sweep(written(folder, *asked), folder / "out")
-
-
-def solve(run: Run) -> Values:
-    assert run.case is not None
-    crackgrow.run_case(run.case, run.folder)
-    return found_in(run)
-
-
-@pytest.fixture(scope="module")
-def table(tmp_path_factory: pytest.TempPathFactory) -> Table:
+def test_rows_tell_what_files_tell_and_the_overview_takes_words_and_runs_that_are_missing(tmp_path: Path) -> None:
     """Two criteria, two angles, one of which is refused; one run is not done yet."""
-    parameters = "growth.criterion: [strength, max_hoop_stress], cracks.flaw.path.angle: [30, 45]"
-    plan = planned(tmp_path_factory.mktemp("table"), parameters)
-    table = Table(plan, {})
-    for run in plan.runs[:2]:
-        table.ended(run, solve(run))
+    plan = planned(tmp_path, "growth.criterion: [strength, max_hoop_stress], cracks.flaw.path.angle: [30, 45]")
+    table, run = Table(plan, {}), plan.runs[0]
+    for each in plan.runs[:2]:
+        table.ended(each, solve(each))
     table.ended(plan.runs[2], {"status": "refused", "reason": "no such thing"})
-    table.write()
-    return table
-
-
-def test_rows_tell_what_their_files_tell(table: Table) -> None:
-    run = table.study.runs[0]
-    row = table.row(run)
-    tips = rows_of(run.folder / "tips.csv")
-    ends = [cells for cells in tips if cells["tip"] == "end"]
+    row, ends = table.row(run), [cells for cells in rows_of(run.folder / "tips.csv") if cells["tip"] == "end"]
     assert [row[f"flaw.end.K_II_{step}"] for step in ("first", "last")] == [float(cells["K_II"]) for cells in ends]
     path = rows_of(run.folder / "paths.csv")
     assert (row["flaw.start.x"], row["flaw.end.y"]) == (float(path[0]["x"]), float(path[-1]["y"]))
     assert (row["status"], row["steps"], row["load_factor"]) == ("completed", 1, 1.0)
     assert row["n_dofs"] == int(rows_of(run.folder / "steps.csv")[-1]["n_dofs"])
+    draw_sweep(tmp_path / "sweep.png", table)
+    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
+    assert responses_of(table, [table.row(each) for each in plan.runs]) == chosen
 
 
 def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -> None:
@@ -154,13 +172,6 @@ def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -
     assert [row["K_error"] == "" for row in rows_of(plan.folder / "sweep.csv")] == [False, False, True]
 
 
-def test_overview_takes_words_as_values_and_runs_that_are_missing(table: Table, tmp_path: Path) -> None:
-    draw_sweep(tmp_path / "sweep.png", table)
-    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
-    chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
-    assert responses_of(table, [table.row(run) for run in table.study.runs]) == chosen
-
-
 def test_nothing_is_told_of_a_folder_that_is_damaged_of_another_version_or_of_another_case(tmp_path: Path) -> None:
     one, other = planned(tmp_path, "cracks.flaw.path.angle: [30, 45]").runs
     assert found_in(one) == {}
@@ -173,15 +184,7 @@ def test_nothing_is_told_of_a_folder_that_is_damaged_of_another_version_or_of_an
         assert found_in(one) == {}
 
 
-def tables(folder: Path) -> dict[str, str]:
-    return {name: (folder / name).read_text() for name in ("tips.csv", "paths.csv", "contact.csv", "case.yaml")}
-
-
-def alone(plan: Study, number: int, folder: Path) -> dict[str, str]:
-    """The tables of a run without any study."""
-    run = plan.runs[number]
-    crackgrow.run_case(load_case(run.file.path, run.file.overrides), folder)
-    return tables(folder)
+# --- whole sweeps ----------------------------------------------------------------------------------------------------
 
 
 @pytest.fixture(scope="module")
@@ -211,18 +214,17 @@ def test_command_line_runs_what_is_missing_and_nothing_else(tmp_path: Path, capf
     plan = plan_sweep(path, out)
     assert tables(plan.runs[2].folder) == alone(plan, 2, tmp_path / "alone")
 
-    when = (plan.runs[0].folder / "summary.json").stat().st_mtime_ns
-    summary = plan.runs[2].folder / "summary.json"
-    summary.write_text(summary.read_text().replace('"status": "completed"', '"status": "running"'))
+    first, third = (plan.runs[number].folder / "summary.json" for number in (0, 2))
+    when = first.stat().st_mtime_ns
+    third.write_text(third.read_text().replace('"status": "completed"', '"status": "running"'))
     assert cli.main([*command, "--resume"]) == 0
     told, complaints = capfd.readouterr()
     assert complaints == ""
     assert "2 runs done, 1 of them done before, 1 not" in told
     assert "000 friction=0" not in told
-    assert (plan.runs[0].folder / "summary.json").stat().st_mtime_ns == when
-    spent = ("seconds", "cpu_seconds", "peak_memory_mb")
-    before, again = ([{**row, **dict.fromkeys(spent)} for row in found] for found in (rows, rows_of(out / "sweep.csv")))
-    assert again == before
+    assert first.stat().st_mtime_ns == when
+    spent = dict.fromkeys(("seconds", "cpu_seconds", "peak_memory_mb"))
+    assert [{**row, **spent} for row in rows_of(out / "sweep.csv")] == [{**row, **spent} for row in rows]
 
 
 def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -233,9 +235,8 @@ def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytes
     assert not out.exists()
     for command in commands.splitlines():
         subprocess.run(command, shell=True, check=True, env=ENVIRONMENT, cwd=tmp_path)
-    plan = plan_sweep(path, out)
-    assert [row.new for row in sweep(plan, resume=True) if row.done] == [False, False]
-    assert [row["status"] for row in rows_of(out / "sweep.csv")] == ["completed", "refused", "completed"]
+    assert [row.new for row in sweep(plan_sweep(path, out), resume=True) if row.done] == [False, False]
+    assert statuses(out) == ["completed", "refused", "completed"]
 
 
 @pytest.mark.parametrize("scheduled", [True, False])
@@ -247,21 +248,12 @@ def test_killed_runs_are_told_and_gone_on_with(scheduled: bool, address: str, tm
     killer.start()
     rows = {row.run.number: row.values for row in sweep(plan, **where)}  # type: ignore[arg-type]
     killer.join()
-    assert [rows[number]["status"] for number in range(2)] == ["failed", "completed"]
     assert str(rows[0]["reason"]).startswith("killed by SIGKILL")
-    assert [row["status"] for row in rows_of(plan.folder / "sweep.csv")] == ["failed", "completed"]
+    assert statuses(plan.folder) == ["failed", "completed"]
     assert [row.new for row in sweep(plan, **where, resume=True)] == [False, True]  # type: ignore[arg-type]
-    assert [row["status"] for row in rows_of(plan.folder / "sweep.csv")] == ["completed", "completed"]
+    assert statuses(plan.folder) == ["completed", "completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
-
-
-def test_a_run_that_is_out_of_memory_is_told(tmp_path: Path) -> None:
-    """The linear algebra of many points takes more than the rest of them."""
-    plan = planned(tmp_path, "numerics.spacing: [4, 0.1]", "growth.steps: 0")
-    rows = {row.run.number: row.values for row in sweep(plan, memory="600MB")}
-    assert [rows[number]["status"] for number in range(2)] == ["completed", "failed"]
-    assert str(rows[1]["reason"]).startswith("out of memory")
 
 
 def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path: Path) -> None:
@@ -311,26 +303,18 @@ def test_folders_with_files_of_somebody_else_or_of_another_case(tmp_path: Path) 
 
 @pytest.mark.slow
 def test_interrupted_sweep_leaves_a_whole_table_and_says_how_to_go_on(tmp_path: Path) -> None:
-    path, out = (
-        written(tmp_path, "cracks.flaw.contact.friction: [0, 0.1, 0.2]", "numerics.spacing: 4, growth.steps: 6"),
-        tmp_path / "out",
-    )
-    command = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
-    process = subprocess.Popen(
-        command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    assert process.stdout is not None
-    for line in process.stdout:
-        if line.startswith("[1/3]"):
-            break
+    path = written(tmp_path, "cracks.flaw.contact.friction: [0, 0.1, 0.2]", "numerics.spacing: 4, growth.steps: 6")
+    out = tmp_path / "out"
+    words = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen(words, env=ENVIRONMENT, start_new_session=True, **pipes)  # type: ignore[call-overload]
+    assert wait_for(process, "[1/3]")
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     _, complaints = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
-    assert complaints.splitlines() == [
-        f"crackgrow: interrupted, what has ended is in {out}; go on with: {' '.join(command)} --resume"
-    ]
-    rows = rows_of(out / "sweep.csv")
-    assert [row["status"] for row in rows] == ["completed", "waiting", "waiting"]
-    done = subprocess.run([*command, "--resume"], env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    told = f"crackgrow: interrupted, what has ended is in {out}; go on with: {' '.join(words)} --resume\n"
+    assert complaints == told
+    assert statuses(out) == ["completed", "waiting", "waiting"]
+    done = finished([*words, "--resume"])
     assert (done.returncode, done.stderr) == (0, "")
-    assert [row["status"] for row in rows_of(out / "sweep.csv")] == 3 * ["completed"]
+    assert statuses(out) == 3 * ["completed"]

@@ -13,7 +13,7 @@ import pytest
 from crackgrow import cli
 from crackgrow.study.findings import Findings, findings
 from crackgrow.study.runs import Table, Values
-from crackgrow.study.trade import COLUMNS, convergence_csv, trade_record, trade_text
+from crackgrow.study.trade import trade_text
 from crackgrow.study.trade_plan import OWN, TradePlan, plan_trade
 
 pytestmark = pytest.mark.physics
@@ -154,18 +154,6 @@ def test_equal_cells_are_not_taken_for_convergence(tmp_path: Path) -> None:
     assert "the same cells" in told(found)
 
 
-def test_csv_and_json_have_every_row(tmp_path: Path) -> None:
-    found = study(tmp_path)
-    rows = list(csv.DictReader(convergence_csv(found).splitlines()))
-    assert tuple(rows[0]) == COLUMNS
-    assert len(rows) == 4 * len(found.quantities) == 48
-    record = json.loads(json.dumps(trade_record(found, table_of(found)), allow_nan=False))
-    assert len(record["rows"]) == 48
-    assert record["good_enough"] is True
-    assert record["rows"][0]["extrapolated"] == pytest.approx(1e6)
-    assert [run["setting"] for run in record["runs"]] == [*THREE, "own"]
-
-
 FLAW = CASES / "compression30.yaml"
 EXACT = 5.9363e6 * 1e-3**0.5
 """Pa sqrt(m), K_I of edge_tension by an independent code, good to 0.01 %."""
@@ -224,13 +212,3 @@ def test_an_edge_crack_converges_to_its_K(tmp_path: Path, capsys: pytest.Capture
     rows = list(csv.DictReader((out / "trade.csv").read_text().splitlines()))
     assert [float(row["error"]) for row in rows] == [row["error"] for row in record["runs"]]
     assert all(float(row["cpu_seconds"]) > 0.0 and float(row["peak_memory_mb"]) > 50.0 for row in rows)
-
-
-@pytest.mark.physics
-def test_wings_are_run_with_half_increments_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    words = ["trade", str(CASES / "compression30.yaml"), "--steps", "1", "--out", str(tmp_path / "out")]
-    assert cli.main([*words, "--tolerance", "0.001 %", "--workers", "2"]) == 4
-    told = capsys.readouterr().out
-    assert "half increment" in told
-    assert "would move the path" in told
-    assert "not good enough" in told
