@@ -58,8 +58,8 @@ def test_schema_and_reader_agree(group: dict[str, Any]):
     kind, name = next(iter(group.items()))
     spec = forms[kind](name)
     for judge in (reader_accepts, schema_accepts):
-        assert [text for text in good if not judge(spec, text)] == []
-        assert [text for text in bad if judge(spec, text)] == []
+        assert [text for text in group["good"] if not judge(spec, text)] == []
+        assert [text for text in group["bad"] if judge(spec, text)] == []
 
 
 def inside(schema: Any) -> Iterator[dict[str, Any]]:
