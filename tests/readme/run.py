@@ -12,11 +12,13 @@ import argparse
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import time
 from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -40,6 +42,9 @@ NEEDS_A_WINDOW = (
 EXIT_CODES = {"crackgrow trade cases/compression30.yaml --steps 4": 4}
 """Of commands that are meant to end otherwise than with 0."""
 
+BESIDE = " &"
+"""How a command ends that the next ones need running: it must run until all are done."""
+
 COPIED = (
     "Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests", "outputs/README.md",
 )  # fmt: skip
@@ -62,11 +67,15 @@ def main(argv: Sequence[str] | None = None) -> int:
     parser.add_argument("--only", nargs="+", choices=READMES, metavar="FILE", help="the commands of these alone")
     arguments = parser.parse_args(argv)
     failed, n_run = 0, 0
-    with tempfile.TemporaryDirectory() as name:
+    with tempfile.TemporaryDirectory() as name, ExitStack() as beside:
         folder = checkout(Path(name))
         for command in all_commands(arguments.only or READMES):
             if command.text in NEEDS_A_WINDOW:
                 print(f"{command.place}: left out: {command.text}", flush=True)
+                continue
+            if command.text.endswith(BESIDE):
+                print(f"{command.place}: runs beside the next ones: {command.text}", flush=True)
+                beside.enter_context(run_beside(command, folder))
                 continue
             started = time.perf_counter()
             fault = fault_of(command, folder)
@@ -140,6 +149,23 @@ def fault_of(command: Command, folder: Path) -> str:
     printed = {without_numbers(line) for line in done.stdout.splitlines()}
     missing = [line for line in command.prints if without_numbers(line) not in printed]
     return f"it does not print {missing[0]!r} but\n{done.stdout}" if missing else ""
+
+
+@contextmanager
+def run_beside(command: Command, folder: Path) -> Iterator[None]:
+    """Have a command run for as long as the context lasts; raises RuntimeError if it ends before."""
+    process = subprocess.Popen(
+        ["bash", "-c", f"exec {command.text.removesuffix(BESIDE)}"], cwd=folder, env=environment(folder),
+        stdin=subprocess.DEVNULL, start_new_session=True,
+    )  # fmt: skip
+    try:
+        yield
+        if process.poll() is not None:
+            raise RuntimeError(f"{command.place}: ended with exit code {process.returncode}: {command.text}")
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGTERM)  # with the processes it has begun
+        process.wait()
 
 
 def environment(folder: Path) -> dict[str, str]:

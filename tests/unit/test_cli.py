@@ -75,17 +75,12 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert cli.main(["check", "block.yaml"]) == 0
     assert f"the whole run takes {lines[1]}, within a factor of two" in capsys.readouterr().out  # one estimate
     assert [line.split(",")[0] for line in lines[2:5]] == ["step 0/2", "step 1/2", "step 2/2"]
-    assert re.fullmatch(
-        r"step 0/2, load factor [\d.]+, criticality [\d.]+, grows at K [\d.]+ \w+ sqrt\(m\), "
-        r"flaw end \(tension\) K_I -?[\d.]+ K_II -?[\d.]+ \w+ sqrt\(m\), "
-        r"cracks [\d.]+ m+ long",
-        lines[2],
+    told = (
+        r"step 0/2, load factor 1, criticality [\d.]+, .*flaw end \(tension\) K_I -?[\d.]+ K_II -?[\d.]+ \w+ sqrt\(m\),"
     )
+    assert re.fullmatch(told + r" cracks [\d.]+ m+ long", lines[2])
     log = (scene / "outputs" / "block" / "run.log").read_text().splitlines()
-    assert re.search(
-        r"step 0/2, load factor 1, criticality [\d.]+, .*flaw end \(tension\).*, \d+ dofs, \d contact iterations?, ",
-        log[1],
-    )
+    assert re.search(told + r".* \d+ dofs, \d contact iterations?, ", log[1])
     assert lines[5:] == [
         "warning: steps 0 to 2: thin cell",
         "estimated error: K by at most 1 % of the largest",
@@ -117,7 +112,7 @@ def test_wrong_case_lists_its_faults_and_touches_nothing(capsys: pytest.CaptureF
         assert cli.main([*command, "--set", "plane=strian", "--set", "x=1"]) == 2
         out, err = capsys.readouterr()
         assert out == ""
-        assert [line.split(":")[0] for line in err.splitlines()] == ["--set plane", "--set x"]
+        assert [line.split(":")[0] for line in err.splitlines()] == ["--set x", "--set plane"]
     assert (tmp_path / "summary.json").read_text() == "old"
 
 

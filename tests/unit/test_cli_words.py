@@ -1,18 +1,22 @@
-"""The words of the command line: what is mistyped gets a hint, what is asked is explained, listed, completed, begun."""
+"""The words of the command line: what is asked is explained, listed, completed, begun; what is wrong is refused."""
 
 from __future__ import annotations
 
 import json
+import shlex
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 from jsonschema import Draft7Validator
 
 from crackgrow import cli, grow, load_case
 from crackgrow.cli.command_line import declared, groups
 from crackgrow.cli.start import SCHEMA_FILE, template_text
 from crackgrow.cli.tools import completion_script
+from tests.verification.solutions import CASES
 from tests.yaml12 import read_yaml12
 
 
@@ -43,17 +47,6 @@ def explained(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
     return capsys.readouterr().out.splitlines()
 
 
-def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert explained("growth.tip_stress.radius", capsys) == [
-        "growth.tip_stress.radius",
-        "  meaning  Shepard averaging radius, a material length",
-        "  type     length",
-        "  unit     m, cm, mm, um, km, in, ft; bare: that of units.length",
-        "  default  required",
-        "  allowed  > 0",
-    ]
-
-
 @pytest.mark.parametrize(("name", "heads"), [
     ("cracks.my_own.contact.friction", ["cracks.NAME.contact.friction"]),
     # once, though cracks, interfaces and foundations have it, too
@@ -71,6 +64,11 @@ def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixt
     found = [line for line in explained(name, capsys) if not line.startswith(" ")]
     assert found[: len(heads)] == heads
     assert name == "output" or len(found) == len(heads)
+
+
+def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
+    facts = [line.split()[0] for line in explained("growth.tip_stress.radius", capsys)[1:]]
+    assert facts == ["meaning", "type", "unit", "default", "allowed"]
 
 
 def test_cases_are_listed_with_their_titles_and_templates_where_there_are_none(
@@ -150,3 +148,42 @@ def test_bash_completes(line: str, offered: set[str], script: Path) -> None:
     ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
     done = subprocess.run(["bash", "-c", ask], cwd=script.parent, capture_output=True, text=True, check=True)
     assert set(done.stdout.splitlines()) == offered
+
+
+TABLE = yaml.safe_load(Path(__file__).with_name("refused.yaml").read_text(encoding="utf-8"))
+
+
+def given(text: str) -> str:
+    """A text of the table with the names that it stands for."""
+    return text.replace("CASES", str(CASES)).replace("LONG", 300 * "n")
+
+
+@pytest.mark.parametrize(("group", "change", "told"), [
+    pytest.param(group, *row, id=f"{group['about']}: {row[0]}".encode("ascii", "replace").decode()[:150])
+    for group in TABLE["groups"]
+    for row in group["rows"]
+])  # fmt: skip
+def test_refused(
+    group: dict[str, Any], change: Any, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A command of refused.yaml ends with its code and says why."""
+    words, files = group.get("command", ""), dict(group.get("files", {}))
+    if "write" in group:
+        keys = change if isinstance(change, str) else group["keys"] | change
+        files[group["write"]] = keys if isinstance(keys, str) else "".join(f"{k}: {v}\n" for k, v in keys.items())
+    elif isinstance(change, str):
+        words = f"{words} {change}"
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(given(content), encoding="utf-8")
+    try:
+        code: object = cli.main(change if isinstance(change, list) else shlex.split(given(words)))
+    except SystemExit as ended:
+        code = ended.code
+    said = capsys.readouterr().err
+    assert given(told) in said
+    assert code == group.get("code", 2)
+    assert "Traceback" not in said
+    assert group.get("hints", True) or "did you mean" not in said
+    there = {str(path.relative_to(tmp_path)): path.read_text() for path in tmp_path.rglob("*") if path.is_file()}
+    assert there == {name: given(content) for name, content in files.items()}

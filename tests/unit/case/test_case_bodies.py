@@ -1,4 +1,4 @@
-"""Several bodies: shared boundaries and interfaces, and what holds and loads them, in long forms and short ones."""
+"""Bodies: disks and holes, the outline as a whole, what holds and loads them, and names of materials and laws."""
 
 from __future__ import annotations
 
@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 
 from crackgrow import solve
-from crackgrow.case import dump_case
+from crackgrow.case import Case, dump_case
 from crackgrow.case.load import read_case
+from crackgrow.case.model import Body, FarField
+from crackgrow.errors import CaseError
 from tests.unit.case.scenes import (
     EVERYTHING,
     LAW,
     MATERIAL,
-    blocks,
     changed,
     fault,
     held,
@@ -24,74 +25,86 @@ from tests.unit.case.scenes import (
     load,
     plate,
     rectangle,
-    reread,
-    same,
     two_blocks,
+    with_body,
 )
 
-# --- shared boundaries -----------------------------------------------------------------------------------------------
-
-STEP = {"polygon": [[0, 0], [6, 0], [6, 1], [4, 1], [4, 2], [2, 2], [2, 1], [0, 1]]}
-CAP = {"polygon": [[1, 1], [2, 1], [2, 2], [3, 2], [4, 2], [4, 1], [7, 1], [7, 4], [1, 4]]}
-BRIDGE = {"polygon": [[0, 1], [1, 1], [1, 2], [3, 2], [3, 1], [4, 1], [4, 3], [0, 3]]}
-NOTCH = {"polygon": [[1, 1], [1, 0], [2, 0], [2, 2], [0, 2], [0, 1]]}  # holds the block's corner (1, 1)
-BLOCK = {"polygon": [[1, 1], [0, 1], [0, 0], [1, 0]]}
-AROUND = {**rectangle(0, 0, 4, 4), "holes": [rectangle(1, 1, 2, 1)]}
+SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
+DISK = {"disk": {"center": [1, 2], "radius": 3}}
 
 
-@pytest.mark.parametrize(("first", "second", "lines"), [
-    (rectangle(0, 0, 6, 1), rectangle(1, 1, 2, 2), [[[3, 1], [1, 1]]]),  # the first one is on the left
-    (rectangle(1, 1, 2, 2), rectangle(0, 0, 6, 1), [[[1, 1], [3, 1]]]),
-    # with the corners of both
-    (STEP, CAP, [[[6, 1], [4, 1], [4, 2], [3, 2], [2, 2], [2, 1], [1, 1]]]),
-    (CAP, STEP, [[[1, 1], [2, 1], [2, 2], [3, 2], [4, 2], [4, 1], [6, 1]]]),
-    (rectangle(0, 0, 4, 1), BRIDGE, [[[4, 1], [3, 1]], [[1, 1], [0, 1]]]),  # in two pieces
-    (NOTCH, BLOCK, [[[0, 1], [1, 1], [1, 0]]]),  # over the first corner of a ring
-    (rectangle(1, 1, 2, 1), AROUND, [[[1, 1], [3, 1], [3, 2]], [[3, 2], [1, 2], [1, 1]]]),  # all round
-    (AROUND, rectangle(1, 1, 2, 1), [[[1, 1], [1, 2], [3, 2]], [[3, 2], [3, 1], [1, 1]]]),
-])  # fmt: skip
-def test_lines_of_an_interface(
-    first: dict[str, Any], second: dict[str, Any], lines: list[list[list[float]]], tmp_path: Path
-):
-    scene = changed(blocks(a=first, b=second), interfaces=joint("a b"))
-    (interface,) = load(tmp_path, scene).interfaces
-    assert interface.bodies == ("a", "b")
-    assert (interface.contact.friction, interface.contact.cohesion) == (0.5, 0.0)
-    assert [line.tolist() for line in interface.lines] == lines
+def held_at(scene: dict[str, Any], x: float, y: float) -> dict[str, Any]:
+    """The scene with its body held at two points near one in it."""
+    given = ((x, {"x": 0, "y": 0}), (x + 0.1, {"y": 0}))
+    return changed(scene, supports=[{"at": [along, y], "displacement": components} for along, components in given])
 
 
-def test_nearly_common_corners_become_common(tmp_path: Path):
-    gap = 4e-10 * np.hypot(2, 2)
-    near = {"polygon": [[1 + gap, -gap], [2, 0], [2, 2], [1 - gap, 2 + gap]]}
-    scene = changed(blocks(left=rectangle(0, 0, 1, 2), right=near), interfaces=joint("right left"))
-    case = load(tmp_path, scene)
-    assert case.bodies[1].outline.tolist() == [[1, 0], [2, 0], [2, 2], [1, 2]]
-    assert [line.tolist() for line in case.interfaces[0].lines] == [[[1, 2], [1, 0]]]
-    assert same(case, reread(case, tmp_path))
+def body_of(tmp_path: Path, scene: dict[str, Any], x: float = 2, y: float = 1) -> Body:
+    return load(tmp_path, held_at(scene, x, y)).bodies[0]
 
 
-def test_bodies_that_meet_at_a_point(tmp_path: Path):
-    """Three of them have three interfaces; two that share a corner need none."""
-    scene = blocks(low=rectangle(0, 0, 2, 1), left=rectangle(0, 1, 1, 1), right=rectangle(1, 1, 1, 1))
-    scene["interfaces"] = joint("low left", "low right", "left right")
-    found = [interface.lines[0].tolist() for interface in load(tmp_path, scene).interfaces]
-    assert found == [[[1, 1], [0, 1]], [[2, 1], [1, 1]], [[1, 1], [1, 2]]]
-    apart = changed(blocks(a=rectangle(0, 0, 1, 1), b=rectangle(1, 1, 1, 1)), supports=held("a", "b"))
-    assert load(tmp_path, apart).interfaces == ()
-    key, message = fault(tmp_path, changed(apart, interfaces=joint("a b")))
-    assert (key, message) == ("interfaces.0.between", "'a' and 'b' share no boundary: they touch at points only")
+def test_disk(tmp_path: Path):
+    body = body_of(tmp_path, with_body(DISK), 1, 2)
+    rays = np.deg2rad(np.arange(360))
+    expected = np.column_stack([1 + 3 * np.cos(rays), 2 + 3 * np.sin(rays)])
+    np.testing.assert_allclose(body.outline, expected, atol=1e-15 * 6)  # cos, product and sum round
+    assert set(body.rings[0].edge_names) == {"arc"}
 
 
-# --- supports --------------------------------------------------------------------------------------------------------
+def test_holes_run_clockwise(tmp_path: Path):
+    holes = [rectangle(1, 1, 1, 0.5), {"polygon": [[3, 1], [3.5, 1.5], [3.5, 1]]}]
+    holes.append({"disk": {"center": [1, 2.5], "radius": 0.25}})
+    _, first, second, third = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1).rings
+    assert first.points.tolist() == [[1, 1], [1, 1.5], [2, 1.5], [2, 1]]
+    assert second.points.tolist() == [[3, 1], [3.5, 1.5], [3.5, 1]]
+    assert (first.edge_names, second.edge_names) == (("hole0",) * 4, ("hole1",) * 3)
+    assert third.edge_names == ("hole2",) * 360
+    rays = np.deg2rad(-np.arange(360))
+    np.testing.assert_allclose(third.points, [1, 2.5] + 0.25 * np.stack([np.cos(rays), np.sin(rays)], 1), atol=1e-15)
 
 
-def test_support_at_a_point_knows_its_body(tmp_path: Path):
-    scene = two_blocks()
-    given = [{"at": [1, 1]}, {"at": [1, 3]}, {"at": [1, 2], "body": "low"}, {"at": [1, 2], "body": "top"}]
-    scene["supports"] = [{**support, "displacement": {"x": 0, "y": 0}} for support in given]
-    case = load(tmp_path, scene)
-    assert [support.body for support in case.supports] == ["low", "top", "low", "top"]
-    assert same(case, reread(case, tmp_path))
+def test_names_of_what_is_no_file_of_an_outline(tmp_path: Path):
+    (tmp_path / "rock.wkt").write_bytes(b"POLYGON \xff")
+    (tmp_path / "folder.wkt").mkdir()
+    long = "a" * 5000 + ".wkt"
+    told = {"rock.wkt": "not a text in UTF-8", "folder.wkt": "is no file", long: "wanted: the name of a"}
+    for name, words in told.items():
+        assert words in fault(tmp_path, with_body({"file": name}))[1]
+
+
+# --- the outline as a whole: `outline` of supports and `far_field` of loads ------------------------------------------
+
+BLOCK = {"rock": rectangle(-5, -5, 10, 10)}
+SIDE_BY_SIDE = {"big": rectangle(-5, -5, 10, 10), "small": rectangle(5, -1, 2, 4)}
+
+
+def outlined(shapes: dict[str, Any], supports: Any, loads: Any = (), **more: Any) -> Case:
+    material = {"young": "30 GPa", "poisson": 0.2}
+    bodies = {name: {"shape": shape, "material": material} for name, shape in shapes.items()}
+    scene = {"title": "outline", "units": {"stress": "MPa"}, "plane": "strain", "bodies": bodies}
+    return Case.from_dict({**scene, "supports": supports, "loads": list(loads), **more})
+
+
+def test_far_field_is_stress_times_normal_on_all_that_bodies_do_not_share():
+    glued = joint("big small", contact="bonded")
+    case = outlined(SIDE_BY_SIDE, "minimal", [{"far_field": [-2, -10, 1]}], interfaces=glued)
+    loads = {load.body: load for load in case.loads if isinstance(load, FarField)}
+    assert set(loads) == {"big", "small"}
+    normals = np.array([[1.0, 0.0], [0.6, 0.8]])
+    traction = loads["big"].traction_at(np.zeros((2, 2)), normals)
+    np.testing.assert_allclose(traction, normals @ (1e6 * np.array([[-2.0, 1.0], [1.0, -10.0]])))
+    assert loads["big"].region.limits.tolist() == [[0.0, 1.0], [0.0, 0.4], [0.8, 1.0], [0.0, 1.0], [0.0, 1.0]]
+    assert [load["far_field"] for load in case.to_dict()["loads"]] == [[-2e6, -1e7, 1e6]] * 2
+    assert Case.from_dict(case.to_dict()).to_dict() == case.to_dict()
+
+
+def test_a_far_field_may_vary_if_what_it_leaves_over_is_held():
+    lithostatic = {"far_field": ["0.01*(y - 5)", "0.026*(y - 5)", 0]}
+    case = outlined(BLOCK, [{"outline": "rollers"}], [lithostatic])
+    places, up = np.array([[3.0, 5.0], [3.0, -5.0]]), np.array([[0.0, 1.0], [0.0, -1.0]])
+    np.testing.assert_allclose(case.loads[0].traction_at(places, up), [[0.0, 0.0], [0.0, 260000.0]], atol=1e-9)
+    with pytest.raises(CaseError, match="'minimal' takes no force"):
+        outlined(BLOCK, "minimal", [lithostatic])
 
 
 def test_bodies_in_contact_need_no_supports_but_others_do(tmp_path: Path):
@@ -122,8 +135,6 @@ def test_minimal_supports_hold_bonded_bodies_and_no_loose_ones(tmp_path: Path):
     assert "rock and cap" in fault(tmp_path, {**scene, "interfaces": joint("rock cap")})[1]
 
 
-# --- loads -----------------------------------------------------------------------------------------------------------
-
 PULL = [{"on": {"edge": "top"}, "traction": [0, 3]}, {"on": {"edge": "bottom"}, "traction": [0, -3]}]
 TURN = {"top": [1, 0], "bottom": [-1, 0], "right": [0, 1], "left": [0, -1]}
 SHEAR = [{"on": {"edge": edge}, "traction": traction} for edge, traction in TURN.items()]
@@ -144,9 +155,6 @@ def test_minimal_supports_take_no_force_of_loads_that_balance(
     if stress is not None:
         found = solution.stress_at(np.array([[0.3, 0.2], [-1.4, 2.1], [0.5, 0.7]]))
         np.testing.assert_allclose(found, [stress] * 3, atol=1e-9)
-
-
-# --- short forms and names -------------------------------------------------------------------------------------------
 
 
 ROUGH = {"friction": 0.5, "cohesion": 1, "residual_friction": 0.4}

@@ -10,7 +10,6 @@ import pytest
 import shapely
 
 import crackgrow
-from crackgrow.case import Case
 from crackgrow.case.segments import meeting_places
 from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
@@ -35,44 +34,6 @@ def cracked(scene: dict[str, Any], points: list[list[float]], tips: str = "none"
     return changed(scene, cracks={"flaw": {"path": {"points": points}, "tips": tips, "contact": "none"}})
 
 
-@pytest.mark.parametrize(("points", "tips", "body"), [
-    ([[1, 1], [2, 1]], "both", "low"),
-    # ends on the interface
-    ([[1, 1], [1, 2]], "start", "low"),
-    ([[1, 2], [1, 3]], "end", "top"),
-    ([[1, 2], [3, 2.5], [2, 2]], "none", "top"),
-    # and on the outline
-    ([[1, 3], [0, 3]], "start", "top"),
-    ([[0, 1], [4, 2]], "none", "low"),
-    ([[0, 1], [4, 1]], "none", "low"),
-])  # fmt: skip
-def test_a_crack_knows_its_body_and_may_end_on_its_rims(
-    points: list[list[float]], tips: str, body: str, tmp_path: Path
-):
-    (crack,) = load(tmp_path, cracked(two_blocks(), points, tips)).cracks
-    assert (crack.body, crack.points.tolist()) == (body, points)
-    assert (crack.tip_at_start, crack.tip_at_end) == (tips in ("start", "both"), tips in ("end", "both"))
-
-
-@pytest.mark.parametrize(("points", "tips", "cut", "lost"), [
-    ([[1, 2], [3, 2]], ["start"], [[1, 2], [2, 2]], [1.0]),
-    ([[3, 2], [1, 2]], ["end"], [[2, 2], [1, 2]], [1.0]),
-    ([[-1, 2], [1, 2.5], [3, 2.5]], [], [[0, 2.25], [1, 2.5], [2, 2.5]], [np.hypot(1, 0.25), 1.0]),
-    ([[1, 1], [1, -1]], ["start"], [[1, 1], [1, 0]], [1.0]),
-])  # fmt: skip
-def test_an_end_in_a_hole_or_outside_is_cut_at_the_rim_and_listed(
-    points: list[list[float]], tips: list[str], cut: list[list[float]], lost: list[float], tmp_path: Path
-):
-    holed = {**rectangle(0, 0, 6, 4), "holes": [rectangle(2, 1, 2, 2)]}
-    case = load(tmp_path, cracked({**with_body(holed), "supports": held("rock")}, points, "both"))
-    (crack,) = case.cracks
-    np.testing.assert_allclose(crack.points, cut, atol=1e-15)
-    assert [end for end in ("start", "end") if getattr(crack, f"tip_at_{end}")] == tips
-    assert {(part.crack, part.whole, part.why) for part in case.cut} == {("flaw", False, "outside of the rock")}
-    np.testing.assert_allclose([part.length for part in case.cut], lost, rtol=1e-12)
-    assert Case.from_dict(case.to_dict()).cracks[0].points.tolist() == crack.points.tolist()
-
-
 def test_only_bodies_whose_cracks_can_grow_need_a_strength(tmp_path: Path):
     growth = {key: value for key, value in EVERYTHING["growth"].items() if key != "direction"}
     scene = changed(two_blocks(), growth={**growth, "tip_stress": {"radius": 0.1}})
@@ -80,16 +41,6 @@ def test_only_bodies_whose_cracks_can_grow_need_a_strength(tmp_path: Path):
     assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "none")).bodies[1].strength is None
     scene["bodies"]["top"]["strength"] = {"tension": 1, "cohesion": 9, "friction_angle": 30}
     assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "start")).bodies[0].strength is None
-
-
-def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
-    points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
-    (crack,) = compression(f"cracks.flaw.path={{points: {points}}}").cracks
-    assert crack.points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
-    (finer,) = compression(f"cracks.flaw.path={{points: {points}}}", "numerics.spacing=1").cracks
-    assert len(finer.points) == 5
-    (short,) = compression("cracks.flaw.path={points: [[0, 0], [0.002, 0]]}").cracks
-    assert len(short.points) == 2
 
 
 # --- cracks that meet ------------------------------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Whole cases: the model in SI, defaults, overrides, what is written of it, and cases that are made in Python."""
+"""What is written of cases and read again, short forms, cases made in Python; toughness, accuracy, automatic cells."""
 
 from __future__ import annotations
 
@@ -13,21 +13,23 @@ import pytest
 import yaml
 
 from crackgrow.case import Case, dump_case, load_case
+from crackgrow.case.accuracy import REFINED_AT, TARGETS, cells_along
 from crackgrow.case.dump import written
 from crackgrow.case.load import read_case
 from crackgrow.case.model import (
-    ContactSupport,
-    CoulombContact,
-    EdgeSupport,
     LoadHistory,
-    PointSupport,
 )
+from crackgrow.case.sizing import Length, automatic_spacing
+from crackgrow.case.toughness import averaging_radius, shear_radius
 from crackgrow.errors import CaseError
+from crackgrow.plan.text import overview
 from tests.unit.case.scenes import (
     CASES,
+    COMPRESSION,
     EVERYTHING,
     NAMES,
     compression,
+    edited,
     held,
     load,
     rectangle,
@@ -37,50 +39,12 @@ from tests.unit.case.scenes import (
 )
 
 
-def test_compression30_in_si():
-    case = compression()
-    (body,), (crack,) = case.bodies, case.cracks
-    assert (case.name, case.plane, case.loading.factors) == ("compression30", "strain", (1.0,))
-    assert body.outline.tolist() == [[-0.0155, -0.0275], [0.0155, -0.0275], [0.0155, 0.0275], [-0.0155, 0.0275]]
-    assert body.rings[0].edge_names == ("bottom", "right", "top", "left")
-    assert (body.material.young, body.material.poisson) == (1e10, 0.25)
-    assert (body.strength.tension, body.strength.cohesion, body.strength.friction_angle) == (5e5, 1e7, 40.0)
-    half = 0.005 * np.array([np.sqrt(3) / 2, 0.5])
-    np.testing.assert_allclose(crack.points, [-half, half], rtol=1e-15)  # one rounding of cos, one of the product
-    assert (crack.tip_at_start, crack.tip_at_end, crack.body) == (True, True, "rock")
-    assert [support.displacement for support in case.supports] == [(None, 0.0), (None, 0.0), (0.0, None)]
-    assert [(load.region.edge, load.traction) for load in case.loads] == [("top", (0.0, -1e8)), ("bottom", (0.0, 1e8))]
-    assert (case.growth.steps, case.growth.increment, case.growth.tip_radius) == (22, 0.002, 0.001)
-
-
-def test_everything(tmp_path: Path):
-    case = load(tmp_path, EVERYTHING)
-    foundation, block, plug = case.bodies
-    assert [len(ring.points) for ring in block.rings] == [4, 360, 4, 3]
-    assert block.rings[0].edge_names == ("base", "2", "wall", "wall")
-    assert (block.material.density, plug.strength, foundation.material.density) == (2500.0, None, None)
-    joint, glue = case.interfaces
-    assert [line.tolist() for line in joint.lines] == [[[-0.01, 0.0], [0.01, 0.0]]]
-    assert isinstance(joint.contact, CoulombContact)
-    assert (glue.contact, len(glue.lines)) == ("bonded", 2)
-    bottom, wall, _ = case.supports
-    assert [type(support) for support in case.supports] == [ContactSupport, EdgeSupport, PointSupport]
-    np.testing.assert_allclose(wall.region.limits, [[0.75, 1], [0, 0.75]], atol=1e-15)
-    assert (wall.region.sides.tolist(), bottom.contact.cohesion, bottom.moves) == ([2, 3], 1e6, (0.0, 5e-4))
+def test_displacements_by_formulas(tmp_path: Path):
+    """In mm; 0.09 * (-10) - 0.1 = -1 mm."""
     points = np.array([[-0.01, 0.005], [0.004, 0.02]])
-    x, y = (component(points) for component in wall.displacement)
-    np.testing.assert_allclose(x, [-1e-3, 0.26e-3], rtol=1e-14)  # 0.09 * (-10) - 0.1 = -1 mm
+    x, y = (component(points) for component in load(tmp_path, EVERYTHING).supports[1].displacement)
+    np.testing.assert_allclose(x, [-1e-3, 0.26e-3], rtol=1e-14)
     np.testing.assert_allclose(y, [(100 + np.sqrt(0.5)) * 1e-3, 4e-3], rtol=1e-14)
-    assert case.loads[0].region.sides.tolist() == [368, 369, 370]
-    assert case.loads[1].region.sides.tolist() == [*range(350, 360), *range(11)]
-
-
-def test_a_support_that_nearly_stands_on_the_rock_is_moved_onto_it():
-    """As forces and points of outputs are; it is written where it was given."""
-    case = compression("supports.0.at=[-15.5001, -27.5]")
-    assert case.supports[0].point.tolist() == [-0.0155, -0.0275]
-    assert case.to_dict()["supports"][0]["at"] == [-0.0155001, -0.0275]
-    assert same(case, read_case(dump_case(case), "text", case.name))
 
 
 # --- what is written and read again ----------------------------------------------------------------------------------
@@ -254,3 +218,118 @@ def test_faults_of_mappings_name_keys_and_no_lines():
         Case.from_dict("title: x")
     with pytest.raises(TypeError, match=r"loads\.0: set given"):
         Case.from_dict({**PLATE, "loads": [{1, 2}]})
+
+
+# --- toughness, and the averaging radius that follows from it --------------------------------------------------------
+
+RADIUS = ("  tip_stress:\n    radius: 1 ", "#")
+
+
+def tough(folder: Path, toughness: str = "0.04 MPa sqrt(m)", *edits: tuple[str, str]) -> Path:
+    """compression30 with a toughness in place of its radius."""
+    return edited(folder, ("tension: 0.5", f"toughness: {toughness}\n      tension: 0.5"), RADIUS, *edits)
+
+
+def sheared(folder: Path, shear_toughness: str = "0.06 MPa sqrt(m)") -> Path:
+    """compression30 with a toughness in shear beside that in tension."""
+    return tough(folder, f"0.04 MPa sqrt(m)\n      shear_toughness: {shear_toughness}")
+
+
+def radius_of(case: Case) -> float:
+    return averaging_radius(case.growth, case.bodies[0].strength)
+
+
+def shear_radius_of(case: Case) -> float | None:
+    return shear_radius(case.growth, case.bodies[0].strength)
+
+
+def test_radii_follow_from_strengths_and_toughnesses(tmp_path: Path):
+    case = load_case(sheared(tmp_path))
+    assert case.growth.tip_radius is None
+    assert radius_of(case) == pytest.approx((2.0 * 0.04 / 0.5) ** 2 / (2.0 * np.pi), rel=1e-14)
+    cohesion = case.bodies[0].strength.cohesion
+    assert shear_radius_of(case) == pytest.approx((2.0 * 0.06e6 / cohesion) ** 2 / (2.0 * np.pi), rel=1e-14)
+    assert dump_case(reread(case, tmp_path)) == dump_case(case)
+    by_K = ["growth.criterion=max_hoop_stress", "growth.initiation=ends"]  # where K decides all but starts
+    assert shear_radius_of(load_case(sheared(tmp_path), by_K)) is not None
+    assert shear_radius_of(load_case(tough(tmp_path))) is None
+
+
+def test_automatic_spacing_resolves_the_radii_that_are_averaged_over(tmp_path: Path):
+    automatic = ["numerics.spacing=auto", "numerics.refine.tips=0"]
+    case = load_case(sheared(tmp_path, "0.2 MPa sqrt(m)"), [*automatic, "numerics.refine.kinks=0"])
+    assert case.numerics.spacing == pytest.approx(2.0 * (shear_radius_of(case) or 0.0))  # half a spacing wide at least
+    assert "shear toughness of body 'rock'" in str(case.numerics.auto_rule)
+    path = tough(tmp_path, "0.01 MPa sqrt(m)")
+    case = load_case(path, [*automatic, "growth.criterion=strength"])
+    assert case.numerics.spacing == pytest.approx(2.0 * radius_of(case))
+    assert "toughness of body 'rock'" in str(case.numerics.auto_rule)
+    case = load_case(path, [*automatic, "growth.criterion=max_hoop_stress"])
+    assert "toughness" not in str(case.numerics.auto_rule)  # nothing is averaged
+
+
+# --- the rule --------------------------------------------------------------------------------------------------------
+
+WIDE = Length("width", 20.0, "wide")
+THIN = [WIDE, Length("tip", 0.05, "crack"), Length("width", 10.0, "thin")]
+TINY = [*THIN, Length("tip", 0.0002, "tiny")]
+
+
+@pytest.mark.parametrize(("lengths", "refined", "spacing", "rule"), [
+    ([Length("tip", 10.0, "crack a"), Length("tip", 2.0, "crack b"), WIDE], None, 1.0, "crack b / 2"),
+    ([Length("tip", 10.0, "crack a"), WIDE, Length("width", 5.0, "thin")], None, 0.5, "thin / 10"),
+    ([Length("tip", 10.0, "crack a"), WIDE, Length("increment", 0.5, "step")], None, 0.5, "step / 1"),
+    ([WIDE, Length("increment", 1.0, "step"), Length("radius", 0.25, "radius")], None, 0.5, "radius / 0.5"),
+    ([WIDE], None, 2.0, "wide / 10"),
+    ([WIDE, Length("feature", 4.0, "hole")], None, 0.5, "hole / 8"),
+    ([WIDE, Length("bridge", 4.5, "rock"), Length("support", 8.0, "foot")], None, 1.5, "rock / 3"),
+    ([WIDE, Length("support", 2.0, "foot")], None, 0.5, "foot / 4"),
+    ([WIDE, Length("load", 1.0, "strip")], None, 0.5, "strip / 2"),
+    # where cells are refined, a length counts by the smallest of them
+    (THIN, "tips", 1.0, "thin / 10"),
+    (TINY, "tips", 0.4096, "tiny / 2 x 2^12"),
+    (TINY, "corners", 0.0001, "tiny / 2"),
+])  # fmt: skip
+def test_the_smallest_length_rules(lengths: list[Length], refined: str | None, spacing: float, rule: str):
+    at = (REFINED_AT[refined],) if refined else ()
+    assert automatic_spacing("standard", lengths, *at) == (spacing, rule)
+
+
+# --- presets and targets ---------------------------------------------------------------------------------------------
+
+
+def without_numerics(folder: Path, *lines: str) -> Path:
+    """compression30 whose numerics are these lines alone."""
+    text = COMPRESSION[: COMPRESSION.index("  spacing: 1.5")] + "".join(f"  {line}\n" for line in lines)
+    (folder / "scene.yaml").write_text(text, encoding="utf-8")
+    return folder / "scene.yaml"
+
+
+@pytest.mark.parametrize(("word", "target"), TARGETS.items())
+def test_a_preset_is_a_target_and_is_listed_in_the_resolved_case(word: str, target: float, tmp_path: Path):
+    case = load_case(without_numerics(tmp_path, f"accuracy: {word}"))
+    assert (case.numerics.target, case.numerics.measured) == (target, True)
+    listed = case.to_dict()["numerics"]
+    assert (listed["accuracy"], listed["support"], listed["quadrature"]) == (word, 2.0, 3)
+    assert listed["spacing"] == pytest.approx(0.031 / cells_along("width", word), rel=1e-12)
+    assert listed["auto_rule"].startswith("smaller side of body 'rock' / ")
+    assert f"(auto, {word}: smaller side of body 'rock' / " in overview(case)
+    assert listed["refine"] == {"tips": "auto", "kinks": "auto", "corners": "auto", "rings": 2.0}
+
+
+def test_explicit_keys_win_and_leave_the_others_to_the_preset(tmp_path: Path):
+    listed = load_case(without_numerics(tmp_path, "accuracy: fine", "spacing: 2.5")).to_dict()["numerics"]
+    assert (listed["accuracy"], listed["spacing"], "auto_rule" in listed) == ("fine", 0.0025, False)
+    whole = load_case(without_numerics(tmp_path, "accuracy: draft")).to_dict()["numerics"]
+    part = load_case(without_numerics(tmp_path, "accuracy: draft", "support: 3")).to_dict()["numerics"]
+    assert part == {**whole, "support": 3.0}
+    assert "spacing 1.5 mm, support" in overview(compression())
+    told = overview(compression("numerics.accuracy=fine"))
+    assert "spacing 1.5 mm (given, not that of fine), support" in told
+
+
+def test_resolved_automatic_case_reads_back_and_keeps_its_rule(tmp_path: Path):
+    case = compression("numerics.spacing=auto")
+    assert reread(case, tmp_path).numerics.auto_rule == case.numerics.auto_rule is not None
+    for setting in ("numerics.spacing=0.001", "bodies.rock.shape.rectangle.width=0.032"):  # not the rule's any more
+        assert load_case(tmp_path / "compression30.yaml", [setting]).numerics.auto_rule is None

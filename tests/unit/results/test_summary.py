@@ -1,9 +1,11 @@
-"""What is told of a run: a line a step, its warnings, and in summary.json its end, worst checks and errors."""
+"""What is told of a run: a line a step, its warnings, in summary.json its end, checks and errors; tables."""
 
 from __future__ import annotations
 
+import errno
 import json
 import math
+import os
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -12,6 +14,8 @@ from typing import Any
 import pytest
 
 from crackgrow import __version__
+from crackgrow.results import tables
+from crackgrow.results.atomic import OutputError, write_atomically, write_text
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import told_line
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, git_state, summarize
@@ -165,13 +169,39 @@ def test_a_cause_of_warnings_is_one_sentence(cautions: dict[int, list[StepWarnin
     assert gathered.sentences(with_steps=False) == [text.split(": ", 1)[1] for text in sentences]
 
 
-def test_only_what_is_new_is_news_and_records_bring_it_all_back() -> None:
-    gathered = Gathered()
-    assert gathered.add(0, [overlap("a", 5.0), StepWarning(WarningCause.JUMP, "no room", "tip", math.inf)]) == [
-        "'a' overlaps by 5 %", "no room"
-    ]  # fmt: skip
-    again = Gathered.of(json.loads(json.dumps(gathered.records())))
-    for each in (gathered, again):
-        assert each.add(1, [overlap("a", 9.0), overlap("b", 1.0)]) == ["'b' overlaps by 1 %"]
-    assert again.sentences() == gathered.sentences()
-    assert again.records() == gathered.records()
+def test_a_file_is_written_whole_or_stays_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "a.csv"
+    write_text(path, "x,y\n1,µ\n")
+
+    def write_half(temporary: Path) -> None:
+        temporary.write_text("ha")
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        write_atomically(path, write_half)
+    assert path.read_bytes() == "x,y\n1,µ\n".encode()
+    assert [file.name for file in path.parent.iterdir()] == ["a.csv"]
+
+
+@pytest.mark.parametrize(("number", "room"), [(errno.ENOSPC, True), (errno.EDQUOT, True), (errno.EROFS, False)])
+def test_what_the_system_refuses_names_the_file_and_asks_for_room(number: int, room: bool, tmp_path: Path) -> None:
+    def write(temporary: Path) -> None:
+        raise OSError(number, os.strerror(number), temporary)
+
+    with pytest.raises(OutputError, match=rf"a\.csv: {os.strerror(number)}; .*choose another folder") as caught:
+        write_atomically(tmp_path / "a.csv", write)
+    assert ("make room" in str(caught.value)) == room
+    assert caught.value.exit_code == 3
+
+
+@pytest.mark.parametrize("name", ["tips", "events"])
+def test_rows_from_a_step_on_are_dropped_and_a_row_that_a_kill_cut_off(name: str, tmp_path: Path) -> None:
+    """ "1" may be the begin of a row of step 12."""
+    table = tables.Table(tmp_path, name)
+    table.extend([(step, "flaw") for step in (0, 1, 1, 2, 3)])
+    table.write()
+    whole = table.path.read_text()
+    table.path.write_text(whole + "1")
+    table.drop_from(3)
+    assert table.path.read_text() == whole[: whole.index("\n3,") + 1]
+    assert len(table) == 4

@@ -19,7 +19,6 @@ from tests.report_runs import make_run
 
 CASES = Path(__file__).parents[3] / "cases"
 JOINT, FLAW = CASES / "fits" / "rough_joint_measured.csv", CASES / "compression30.yaml"
-FRICTION, DECAY = "supports.0.contact.friction", "supports.0.contact.decay_length"
 LENGTHS = ("crack_length", "load_factor")
 
 
@@ -120,28 +119,8 @@ def test_a_measured_path_is_that_of_its_crack(tmp_path: Path) -> None:
 
 
 @pytest.mark.physics
-def test_the_friction_of_a_joint_is_recovered_within_its_noise(tmp_path: Path) -> None:
-    """The shear force is that of the closed form with 0.8, and noise; resumed, no run is made again."""
-    file = tmp_path / "fit.yaml"
-    file.write_text(
-        f"base: {CASES / 'rough_joint_sheared.yaml'}\nset: {{loading.history: [1]}}\n"
-        f"parameters: {{{FRICTION}: {{from: 0.6, to: 1.2}}}}\n"
-        f"measured: {{file: {JOINT}, x: load_factor, y: supports.1.force_x, columns: [load_factor, shear_N]}}\n"
-    )
-    assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
-    found = json.loads((tmp_path / "out" / "fit.json").read_text())
-    assert abs(found["values"][0] - 0.8) < found["half_widths"][0] < 0.01
-    assert found["rms"] == pytest.approx(4000.0, rel=0.3)  # N/m, the noise
-    made = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").glob("*/summary.json")}
-    assert len(made) == found["n_runs"]
-    assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--resume"]) == 0
-    assert json.loads((tmp_path / "out" / "fit.json").read_text()) == found
-    assert made == {path: path.stat().st_mtime_ns for path in (tmp_path / "out").glob("*/summary.json")}
-
-
-@pytest.mark.physics
 def test_the_angle_of_a_flaw_is_recovered_from_its_path(tmp_path: Path) -> None:
-    """Within its noise, of a path that the same case has drawn at 33 degrees."""
+    """Within its noise, of a path that the same case has drawn at 33 degrees; resumed, no run is made again."""
     coarse = ["numerics.spacing=4", "growth.steps=1"]
     points = read_paths(make_run(tmp_path / "run", [*coarse, "cracks.flaw.path.angle=33"])).cracks["flaw"].points
     places = np.concatenate([points[:-1] + s * np.diff(points, axis=0) for s in (0.1, 0.4, 0.7)])
@@ -156,3 +135,8 @@ def test_the_angle_of_a_flaw_is_recovered_from_its_path(tmp_path: Path) -> None:
     assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--workers", "1"]) == 0
     found = json.loads((tmp_path / "out" / "fit.json").read_text())
     assert abs(found["values"][0] - 33.0) < found["half_widths"][0] < 1.0
+    made = {path: path.stat().st_mtime_ns for path in (tmp_path / "out").glob("*/summary.json")}
+    assert len(made) == found["n_runs"]
+    assert cli.main(["fit", str(file), "--out", str(tmp_path / "out"), "--resume"]) == 0
+    assert json.loads((tmp_path / "out" / "fit.json").read_text()) == found
+    assert made == {path: path.stat().st_mtime_ns for path in (tmp_path / "out").glob("*/summary.json")}

@@ -10,7 +10,7 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from pathlib import Path
 
 import dask
@@ -32,9 +32,9 @@ from tests.properties.broken_off import CASES, ENVIRONMENT, ROOT, finished, wait
 
 FLAW = CASES / "compression30.yaml"
 PATIENCE = 60.0  # s, for what happens at last
-LONG = ("growth.steps=15", "growth.increment=0.05", "output.frames=none", "output.figures=false", "output.report=false")
+LONG = ("growth.steps=10", "growth.increment=0.05", "output.frames=none", "output.figures=false", "output.report=false")
 COARSE = "numerics.spacing: 4, growth.steps: 1"
-LASTING = "numerics.spacing: 4, growth.steps: 15, growth.increment: 0.05"
+LASTING = "numerics.spacing: 4, growth.steps: 10, growth.increment: 0.05"
 FRICTION = "cracks.flaw.contact.friction: [0, -1, 0.3]"  # a negative one is refused
 
 pytestmark = pytest.mark.physics
@@ -187,16 +187,6 @@ def test_nothing_is_told_of_a_folder_that_is_damaged_of_another_version_or_of_an
 # --- whole sweeps ----------------------------------------------------------------------------------------------------
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    """A scheduler with two workers, as another program would offer it."""
-    with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.admin.tick.limit": "1h"}),
-        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
-    ):
-        yield cluster.scheduler_address
-
-
 def test_command_line_runs_what_is_missing_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     path, out = written(tmp_path), tmp_path / "out"
     command = ["sweep", str(path), "--out", str(out), "--workers", "2", "--memory", "2GB"]
@@ -239,24 +229,23 @@ def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytes
     assert statuses(out) == ["completed", "refused", "completed"]
 
 
-@pytest.mark.parametrize("scheduled", [True, False])
-def test_killed_runs_are_told_and_gone_on_with(scheduled: bool, address: str, tmp_path: Path) -> None:
+def test_killed_runs_are_told_and_gone_on_with(tmp_path: Path) -> None:
     """To the same digits as without a break."""
     plan = planned(tmp_path, "cracks.flaw.contact.friction: [0, 0.1]", LASTING)
-    where = {"scheduler": address} if scheduled else {"workers": 2}
     killer = threading.Thread(target=lambda: os.kill(process_of(plan.runs[0].folder), signal.SIGKILL))
     killer.start()
-    rows = {row.run.number: row.values for row in sweep(plan, **where)}  # type: ignore[arg-type]
+    rows = {row.run.number: row.values for row in sweep(plan, workers=2)}
     killer.join()
     assert str(rows[0]["reason"]).startswith("killed by SIGKILL")
     assert statuses(plan.folder) == ["failed", "completed"]
-    assert [row.new for row in sweep(plan, **where, resume=True)] == [False, True]  # type: ignore[arg-type]
+    assert [row.new for row in sweep(plan, workers=2, resume=True)] == [False, True]
     assert statuses(plan.folder) == ["completed", "completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
 
 
-def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path: Path) -> None:
+def test_a_run_whose_worker_dies_goes_on_with_another_one(tmp_path: Path) -> None:
+    """Of a scheduler with two workers, as another program would offer it."""
     plan = planned(tmp_path, "cracks.flaw.contact.friction: [0]", LASTING)
 
     def kill() -> None:
@@ -265,9 +254,13 @@ def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path
         os.kill(client.run(os.getpid)[busy], signal.SIGKILL)
 
     killer = threading.Thread(target=kill)
-    with Client(address, set_as_default=False) as client:
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.admin.tick.limit": "1h"}),
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster.scheduler_address, set_as_default=False) as client,
+    ):
         killer.start()
-        rows = list(sweep(plan, scheduler=address))
+        rows = list(sweep(plan, scheduler=cluster.scheduler_address))
         killer.join()
     assert [row.values["status"] for row in rows] == ["completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]

@@ -1,4 +1,4 @@
-"""Every kind of fault in a case: the right line, key and words."""
+"""What is refused of cases and what is read of them, by the tables faults.yaml and read.yaml."""
 
 from __future__ import annotations
 
@@ -6,15 +6,18 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, faults_of, text_of
+from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, faults_of, reread, same, text_of
 
 ROOT = Path(__file__).parents[3]
-TABLE = yaml.safe_load(Path(__file__).with_name("faults.yaml").read_text(encoding="utf-8"))
+HERE = Path(__file__).parent
+TABLE = yaml.safe_load((HERE / "faults.yaml").read_text(encoding="utf-8"))
+READ = yaml.safe_load((HERE / "read.yaml").read_text(encoding="utf-8"))
 SCENES = {name: text_of(scene) for name, scene in {"everything": EVERYTHING, **TABLE["cases"]}.items()}
 SCENES |= {"compression30": COMPRESSION, "none": "# no case"}
 
@@ -86,3 +89,48 @@ def test_all_faults_at_once_in_file_order(tmp_path: Path):
     assert [fault.key for fault in faults] == keys
     for fault in faults:
         assert fault.key.rpartition(".")[2] + ":" in lines[(fault.line or 0) - 1]
+
+
+def at(found: Any, name: str) -> Any:
+    """What a name such as cracks.0.points leads to, arrays as lists."""
+    first, _, rest = name.partition(".")
+    if isinstance(found, np.ndarray):
+        return at(found.tolist(), name)
+    if first == "":
+        return [at(each, "") for each in found] if isinstance(found, tuple | list) else found
+    if first == "*":
+        return [at(each, rest) for each in found]
+    if isinstance(found, tuple | list):
+        return at(found[int(first)] if first.isdigit() else {each.name: each for each in found}[first], rest)
+    return at(getattr(found, first), rest)
+
+
+def assert_alike(found: Any, wanted: Any, within: float) -> None:
+    if isinstance(wanted, list):
+        assert len(found) == len(wanted), (found, wanted)
+        for one, other in zip(found, wanted, strict=True):
+            assert_alike(one, other, within)
+    elif isinstance(wanted, int | float) and not isinstance(wanted, bool):
+        assert found == pytest.approx(wanted, rel=0.0, abs=within)
+    else:
+        assert found == wanted
+
+
+@pytest.mark.parametrize(
+    ("group", "row"),
+    [
+        pytest.param(group, row, id=f"{group['about']}: {row[0]}".encode("ascii", "replace").decode()[:150])
+        for group in READ
+        for row in group["rows"]
+    ],
+)
+def test_read(group: dict[str, Any], row: list[Any], tmp_path: Path):
+    """A case of read.yaml has these values, also as it is written, where it needs its files no more."""
+    settings, _ = written(group, row[0], tmp_path)
+    case = load_case(tmp_path / "scene.yaml", settings)
+    for name, wanted in (group.get("are") or dict(zip(group["wanted"], row[1:], strict=True))).items():
+        assert_alike(at(case, name), wanted, group.get("within", 1e-15))
+    (tmp_path / "elsewhere").mkdir()
+    again = reread(case, tmp_path / "elsewhere")
+    for part in ("bodies", "cracks", "interfaces"):
+        assert same(getattr(again, part), getattr(case, part))
