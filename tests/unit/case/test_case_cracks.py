@@ -60,42 +60,6 @@ def plate(**cracks: Line) -> dict[str, Any]:
 
 
 MAIN: Line = ([[-2, 0], [2, 0]], "both")
-SHORT: Line = ([[-2, 0], [2, 0]], "start")
-
-
-MEETINGS: dict[str, tuple[dict[str, Line], list[list[float]]]] = {
-    "X": ({"a": MAIN, "b": ([[0, -1], [0, 1]], "both")}, [[0, 0]]),
-    "X twice": ({"a": MAIN, "b": ([[-1, -1], [0, 1], [1, -1]], "both")}, [[-0.5, 0], [0.5, 0]]),
-    "T of many segments": ({"a": MAIN, "b": ([[1, 0], [1.2, 0.5], [1, 1], [1.2, 1.5], [1, 2]], "end")}, [[1, 0]]),
-    "V": ({"a": SHORT, "b": ([[2, 0], [3, 1]], "end")}, [[2, 0]]),
-    "branches": (
-        {"a": SHORT, "b": ([[2, 0], [3, 1]], "end"), "c": ([[2, 0], [3, -1]], "end"), "d": ([[2, 2], [2, -2]], "both")},
-        [[2, 0]],
-    ),
-    "two that enclose a block": (
-        {"a": ([[-2, 0], [0, 1], [2, 0]], "none"), "b": ([[-2, 0], [0, -1], [2, 0]], "none")},
-        [[-2, 0], [2, 0]],
-    ),
-    "through the whole body": ({"a": ([[-5, 1], [5, -1]], "none"), "b": ([[0, -5], [0, 5]], "none")}, [[0, 0]]),
-    "from the outline": ({"a": ([[-5, 1], [0, 0]], "end"), "b": ([[3, 5], [3, 0], [4, 0]], "end")}, []),
-    "at a corner and at one place of the outline": (
-        {"a": ([[-5, -5], [0, 0]], "end"), "b": ([[5, 0], [4, 1]], "end"), "c": ([[5, 0], [4, -1]], "end")},
-        [[5, 0]],
-    ),
-    "just apart": ({"a": MAIN, "b": ([[0, 1.1 * REACH], [0, 1]], "both")}, []),
-    "just beyond": ({"a": MAIN, "b": ([[0, -1.1 * REACH], [0, 1]], "both")}, [[0, 0]]),
-    "side by side": ({"a": MAIN, "b": ([[-1, 1.1 * REACH], [1, 1.1 * REACH]], "both")}, []),
-    "T at a small angle": ({"a": MAIN, "b": ([[-1, 0], [1, 10 * REACH]], "end")}, [[-1, 0]]),
-}
-
-
-@pytest.mark.parametrize("name", MEETINGS)
-def test_cracks_may_meet(name: str, tmp_path: Path):
-    cracks, places = MEETINGS[name]
-    case = load(tmp_path, plate(**cracks))
-    found = meeting_places([crack.points for crack in case.cracks], TOLERANCE)
-    np.testing.assert_allclose(found[np.lexsort(found.T[::-1])], np.reshape(places, (-1, 2)), atol=TOLERANCE)
-    assert [crack.points.tolist() for crack in case.cracks] == [points for points, _ in cracks.values()]
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 1.5])

@@ -49,51 +49,6 @@ def test_displacements_by_formulas(tmp_path: Path):
 
 # --- what is written and read again ----------------------------------------------------------------------------------
 
-AWKWARD = [
-    "units={length: cm, stress: kPa}",
-    'bodies.rock.shape.rectangle.width="0.1234567890123456789 km"',
-    "bodies.rock.shape.rectangle.height=33.3",
-    "bodies.rock.shape.rectangle.center=[0.1, 0.7]",
-    "bodies.rock.material={young: 70.1 GPa, poisson: 1e-1, density: 2.7 g/cm^3}",
-    "cracks.flaw.path={center: [0.3, 0.7], length: 1.1, angle: 77.7}",
-    "cracks.far={path: {points: [[3, 3], [3, 3], [4.1, 5.3], [6, 6]]}, tips: start, contact: none}",
-    "supports=[{on: {body: rock, edge: bottom, from: -1.7, to: 3.3 mm}, displacement: {x: 0.1 um, y: -0.3}}]",
-    "loads.0.on={body: rock, edge: left, from: 1 mm}",
-    "numerics={spacing: 0.7, contact: {stiffness: 1.e+2, discretization: gauss, solver: lemke}}",
-    "output={frames: none, fields: [], figures: false}",
-    "title='on: #1 \"äöü\" \\ 10'",
-]
-STARTING = [
-    "growth.initiation={at: outlines, spacing: 3}",
-    "output.points={head: {at: [0, 20]}, mouth: {crack: flaw, at: [0, 0]}, width: {between: [[-9, 0], [9, 0]]}}",
-    "cracks.flaw.contact={friction: 0.6, cohesion: 1, tension: 0.1, residual_friction: 0.3, cohesion_after_slip: kept}",
-]
-SLOW = [
-    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress, law: subcritical,"
-    " subcritical: {velocity: 1 mm/day, exponent: 20, threshold: 0.2}}",
-    "bodies.rock.strength={tension: 0.5, cohesion: 10, friction_angle: 40, toughness: 0.04 MPa sqrt(m)}",
-]
-FATIGUE = [
-    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress, law: fatigue,"
-    " fatigue: {rate: 1e-9 mm, at: 1 MPa sqrt(m), exponent: 3.5, threshold: 0.1 MPa sqrt(m)}}",
-    SLOW[1],
-    "loading={history: [0.1, 1]}",
-]
-BEDDED = [
-    "bodies.rock.strength={tension: 0.5, cohesion: 10, friction_angle: 40, toughness: 0.04 MPa sqrt(m),"
-    " bedding: {angle: 30, toughness: 0.02 MPa sqrt(m)}}",
-    "growth={steps: 2, increment: 1, advance: all, criterion: max_hoop_stress}",
-]
-FOLLOWED = ["loading={history: [0.5, 0.5, 1e-1], follow: 8}"]
-CRITICAL = ["loading=critical", "growth.steps=0"]
-
-
-@pytest.mark.parametrize("overrides", [[], AWKWARD, STARTING, SLOW, FATIGUE, BEDDED, FOLLOWED, CRITICAL])
-def test_resolved_case_reads_back_bit_for_bit(overrides: list[str], tmp_path: Path):
-    case = compression(*overrides)
-    assert same(case, reread(case, tmp_path))
-    assert yaml.safe_load(dump_case(case)) == written(case)
-
 
 @pytest.mark.physics
 @pytest.mark.parametrize("name", NAMES)
