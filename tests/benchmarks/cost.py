@@ -1,16 +1,20 @@
-"""Refit what `crackgrow check` and `crackgrow run` tell of a run: `python -m tests.benchmarks.cost`.
+"""What `crackgrow check` and `crackgrow run` tell of a run beside what it takes.
 
-Runs whole commands, each in a process of its own with one BLAS thread, and writes crackgrow/plan/cost.json, the
-constants, and tests/benchmarks/cost.md, what is told and what was taken.
+    python -m tests.benchmarks.cost [SCENE ...]
+
+Runs whole commands, each in a process of its own with one BLAS thread. Without names it refits the constants in
+crackgrow/plan/cost.json to all scenes, a quarter of an hour, and writes tests/benchmarks/cost.md.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
 import os
 import subprocess
 import sys
 import tempfile
+from collections.abc import Sequence
 
 import numpy as np
 from scipy.optimize import nnls
@@ -59,27 +63,41 @@ def taken(scene: Scene) -> tuple[float, float]:
     return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024
 
 
-def main() -> None:
-    """Measure, fit, write."""
-    scenes = (*SHIPPED, *OTHERS)
+def main(given: Sequence[str] | None = None) -> None:
+    """Measure; print, or fit and write."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("only", nargs="*", metavar="SCENE", help="shipped cases that are told of alone")
+    only = parser.parse_args(given).only
+    if unknown := set(only) - {name for name, _ in SHIPPED}:
+        parser.error(f"no shipped case: {', '.join(sorted(unknown))}")
+    scenes = tuple(scene for scene in (*SHIPPED, *OTHERS) if not only or scene[0] in only)
     cases, found = [case_of(scene) for scene in scenes], []
     for scene in scenes:
         found.append(taken(scene))
         print(*scene, *found[-1], flush=True)
-    terms = [terms_of(case, sizes_of(case)) for case in cases]
-    file = ROOT / "crackgrow" / "plan" / "cost.json"
-    table = json.loads(file.read_text(encoding="utf-8"))
-    for k, value in enumerate(("seconds", "memory")):  # none negative, of least relative error
-        A, b = np.array([both[k] for both in terms]), np.array([both[k] for both in found])
-        table[value] = [float(f"{constant:.3g}") for constant in nnls(A / b[:, None], np.ones(len(b)))[0]]
-    file.write_text(f"{json.dumps(table, indent=1)}\n", encoding="utf-8")
+    if not only:
+        refit(cases, found)
     lines = []
     for (name, settings), case, (seconds, memory) in zip(scenes, cases, found, strict=True):
         told = cost_of(case)
         words = (f"{told.seconds:.3g}", f"{seconds:.3g}", f"{told.memory:.0f}", f"{memory:.0f}")
         lines.append((" ".join((name, *settings)), str(told.n_dofs), *words))
-    head = ("run", "unknowns", "told, s of CPU", "taken", "told, MiB", "taken")
-    renew_table(HERE / "cost.md", markdown(head, lines))
+    written = markdown(("run", "unknowns", "told, s of CPU", "taken", "told, MiB", "taken"), lines)
+    if only:
+        print(written)
+    else:
+        renew_table(HERE / "cost.md", written)
+
+
+def refit(cases: Sequence[Case], found: Sequence[tuple[float, float]]) -> None:
+    """Write constants that tell the seconds and MiB that were found, none negative, of least relative error."""
+    terms = [terms_of(case, sizes_of(case)) for case in cases]
+    file = ROOT / "crackgrow" / "plan" / "cost.json"
+    table = json.loads(file.read_text(encoding="utf-8"))
+    for k, value in enumerate(("seconds", "memory")):
+        A, b = np.array([both[k] for both in terms]), np.array([both[k] for both in found])
+        table[value] = [float(f"{constant:.3g}") for constant in nnls(A / b[:, None], np.ones(len(b)))[0]]
+    file.write_text(f"{json.dumps(table, indent=1)}\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -22,19 +22,15 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow import run_case
 from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors, Quantities, errors_of
 from crackgrow.case import Case, load_case
 from crackgrow.case.accuracy import target_of
-from crackgrow.case.model import CriticalLoad, StrengthReduction
+from crackgrow.case.model import CriticalLoad
 from crackgrow.errors import CrackgrowError
-from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import LoadsInTurn, NextStepSolver
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.scene import make_scene
-from crackgrow.run.strength_reduction import strength_reduction
 from crackgrow.run.target import quantities
 from tests.benchmarks.tables import HERE, table
 from tests.benchmarks.target_scenes import SCENES, Known
@@ -55,9 +51,11 @@ MOST_UNKNOWNS = 150_000
 
 SHIPPED = (
     "brazilian_disk", "compression45", "confined30", "cyclic_friction", "edge_tension", "flaw_and_hole",
-    "interface_friction04", "junction_static", "slant_tension", "slope_safety", "tension0", "two_flaws",
+    "interface_friction04", "junction_static", "slant_tension", "tension0", "two_flaws",
     "two_flaws_overlapping",
 )  # fmt: skip
+
+HEAD = ("scene", "accuracy", "quantity", "error, %", "truth good to", "expected", "at most", "unknowns", "CPU s")
 
 Truth = dict[tuple[str, str], tuple[float, float]]
 
@@ -94,6 +92,12 @@ class Row:
         """Whether the expected error is within a factor of two, as far as the truth goes."""
         error, expected = self.error, self.D / EXPECTED
         return max(error - self.within, 0.0) <= 2.0 * expected and expected <= 2.0 * (error + self.within)
+
+    @property
+    def cells(self) -> tuple[str, ...]:
+        """The row as words, under HEAD."""
+        parts = (f"{100 * part:.3f}" for part in (self.error, self.within, self.D / EXPECTED, BOUND * self.D))
+        return (self.scene, self.accuracy, self.quantity, *parts, f"{self.n_dofs:,}", f"{self.seconds:.2f}")
 
 
 def wings(seed: int, count: int = 40) -> Iterator[tuple[str, dict[str, Any]]]:
@@ -147,9 +151,6 @@ def _shipped(name: str, accuracy: str) -> Case:
 def rows_of(name: str, entry: Entry, accuracy: str) -> Iterator[Row]:
     """The quantities of a scene in its first step and in its last one."""
     case = entry.case(accuracy)
-    if isinstance(case.loading, StrengthReduction):
-        yield _safety(name, case, accuracy)
-        return
     begun, before = time.process_time(), None
     last: tuple[int, StepSolution | None, StepSolution, float] | None = None
     for result, solution in solved_steps(case):
@@ -234,19 +235,6 @@ def _rows(make: Callable[..., Row], solution: StepSolution, off: Errors, apart: 
             yield make(goal, off.shares[goal], near.shares[goal], stated.shares[goal])
 
 
-def _safety(name: str, case: Case, accuracy: str) -> Row:
-    """The factor of safety."""
-    begun, run = time.process_time(), run_case(case)
-    seconds, safety = time.process_time() - begun, run.end.safety
-    assert safety is not None
-    scene, cracks = make_scene(case), beginning(case).cracks
-    levels = [replace(scene.grading, cracks=(level,) * len(cracks), rest=level) for level in (1, 2)]
-    near, truth = (strength_reduction(scene.with_grading(grading), cracks)[0].factor for grading in levels)
-    error, within = abs(safety.factor / truth - 1.0), abs(near / truth - 1.0)
-    return Row(name, accuracy, "factor of safety", error, within, safety.error / 100.0 / BOUND,
-               run.results[0].n_dofs, seconds)  # fmt: skip
-
-
 def told(rows: Sequence[Row]) -> Iterator[str]:
     """What the rows say of an accuracy, by quantity and together."""
     for accuracy in dict.fromkeys(row.accuracy for row in rows):
@@ -292,24 +280,15 @@ def main(given: Sequence[str] | None = None) -> None:
                 print(f"{name}, {accuracy}: {error}", flush=True)
                 continue
             for row in mine:
-                words = f"{row.scene}, {accuracy}, {row.quantity}: {_percent(row)}, {row.n_dofs}, {row.seconds:.2f} s"
-                print(words + ("" if row.holds else "  BEYOND"), flush=True)
+                print(*row.cells, "" if row.holds else "BEYOND", sep=" | ", flush=True)
     print("\n".join(told(found)))
     if asked.write:
         (HERE / "errors.md").write_text(page(found), encoding="utf-8")
 
 
-def _percent(row: Row) -> str:
-    return (
-        f"{100 * row.error:.3f} % ({100 * row.within:.3f}) of at most {100 * BOUND * row.D:.3f}, "
-        f"expected {100 * row.D / EXPECTED:.3f}"
-    )
-
-
 def page(rows: Sequence[Row]) -> str:
     """errors.md: what the rows say together, and what is beyond its bound."""
     beyond = [row for row in rows if not row.holds]
-    head = ("scene", "accuracy", "quantity", "error, %", "truth good to", "expected", "at most", "unknowns", "CPU s")
     return (
         "# Stated errors, held against truths\n\n"
         "Written by `python -m tests.benchmarks.errors --write`, whose head says what scenes and truths these are.\n"
@@ -317,14 +296,8 @@ def page(rows: Sequence[Row]) -> str:
         "in percent of a radian; of a crack the worse tip counts. Expected is D / 1.6, at most 3 D.\n\n"
         + "".join(f"{'' if line.startswith('  ') else '- '}{line}\n" for line in told(rows))
         + f"\n## Beyond their bound: {len(beyond)}\n\n"
-        + table(head, list(map(_cells, beyond)))
+        + table(HEAD, [row.cells for row in beyond])
     )
-
-
-def _cells(row: Row) -> tuple[str, ...]:
-    percent = (row.error, row.within, row.D / EXPECTED, BOUND * row.D)
-    parts = (f"{100 * part:.3f}" for part in percent)
-    return (row.scene, row.accuracy, row.quantity, *parts, f"{row.n_dofs:,}", f"{row.seconds:.2f}")
 
 
 if __name__ == "__main__":

@@ -61,7 +61,7 @@ def test_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
     assert packed == wanted
 
 
-def test_scene_runs_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
+def test_the_program_and_the_python_interface_work_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
     shutil.copy(ROOT / "cases/compression30.yaml", tmp_path)
     said = run([program / "crackgrow", "run", "compression30.yaml"], tmp_path)
     assert "completed: all 22 growth steps are done" in said
@@ -70,15 +70,8 @@ def test_scene_runs_outside_of_the_repository(program: Path, tmp_path: Path) -> 
     assert summary["git_commit"] is None  # the installed program, not a checkout
     assert (tmp_path / "outputs/compression30/compression30.pvd").is_file()
     assert (tmp_path / "outputs/compression30/report.html").is_file()
-
-
-def test_case_from_a_template_is_made_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
     run([program / "crackgrow", "new", "rock"], tmp_path)
     assert "crack flaw" in run([program / "crackgrow", "check", "rock.yaml"], tmp_path)
-
-
-def test_python_interface_works_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
-    shutil.copy(ROOT / "cases/compression30.yaml", tmp_path)
     code = (
         "import crackgrow; case = crackgrow.load_case('compression30.yaml', ['numerics.spacing=3']); "
         "print(crackgrow.__file__); print(len(crackgrow.solve(case).tips))"

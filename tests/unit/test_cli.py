@@ -18,13 +18,14 @@ import pytest
 import crackgrow
 from crackgrow import cli
 from crackgrow.case.model import Case
-from crackgrow.errors import CaseError, Fault, GeometryError, SolveError
+from crackgrow.errors import GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
 ROOT = Path(__file__).resolve().parents[2]
+COMPRESSION = str(ROOT / "cases" / "compression30.yaml")
 
 Grow = Callable[[Case, object], Generator[StepResult, None, RunEnd]]
 
@@ -51,7 +52,6 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (tmp_path / "block.yaml").write_text("title: A block with a crack\n")
     monkeypatch.setattr(crackgrow, "load_case", lambda path, overrides: make_case(frames="none"), raising=False)
     monkeypatch.setattr(crackgrow, "grow", growing, raising=False)
-    monkeypatch.setattr(writer, "dump_case", lambda case: "title: A block with a crack\n")
     return tmp_path
 
 
@@ -75,17 +75,12 @@ def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: py
     assert cli.main(["check", "block.yaml"]) == 0
     assert f"the whole run takes {lines[1]}, within a factor of two" in capsys.readouterr().out  # one estimate
     assert [line.split(",")[0] for line in lines[2:5]] == ["step 0/2", "step 1/2", "step 2/2"]
-    assert re.fullmatch(
-        r"step 0/2, load factor [\d.]+, criticality [\d.]+, grows at K [\d.]+ \w+ sqrt\(m\), "
-        r"flaw end \(tension\) K_I -?[\d.]+ K_II -?[\d.]+ \w+ sqrt\(m\), "
-        r"cracks [\d.]+ m+ long",
-        lines[2],
+    told = (
+        r"step 0/2, load factor 1, criticality [\d.]+, .*flaw end \(tension\) K_I -?[\d.]+ K_II -?[\d.]+ \w+ sqrt\(m\),"
     )
+    assert re.fullmatch(told + r" cracks [\d.]+ m+ long", lines[2])
     log = (scene / "outputs" / "block" / "run.log").read_text().splitlines()
-    assert re.search(
-        r"step 0/2, load factor 1, criticality [\d.]+, .*flaw end \(tension\).*, \d+ dofs, \d contact iterations?, ",
-        log[1],
-    )
+    assert re.search(told + r".* \d+ dofs, \d contact iterations?, ", log[1])
     assert lines[5:] == [
         "warning: steps 0 to 2: thin cell",
         "estimated error: K by at most 1 % of the largest",
@@ -111,19 +106,14 @@ def test_terminal_has_one_live_line_with_a_bar_where_there_is_room(
         assert re.search(r"step 2/2, load factor [\d.]+, criticality [\d.]+, cracks [\d.]+ m", live[-1])
 
 
-def test_wrong_case_lists_its_faults_and_touches_nothing(
-    scene: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def load(path: Path, overrides: list[str]) -> Case:
-        raise CaseError([Fault("block.yaml", 3, "plane", "wrong"), Fault("--set", None, "x", "no such key")])
-
-    monkeypatch.setattr(crackgrow, "load_case", load)
-    (scene / "outputs" / "block").mkdir(parents=True)
-    (scene / "outputs" / "block" / "summary.json").write_text("old")
-    assert cli.main(["run", "block.yaml"]) == 2
-    assert capsys.readouterr() == ("", "block.yaml:3: plane: wrong\n--set: x: no such key\n")
-    assert (scene / "outputs" / "block" / "summary.json").read_text() == "old"
-    assert cli.main(["check", "block.yaml"]) == 2
+def test_wrong_case_lists_its_faults_and_touches_nothing(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    (tmp_path / "summary.json").write_text("old")
+    for command in (["run", COMPRESSION, "--out", str(tmp_path)], ["check", COMPRESSION]):
+        assert cli.main([*command, "--set", "plane=strian", "--set", "x=1"]) == 2
+        out, err = capsys.readouterr()
+        assert out == ""
+        assert [line.split(":")[0] for line in err.splitlines()] == ["--set x", "--set plane"]
+    assert (tmp_path / "summary.json").read_text() == "old"
 
 
 @pytest.mark.parametrize(("error", "code", "status", "reason", "told"), [
@@ -209,51 +199,23 @@ def test_case_file_in_the_folder_of_the_results_is_not_replaced(
     assert cli.main(["run", "slope/case.yaml", "--out", "other"]) == 0
 
 
-LONG = "n" * 300
-
-
-@pytest.mark.parametrize(("words", "codes", "told"), [
-    ("run block.yaml --out file", [3], "cannot write results into file: file is a file; choose another folder\n"),
-    ("run block.yaml --out file/a", [3], "cannot write results into file/a: file is a file; choose another folder\n"),
-    ("run blok.yaml", [2], "blok.yaml: no such case file; did you mean block.yaml?"),
-    ("run my_rock", [2], "my_rock: no such case file; did you mean cases/my_rock.yaml?\n"),
-    ("check .", [2], "is a folder"),
-    (f"run {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
-    (f"check {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
-    (f"trade {LONG}.yaml", [2], f"{LONG}.yaml: no such case file"),
-    (f"run block.yaml --out {LONG}", [3], "the name is too long; choose another folder\n"),
-    (f"report {LONG}", [3], ""),
-    (f"render {LONG}", [3], ""),
-    (f"view {LONG}", [3], ""),
-    (f"compare {LONG} {LONG}", [2, 3], ""),
-    (f"sweep {LONG}.yaml", [2, 3], ""),
-    (f"new {LONG}", [2, 3], ""),
-    (f"check block.yaml --picture {LONG}.png", [2, 3], ""),
-])  # fmt: skip
-def test_files_that_are_not_there_or_cannot_be_are_told_and_nothing_is_made(
-    words: str, codes: list[int], told: str, scene: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (scene / "file").write_text("")
-    (scene / "cases").mkdir()
-    (scene / "cases" / "my_rock.yaml").write_text("title: A rock\n")
-    assert cli.main(words.split()) in codes
-    err = capsys.readouterr().err
-    assert told in err
-    assert "Traceback" not in err
-    assert {path.name for path in scene.rglob("*")} == {"block.yaml", "file", "cases", "my_rock.yaml"}
-
-
-def test_check_tells_of_other_solutions_where_it_is_asked(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    for more, told in (([], False), (["--unique"], True)):
-        assert cli.main(["check", "block.yaml", *more]) == 0
-        out = capsys.readouterr().out
-        assert ("solutions of the contact\n  at load factor 1: no faces touch" in out) is told
-
-
-def test_check_tells_its_plan_as_json(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    case, picture = str(ROOT / "cases" / "compression30.yaml"), tmp_path / "scene.svg"
-    words = ["check", case, "--set", "numerics.spacing=4", "--set", "cracks.flaw.contact.friction=0.3"]
-    assert cli.main([*words, "--json", "--unique", "--picture", str(picture)]) == 0
+def test_check_tells_its_plan_in_words_or_as_json_and_draws(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    words = [
+        "check",
+        COMPRESSION,
+        "--set",
+        "numerics.spacing=4",
+        "--set",
+        "cracks.flaw.contact.friction=0.3",
+        "--unique",
+    ]
+    picture = tmp_path / "scene.png"
+    assert cli.main([*words, "--picture", str(picture)]) == 0
+    out = capsys.readouterr().out
+    assert "solutions of the contact\n  at load factor 1: " in out
+    assert f"picture in {picture}" in out
+    assert picture.read_bytes()[:4] == b"\x89PNG"
+    assert cli.main([*words, "--json"]) == 0
     plan = json.loads(capsys.readouterr().out)
     assert (plan["case"], plan["spacing"]) == ("compression30", 0.004)
     assert plan["model"]["n_tips"] == 2
@@ -263,7 +225,6 @@ def test_check_tells_its_plan_as_json(capsys: pytest.CaptureFixture[str], tmp_pa
     assert set(plan["cost"]) == {"seconds", "memory", "n_dofs"}
     assert plan["cost"]["n_dofs"] == plan["model"]["n_dofs"]
     assert all(isinstance(text, str) for text in [*plan["warnings"], *plan["unique"]])
-    assert picture.is_file()
 
 
 def test_threads_are_limited_unless_the_user_says_otherwise(scene: Path) -> None:
@@ -276,11 +237,6 @@ def test_threads_are_limited_unless_the_user_says_otherwise(scene: Path) -> None
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True, cwd=Path.cwd()
     )
     assert ran.stdout.splitlines()[-1] == "4 1"
-
-
-def test_version(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["--version"]) == 0
-    assert capsys.readouterr().out == f"crackgrow {crackgrow.__version__}\n"
 
 
 @pytest.mark.skipif(not Path("/dev/full").exists(), reason="no device that is always full")
@@ -300,7 +256,7 @@ def test_nothing_is_loaded_that_posix_alone_has(tmp_path: Path) -> None:
         "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource')); from crackgrow.cli import main; "
         "sys.exit(main(sys.argv[1:]))"
     )
-    case = [str(ROOT / "cases" / "compression30.yaml"), "--set", "numerics.spacing=4", "--set", "growth.steps=0"]
+    case = [COMPRESSION, "--set", "numerics.spacing=4", "--set", "growth.steps=0"]
     for words in (["check", *case], ["run", *case, "--out", str(tmp_path), "--quiet"]):
         done = subprocess.run(
             [sys.executable, "-c", code, *words], cwd=ROOT, capture_output=True, text=True, check=False

@@ -1,4 +1,4 @@
-"""The words of the command line: what is mistyped gets a hint, what is asked is explained, listed, completed, begun."""
+"""The words of the command line: what is asked is explained, listed, completed, begun; what is wrong is refused."""
 
 from __future__ import annotations
 
@@ -6,53 +6,18 @@ import json
 import shlex
 import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 from jsonschema import Draft7Validator
 
 from crackgrow import cli, grow, load_case
 from crackgrow.cli.command_line import declared, groups
 from crackgrow.cli.start import SCHEMA_FILE, template_text
 from crackgrow.cli.tools import completion_script
+from tests.verification.solutions import CASES
 from tests.yaml12 import read_yaml12
-
-CASE = str(Path(__file__).parents[2] / "cases" / "compression30.yaml")
-NOTHING_NEAR = "--help` has all options"
-
-REFUSED = [
-    ("rnu a.yaml", "did you mean run?"),
-    ("chek", "did you mean check?"),
-    ("run a.yaml --ressume", "did you mean --resume?\n`crackgrow run --help`"),
-    ("run --hlep", "CASE.yaml; unknown: --hlep; did you mean --help?"),
-    ("run a.yaml --spacing 3", "did you mean --set numerics.spacing=3?"),
-    ("run a.yaml --steps=4", "did you mean --set growth.steps=4?"),
-    ("check a.yaml --set growth.steps 4", "did you mean --set growth.steps=4?"),
-    ("new a --template tensio", "did you mean tension?"),
-    ("compare a b --tip strat", "did you mean start?"),
-    ("frobnicate", NOTHING_NEAR),
-    ("run a.yaml --frobnicate", NOTHING_NEAR),
-    ("run a.yaml more", NOTHING_NEAR),
-    ("", NOTHING_NEAR),
-    # values of options
-    ("run a.yaml --out ''", "an empty name; the current folder is '.'"),
-    ("sweep sweep.yaml --out=", "an empty name; the current folder is '.'"),
-    ("report ''", "an empty name; the current folder is '.'"),
-    ("sweep a.yaml --workers 2 --scheduler tcp://127.0.0.1:9", "--scheduler: not allowed with argument --workers"),
-    ("compare a b --columns x", "two column names are wanted"),
-    ("compare a b --columns x,y,z", "two column names are wanted"),
-    ("compare a b --columns x,", "two column names are wanted"),
-    ("export a --to stl", "'stl' is none of msh, inp, vtk, xdmf, geojson, dxf"),
-    ("export a --to msh --step last", "'last': the number of a step is wanted, from 0 on"),
-    ("export a", "the following arguments are required: --to"),
-    ("render a --warp much", "'much': auto, or a number from 0 on is wanted"),
-    ("render a --warp -1", "'-1': auto, or a number from 0 on is wanted"),
-    ("render a --warp nan", "'nan': auto, or a number from 0 on is wanted"),
-    ("render a --steps 3-1", "'3-1': a step such as 4, or a span such as 4-10 is wanted"),
-    ("render a --steps 1 x", "'x': a step such as 4"),
-    ("render a --size 99x300", "'99x300': WIDTHxHEIGHT in pixels, each from 100 to 8000, is wanted"),
-    ("render a --size 300", "'300': WIDTHxHEIGHT"),
-    ("render a --gif --mp4", "not allowed with argument"),
-]
 
 
 @pytest.fixture(autouse=True)
@@ -60,16 +25,6 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The current folder."""
     monkeypatch.chdir(tmp_path)
     return tmp_path
-
-
-@pytest.mark.parametrize(("words", "told"), REFUSED)
-def test_mistyped_words_end_with_2_and_a_hint(words: str, told: str, capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit) as ended:
-        cli.main(shlex.split(words))
-    assert ended.value.code == 2
-    err = capsys.readouterr().err
-    assert told in err
-    assert "did you mean" in told or "did you mean" not in err
 
 
 def test_help_lists_commands_by_group_and_has_examples(capsys: pytest.CaptureFixture[str]) -> None:
@@ -92,17 +47,6 @@ def explained(name: str, capsys: pytest.CaptureFixture[str]) -> list[str]:
     return capsys.readouterr().out.splitlines()
 
 
-def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
-    assert explained("growth.tip_stress.radius", capsys) == [
-        "growth.tip_stress.radius",
-        "  meaning  Shepard averaging radius, a material length",
-        "  type     length",
-        "  unit     m, cm, mm, um, km, in, ft; bare: that of units.length",
-        "  default  required",
-        "  allowed  > 0",
-    ]
-
-
 @pytest.mark.parametrize(("name", "heads"), [
     ("cracks.my_own.contact.friction", ["cracks.NAME.contact.friction"]),
     # once, though cracks, interfaces and foundations have it, too
@@ -122,11 +66,9 @@ def test_names_are_found(name: str, heads: list[str], capsys: pytest.CaptureFixt
     assert name == "output" or len(found) == len(heads)
 
 
-def test_an_unknown_name_is_a_fault_with_what_may_be_meant(capsys: pytest.CaptureFixture[str]) -> None:
-    assert cli.main(["explain", "frction"]) == 2
-    out, err = capsys.readouterr()
-    assert out == ""
-    assert "did you mean friction" in err
+def test_a_key_is_told_with_meaning_type_unit_default_and_what_is_allowed(capsys: pytest.CaptureFixture[str]) -> None:
+    facts = [line.split()[0] for line in explained("growth.tip_stress.radius", capsys)[1:]]
+    assert facts == ["meaning", "type", "unit", "default", "allowed"]
 
 
 def test_cases_are_listed_with_their_titles_and_templates_where_there_are_none(
@@ -144,8 +86,6 @@ def test_cases_are_listed_with_their_titles_and_templates_where_there_are_none(
     assert lines == [[str(folder / "one.yaml"), "A plate: with a crack"],
                      [str(folder / "three.yaml"), "(cannot be read)"],
                      [str(folder / "two.yaml"), "what it is"]]  # fmt: skip
-    assert cli.main(["list", "nowhere"]) == 2
-    assert capsys.readouterr().err == "nowhere: is no folder\n"
 
 
 TEMPLATES = declared()["words"]["templates"]
@@ -183,24 +123,6 @@ def test_a_case_goes_among_the_cases_and_names_the_schema_there(
     assert Draft7Validator(schema).is_valid(read_yaml12(text))
 
 
-@pytest.mark.parametrize(("name", "told"), [
-    ("", "'': is no name of a case; allowed are those such as my_slope\n"),
-    (".", "'.': is no name of a case; allowed are those such as my_slope\n"),
-    ("/", "'/': is no name of a case; allowed are those such as my_slope\n"),
-    ("mine", "mine.yaml: exists already, and is left as it is\n"),
-    ("mine.yaml/inner", "cannot be written"),
-    ("a\0b", ""),
-])  # fmt: skip
-def test_a_case_that_cannot_be_written_is_refused_and_nothing_is_overwritten(
-    name: str, told: str, folder: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    (folder / "mine.yaml").write_text("precious")
-    assert cli.main(["new", name]) == 2
-    assert told in capsys.readouterr().err
-    assert [path.name for path in folder.iterdir()] == ["mine.yaml"]
-    assert (folder / "mine.yaml").read_text() == "precious"
-
-
 @pytest.fixture
 def script(folder: Path) -> Path:
     """The script for bash, beside some files that could be meant."""
@@ -226,3 +148,42 @@ def test_bash_completes(line: str, offered: set[str], script: Path) -> None:
     ask += 'printf "%s\\n" "${COMPREPLY[@]}"'
     done = subprocess.run(["bash", "-c", ask], cwd=script.parent, capture_output=True, text=True, check=True)
     assert set(done.stdout.splitlines()) == offered
+
+
+TABLE = yaml.safe_load(Path(__file__).with_name("refused.yaml").read_text(encoding="utf-8"))
+
+
+def given(text: str) -> str:
+    """A text of the table with the names that it stands for."""
+    return text.replace("CASES", str(CASES)).replace("LONG", 300 * "n")
+
+
+@pytest.mark.parametrize(("group", "change", "told"), [
+    pytest.param(group, *row, id=f"{group['about']}: {row[0]}".encode("ascii", "replace").decode()[:150])
+    for group in TABLE["groups"]
+    for row in group["rows"]
+])  # fmt: skip
+def test_refused(
+    group: dict[str, Any], change: Any, told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """A command of refused.yaml ends with its code and says why."""
+    words, files = group.get("command", ""), dict(group.get("files", {}))
+    if "write" in group:
+        keys = change if isinstance(change, str) else group["keys"] | change
+        files[group["write"]] = keys if isinstance(keys, str) else "".join(f"{k}: {v}\n" for k, v in keys.items())
+    elif isinstance(change, str):
+        words = f"{words} {change}"
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(given(content), encoding="utf-8")
+    try:
+        code: object = cli.main(change if isinstance(change, list) else shlex.split(given(words)))
+    except SystemExit as ended:
+        code = ended.code
+    said = capsys.readouterr().err
+    assert given(told) in said
+    assert code == group.get("code", 2)
+    assert "Traceback" not in said
+    assert group.get("hints", True) or "did you mean" not in said
+    there = {str(path.relative_to(tmp_path)): path.read_text() for path in tmp_path.rglob("*") if path.is_file()}
+    assert there == {name: given(content) for name, content in files.items()}

@@ -1,4 +1,4 @@
-"""What the project says of itself: what it needs, its version, and what `make` removes."""
+"""The project: imports go up the layers only, what it says that it needs, its version, and what `make` removes."""
 
 from __future__ import annotations
 
@@ -8,38 +8,137 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import pytest
 
 import crackgrow
+import crackgrow.linear
+from tests.report_runs import make_run
 
 ROOT = Path(__file__).resolve().parents[2]
+PACKAGE = ROOT / "crackgrow"
+LAYERS = (
+    "errors", "arrays", "ragged", "blas", "limits", "vectors", "compiled", "case", "geometry", "cover", "approximation",
+    "quadrature", "linear", "solid", "contact", "fracture", "accuracy", "run", "results", "plan", "study", "api", "cli",
+)  # fmt: skip
+RESULTS_MAY_READ = (
+    "crackgrow", "crackgrow.errors", "crackgrow.arrays", "crackgrow.case", "crackgrow.run.warning_causes",
+    "crackgrow.run.result", "crackgrow.results",
+)  # fmt: skip
+COMPRESSION = str(ROOT / "cases" / "compression30.yaml")
+ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m
+
+
+def imported(source: str, package: str) -> Iterator[str]:
+    """Dotted names that a module of `package` imports, also inside functions and under TYPE_CHECKING."""
+    for node in ast.walk(ast.parse(source)):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = node.module or ""
+            if node.level:
+                parents = package.split(".")[: len(package.split(".")) - node.level + 1]
+                base = ".".join([*parents, *([node.module] if node.module else [])])
+            yield from (f"{base}.{alias.name}" for alias in node.names)
+
+
+def offences(layer: str, source: str, package: str) -> list[str]:
+    """Imports of a module in `layer` that break the order, or go past the door of the direct solver."""
+    own = [name for name in imported(source, package) if name.split(".")[0] == "crackgrow"]
+    if layer == "results":
+        broken = [name for name in own if not any(allowed_in_results(name, home) for home in RESULTS_MAY_READ)]
+    else:
+        below = LAYERS[: LAYERS.index(layer) + 1]
+        broken = [name for name in own if name.count(".") and name.split(".")[1] not in (*below, "__version__")]
+    solver = [name for name in own if name.startswith("crackgrow.linear") and layer != "linear"]
+    return broken + [n for n in solver if n.removeprefix("crackgrow.linear.") not in crackgrow.linear.__all__]
+
+
+def allowed_in_results(name: str, home: str) -> bool:
+    if home == "crackgrow":  # the version alone
+        return name in ("crackgrow", "crackgrow.__version__")
+    return name == home or name.startswith(f"{home}.")
+
+
+def test_modules_import_from_their_layer_and_below_and_the_direct_solver_has_one_door() -> None:
+    offenders = {}
+    for path in sorted(path for path in PACKAGE.rglob("*.py") if str(path.relative_to(PACKAGE)) not in ENTRIES):
+        parts, source = path.relative_to(PACKAGE).with_suffix("").parts, path.read_text(encoding="utf-8")
+        package = ".".join(["crackgrow", *parts[:-1]])
+        found = offences(parts[0], source, package) if parts[0] in LAYERS else ["no known layer"]
+        offenders |= {str(path.relative_to(PACKAGE)): found} if found else {}
+    assert offenders == {}
+    assert offences("solid", "def f():\n    from ..fracture import tips", "crackgrow.solid")
+    assert offences("results", "from crackgrow.run import grow", "crackgrow.results")
+    assert offences("solid", "from crackgrow.linear.fronts import fronts_of", "crackgrow.solid")
+
+
+def loads_none(heavy: Sequence[str], code: str) -> None:
+    """Run lines in a program of their own, which tells no error and has loaded none of these modules."""
+    code = f"import contextlib, io, sys\n{code}\nsys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+@pytest.mark.physics
+def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
+    """With frames, figures and report, as it writes them by default."""
+    heavy = ["pyvista", "vtkmodules", "pandas", "matplotlib.pyplot", "dask"]
+    heavy += ["scipy.optimize", "scipy.spatial", "scipy.stats"]
+    arguments = ["run", COMPRESSION, "--out", str(tmp_path), "--quiet"]
+    arguments += ["--set", "growth.steps=0", "--set", "numerics.spacing=3"]
+    loads_none(heavy, f"import crackgrow.cli; crackgrow.cli.main({arguments})")
+    assert {"frames", "figures", "report.html"} <= {path.name for path in tmp_path.iterdir()}
+
+
+@pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "--help"], ["completion", "bash"]])
+def test_what_needs_no_numbers_loads_no_numpy(words: list[str]) -> None:
+    """The version not even the commands: it takes no longer than Python itself, nearly."""
+    heavy = ["numpy", "scipy", "shapely", "yaml", *(["argparse"] if words == ["--version"] else [])]
+    code = f"""
+from crackgrow.cli import main
+with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
+    main({words})
+assert told.getvalue()
+"""
+    loads_none(heavy, code)
+
+
+@pytest.mark.parametrize(
+    "words", [[], ["check", COMPRESSION], ["explain", "friction"], ["list"], ["report", "FOLDER"]], ids=" ".join
+)
+def test_only_what_solves_loads_scipy_and_the_compiler(words: list[str], tmp_path: Path) -> None:
+    """Numba and SciPy take as long to load as all of the rest of a check; without words: the package alone."""
+    heavy = ["numba", "llvmlite", "scipy", "pandas", "pyvista", "vtkmodules", "matplotlib", "PIL"]
+    if "FOLDER" in words:  # whose scene matplotlib draws
+        heavy = heavy[:-2]
+        make_run(tmp_path, ["growth.steps=0"])
+        words = ["report", str(tmp_path)]
+    code = f"""
+import crackgrow
+from crackgrow.cli import main
+with contextlib.redirect_stdout(io.StringIO()):
+    assert not {words} or main({words}) == 0
+"""
+    loads_none(heavy, code)
+
+
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 NAMES = {"PIL": "pillow", "yaml": "pyyaml"}  # of packages that are imported by another one
 THROUGH_OTHERS = {"h5py"}  # meshio has it as an extra, and imports it whenever it reads or writes XDMF
-
-
-def imported() -> set[str]:
-    """Packages of others that the program imports, anywhere."""
-    found = set()
-    for path in (ROOT / "crackgrow").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                found |= {alias.name.split(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                found.add(node.module.split(".")[0])
-    return {NAMES.get(name, name) for name in found - {"crackgrow", *sys.stdlib_module_names}}
 
 
 def test_all_that_is_imported_is_declared_with_the_oldest_version_that_will_do() -> None:
     optional = PROJECT["optional-dependencies"]
     declared = [*PROJECT["dependencies"], *optional["sweep"], *optional["maps"]]
     assert all(re.fullmatch(r"[a-z][a-z0-9]*>=[\d.]+", text) for text in declared)
-    assert {text.split(">=")[0] for text in declared} == imported() | THROUGH_OTHERS
-    assert f'".[{",".join(sorted(optional))}]"' in (ROOT / "Makefile").read_text(
-        encoding="utf-8"
-    )  # what `make lock` pins
+    sources = [path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")]
+    found = {name.split(".")[0] for source in sources for name in imported(source, "crackgrow")}
+    others = {NAMES.get(name, name) for name in found - {"crackgrow", *sys.stdlib_module_names}}
+    assert {text.split(">=")[0] for text in declared} == others | THROUGH_OTHERS
+    assert f'".[{",".join(sorted(optional))}]"' in (ROOT / "Makefile").read_text(encoding="utf-8")  # of `make lock`
     pinned = (ROOT / ".requirements.lock").read_text(encoding="utf-8").lower()
     assert all(f"\n{text.split('>=')[0]}==" in f"\n{pinned}" for text in declared)
 

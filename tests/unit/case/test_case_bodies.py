@@ -1,4 +1,4 @@
-"""Several bodies: shared boundaries and interfaces, and what holds and loads them, in long forms and short ones."""
+"""Bodies: disks and holes, the outline as a whole, what holds and loads them, and names of materials and laws."""
 
 from __future__ import annotations
 
@@ -10,132 +10,109 @@ import numpy as np
 import pytest
 
 from crackgrow import solve
-from crackgrow.case import dump_case
-from crackgrow.case.dump import written
+from crackgrow.case import Case, dump_case
 from crackgrow.case.load import read_case
+from crackgrow.case.model import Body, FarField
+from crackgrow.errors import CaseError
 from tests.unit.case.scenes import (
     EVERYTHING,
     LAW,
     MATERIAL,
-    blocks,
     changed,
     fault,
-    faults_of,
     held,
     joint,
     load,
     plate,
     rectangle,
-    reread,
-    same,
-    text_of,
     two_blocks,
     with_body,
 )
 
-# --- shared boundaries -----------------------------------------------------------------------------------------------
-
-STEP = {"polygon": [[0, 0], [6, 0], [6, 1], [4, 1], [4, 2], [2, 2], [2, 1], [0, 1]]}
-CAP = {"polygon": [[1, 1], [2, 1], [2, 2], [3, 2], [4, 2], [4, 1], [7, 1], [7, 4], [1, 4]]}
-BRIDGE = {"polygon": [[0, 1], [1, 1], [1, 2], [3, 2], [3, 1], [4, 1], [4, 3], [0, 3]]}
-NOTCH = {"polygon": [[1, 1], [1, 0], [2, 0], [2, 2], [0, 2], [0, 1]]}  # holds the block's corner (1, 1)
-BLOCK = {"polygon": [[1, 1], [0, 1], [0, 0], [1, 0]]}
-AROUND = {**rectangle(0, 0, 4, 4), "holes": [rectangle(1, 1, 2, 1)]}
+SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
+DISK = {"disk": {"center": [1, 2], "radius": 3}}
 
 
-@pytest.mark.parametrize(
-    ("first", "second", "lines"),
-    [
-        (rectangle(0, 0, 6, 1), rectangle(1, 1, 2, 2), [[[3, 1], [1, 1]]]),  # the first one is on the left
-        (rectangle(1, 1, 2, 2), rectangle(0, 0, 6, 1), [[[1, 1], [3, 1]]]),
-        # with the corners of both
-        (STEP, CAP, [[[6, 1], [4, 1], [4, 2], [3, 2], [2, 2], [2, 1], [1, 1]]]),
-        (CAP, STEP, [[[1, 1], [2, 1], [2, 2], [3, 2], [4, 2], [4, 1], [6, 1]]]),
-        (rectangle(0, 0, 4, 1), BRIDGE, [[[4, 1], [3, 1]], [[1, 1], [0, 1]]]),  # in two pieces
-        (NOTCH, BLOCK, [[[0, 1], [1, 1], [1, 0]]]),  # over the first corner of a ring
-        (rectangle(1, 1, 2, 1), AROUND, [[[1, 1], [3, 1], [3, 2]], [[3, 2], [1, 2], [1, 1]]]),  # all round
-        (AROUND, rectangle(1, 1, 2, 1), [[[1, 1], [1, 2], [3, 2]], [[3, 2], [3, 1], [1, 1]]]),
-    ],
-)
-def test_lines_of_an_interface(
-    first: dict[str, Any], second: dict[str, Any], lines: list[list[list[float]]], tmp_path: Path
-):
-    scene = changed(blocks(a=first, b=second), interfaces=joint("a b"))
-    (interface,) = load(tmp_path, scene).interfaces
-    assert interface.bodies == ("a", "b")
-    assert (interface.contact.friction, interface.contact.cohesion) == (0.5, 0.0)
-    assert [line.tolist() for line in interface.lines] == lines
+def held_at(scene: dict[str, Any], x: float, y: float) -> dict[str, Any]:
+    """The scene with its body held at two points near one in it."""
+    given = ((x, {"x": 0, "y": 0}), (x + 0.1, {"y": 0}))
+    return changed(scene, supports=[{"at": [along, y], "displacement": components} for along, components in given])
 
 
-def test_nearly_common_corners_become_common(tmp_path: Path):
-    gap = 4e-10 * np.hypot(2, 2)
-    near = {"polygon": [[1 + gap, -gap], [2, 0], [2, 2], [1 - gap, 2 + gap]]}
-    scene = changed(blocks(left=rectangle(0, 0, 1, 2), right=near), interfaces=joint("right left"))
-    case = load(tmp_path, scene)
-    assert case.bodies[1].outline.tolist() == [[1, 0], [2, 0], [2, 2], [1, 2]]
-    assert [line.tolist() for line in case.interfaces[0].lines] == [[[1, 2], [1, 0]]]
-    assert same(case, reread(case, tmp_path))
+def body_of(tmp_path: Path, scene: dict[str, Any], x: float = 2, y: float = 1) -> Body:
+    return load(tmp_path, held_at(scene, x, y)).bodies[0]
 
 
-def test_bodies_that_meet_at_a_point(tmp_path: Path):
-    """Three of them have three interfaces, and all that are missing are told; two that share a corner need none."""
-    scene = blocks(low=rectangle(0, 0, 2, 1), left=rectangle(0, 1, 1, 1), right=rectangle(1, 1, 1, 1))
-    (tmp_path / "scene.yaml").write_text(text_of(scene), encoding="utf-8")
-    pairs = [found.message.partition(" share")[0] for found in faults_of(tmp_path / "scene.yaml")]
-    assert pairs == ["bodies 'low' and 'left'", "bodies 'low' and 'right'", "bodies 'left' and 'right'"]
-    scene["interfaces"] = joint("low left", "low right", "left right")
-    found = [interface.lines[0].tolist() for interface in load(tmp_path, scene).interfaces]
-    assert found == [[[1, 1], [0, 1]], [[2, 1], [1, 1]], [[1, 1], [1, 2]]]
-    apart = changed(blocks(a=rectangle(0, 0, 1, 1), b=rectangle(1, 1, 1, 1)), supports=held("a", "b"))
-    assert load(tmp_path, apart).interfaces == ()
-    key, message = fault(tmp_path, changed(apart, interfaces=joint("a b")))
-    assert (key, message) == ("interfaces.0.between", "'a' and 'b' share no boundary: they touch at points only")
+def test_disk(tmp_path: Path):
+    body = body_of(tmp_path, with_body(DISK), 1, 2)
+    rays = np.deg2rad(np.arange(360))
+    expected = np.column_stack([1 + 3 * np.cos(rays), 2 + 3 * np.sin(rays)])
+    np.testing.assert_allclose(body.outline, expected, atol=1e-15 * 6)  # cos, product and sum round
+    assert set(body.rings[0].edge_names) == {"arc"}
 
 
-def test_one_body_or_the_whole_scene_says_what_is_too_coarse_too_fine_or_too_far(tmp_path: Path):
-    scene = blocks(a=rectangle(0, 0, 1, 1), b=rectangle(9, 0, 0.1, 1))
-    scene = changed(scene, supports=held("a", "b"), numerics={"spacing": 0.06})
-    key, message = fault(tmp_path, scene)
-    assert key == "numerics.spacing"
-    assert "half the smaller side of body 'b', 0.05 m" in message
-    scene["bodies"]["b"]["shape"] = rectangle(999, 999, 1, 1)
-    scene["numerics"] = {"spacing": 0.4}
-    assert "gives about 6.3e+06 lattice nodes" in fault(tmp_path, scene)[1]  # (1000 / 0.4 + 5)^2
-    scene["bodies"]["a"]["shape"], scene["bodies"]["b"]["shape"] = rectangle(1e7, 0, 1, 1), rectangle(1e7 + 9, 0, 1, 1)
-    key, message = fault(tmp_path, scene)
-    assert key == "bodies.b.shape"
-    assert "too far for a scene of size 10.0499 m" in message
-    scene["bodies"]["b"]["shape"] = rectangle(1e7 - 999, 0, 1, 1)
-    load(tmp_path, scene)
-    thin = {"polygon": [[0, 0], [2, 0], [2, 1e-6], [2 - 1e-9, 2e-6], [0, 2e-6]]}
-    scene = changed(blocks(thin=thin, far=rectangle(0, 1, 1e4, 1e4)), numerics={"spacing": 5e-7})
-    (tmp_path / "scene.yaml").write_text(text_of(scene), encoding="utf-8")
-    told = {found.key: found.message for found in faults_of(tmp_path / "scene.yaml")}
-    assert "details below the smallest length of this scene, 1.41" in told["bodies.thin.shape"]
+def test_holes_run_clockwise(tmp_path: Path):
+    holes = [rectangle(1, 1, 1, 0.5), {"polygon": [[3, 1], [3.5, 1.5], [3.5, 1]]}]
+    holes.append({"disk": {"center": [1, 2.5], "radius": 0.25}})
+    _, first, second, third = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1).rings
+    assert first.points.tolist() == [[1, 1], [1, 1.5], [2, 1.5], [2, 1]]
+    assert second.points.tolist() == [[3, 1], [3.5, 1.5], [3.5, 1]]
+    assert (first.edge_names, second.edge_names) == (("hole0",) * 4, ("hole1",) * 3)
+    assert third.edge_names == ("hole2",) * 360
+    rays = np.deg2rad(-np.arange(360))
+    np.testing.assert_allclose(third.points, [1, 2.5] + 0.25 * np.stack([np.cos(rays), np.sin(rays)], 1), atol=1e-15)
 
 
-# --- supports --------------------------------------------------------------------------------------------------------
+def test_names_of_what_is_no_file_of_an_outline(tmp_path: Path):
+    (tmp_path / "rock.wkt").write_bytes(b"POLYGON \xff")
+    (tmp_path / "folder.wkt").mkdir()
+    long = "a" * 5000 + ".wkt"
+    told = {"rock.wkt": "not a text in UTF-8", "folder.wkt": "is no file", long: "wanted: the name of a"}
+    for name, words in told.items():
+        assert words in fault(tmp_path, with_body({"file": name}))[1]
 
 
-def test_support_at_a_point_knows_its_body(tmp_path: Path):
-    scene = two_blocks()
-    given = [{"at": [1, 1]}, {"at": [1, 3]}, {"at": [1, 2], "body": "low"}, {"at": [1, 2], "body": "top"}]
-    scene["supports"] = [{**support, "displacement": {"x": 0, "y": 0}} for support in given]
-    case = load(tmp_path, scene)
-    assert [support.body for support in case.supports] == ["low", "top", "low", "top"]
-    assert written(case)["supports"][0]["body"] == "low"
-    assert same(case, reread(case, tmp_path))
+# --- the outline as a whole: `outline` of supports and `far_field` of loads ------------------------------------------
+
+BLOCK = {"rock": rectangle(-5, -5, 10, 10)}
+SIDE_BY_SIDE = {"big": rectangle(-5, -5, 10, 10), "small": rectangle(5, -1, 2, 4)}
+
+
+def outlined(shapes: dict[str, Any], supports: Any, loads: Any = (), **more: Any) -> Case:
+    material = {"young": "30 GPa", "poisson": 0.2}
+    bodies = {name: {"shape": shape, "material": material} for name, shape in shapes.items()}
+    scene = {"title": "outline", "units": {"stress": "MPa"}, "plane": "strain", "bodies": bodies}
+    return Case.from_dict({**scene, "supports": supports, "loads": list(loads), **more})
+
+
+def test_far_field_is_stress_times_normal_on_all_that_bodies_do_not_share():
+    glued = joint("big small", contact="bonded")
+    case = outlined(SIDE_BY_SIDE, "minimal", [{"far_field": [-2, -10, 1]}], interfaces=glued)
+    loads = {load.body: load for load in case.loads if isinstance(load, FarField)}
+    assert set(loads) == {"big", "small"}
+    normals = np.array([[1.0, 0.0], [0.6, 0.8]])
+    traction = loads["big"].traction_at(np.zeros((2, 2)), normals)
+    np.testing.assert_allclose(traction, normals @ (1e6 * np.array([[-2.0, 1.0], [1.0, -10.0]])))
+    assert loads["big"].region.limits.tolist() == [[0.0, 1.0], [0.0, 0.4], [0.8, 1.0], [0.0, 1.0], [0.0, 1.0]]
+    assert [load["far_field"] for load in case.to_dict()["loads"]] == [[-2e6, -1e7, 1e6]] * 2
+    assert Case.from_dict(case.to_dict()).to_dict() == case.to_dict()
+
+
+def test_a_far_field_may_vary_if_what_it_leaves_over_is_held():
+    lithostatic = {"far_field": ["0.01*(y - 5)", "0.026*(y - 5)", 0]}
+    case = outlined(BLOCK, [{"outline": "rollers"}], [lithostatic])
+    places, up = np.array([[3.0, 5.0], [3.0, -5.0]]), np.array([[0.0, 1.0], [0.0, -1.0]])
+    np.testing.assert_allclose(case.loads[0].traction_at(places, up), [[0.0, 0.0], [0.0, 260000.0]], atol=1e-9)
+    with pytest.raises(CaseError, match="'minimal' takes no force"):
+        outlined(BLOCK, "minimal", [lithostatic])
 
 
 def test_bodies_in_contact_need_no_supports_but_others_do(tmp_path: Path):
     scene = changed(two_blocks(), supports=[])
     load(tmp_path, scene)
     scene["bodies"]["loose"] = {"shape": rectangle(9, 9, 1, 1), "material": {"young": 1, "poisson": 0}}
-    for supports in ([], held("low")):
-        key, message = fault(tmp_path, changed(scene, supports=supports))
-        assert (key, message.partition(":")[0]) == ("supports", "body 'loose' is free to move")
-    on = {"body": "loose", "edge": "bottom"}
-    load(tmp_path, changed(scene, supports=[{"on": on, "contact": LAW}]))
+    assert fault(tmp_path, scene)[1].startswith("body 'loose' is free to move")
+    load(tmp_path, changed(scene, supports=[{"on": {"body": "loose", "edge": "bottom"}, "contact": LAW}]))
     load(tmp_path, changed(scene, supports=held("loose")))
 
 
@@ -155,12 +132,8 @@ def test_minimal_supports_hold_bonded_bodies_and_no_loose_ones(tmp_path: Path):
     scene["bodies"]["cap"] = {"shape": rectangle(-2, 3, 4, 2), "material": MATERIAL}
     bonded = joint("rock cap", contact="bonded")
     assert len(load(tmp_path, {**scene, "interfaces": bonded}).supports) == 2
-    key, message = fault(tmp_path, {**scene, "interfaces": joint("rock cap")})
-    assert key == "supports"
-    assert "rock and cap" in message
+    assert "rock and cap" in fault(tmp_path, {**scene, "interfaces": joint("rock cap")})[1]
 
-
-# --- loads -----------------------------------------------------------------------------------------------------------
 
 PULL = [{"on": {"edge": "top"}, "traction": [0, 3]}, {"on": {"edge": "bottom"}, "traction": [0, -3]}]
 TURN = {"top": [1, 0], "bottom": [-1, 0], "right": [0, 1], "left": [0, -1]}
@@ -182,29 +155,6 @@ def test_minimal_supports_take_no_force_of_loads_that_balance(
     if stress is not None:
         found = solution.stress_at(np.array([[0.3, 0.2], [-1.4, 2.1], [0.5, 0.7]]))
         np.testing.assert_allclose(found, [stress] * 3, atol=1e-9)
-
-
-# --- short forms and names -------------------------------------------------------------------------------------------
-
-
-def test_short_forms_mean_what_the_long_ones_do(tmp_path: Path):
-    """Vectors as lists and as mappings; the only body need not be named."""
-    one, other = (changed(plate(), supports=held("rock")) for _ in range(2))
-    for scene in (one, other):
-        scene["bodies"]["rock"]["material"] = {**MATERIAL, "density": 2500}
-    one["supports"] = [{"on": {"body": "rock", "edge": "bottom"}, "displacement": {"x": 0, "y": "0.1*x"}}]
-    other["supports"] = [{"on": {"edge": "bottom"}, "displacement": [0, "0.1*x"]}]
-    one["loads"] = [
-        {"on": {"body": "rock", "edge": "top"}, "traction": ["2*x", -1]},
-        {"body": "rock", "gravity": [0, -9.81]},
-        {"body": "rock", "stress": [-1, -2, 0]},
-    ]
-    other["loads"] = [
-        {"on": {"edge": "top"}, "traction": {"y": -1, "x": "2*x"}},
-        {"gravity": [0, -9.81]},
-        {"stress": [-1, -2, 0]},
-    ]
-    assert dump_case(load(tmp_path, one)) == dump_case(load(tmp_path, other))
 
 
 ROUGH = {"friction": 0.5, "cohesion": 1, "residual_friction": 0.4}
@@ -230,13 +180,3 @@ def test_names_of_materials_and_laws_mean_what_they_name(tmp_path: Path):
     case = load(tmp_path, named(), "materials.rock.poisson=0.1", "laws.rough.cohesion=2")
     assert [body.material.poisson for body in case.bodies] == [0.1, 0.25, 0.1]
     assert case.cracks[0].contact.cohesion == case.supports[0].contact.cohesion == 2e6
-
-
-def test_a_faulty_definition_is_told_once_and_in_its_line(tmp_path: Path):
-    assert fault(tmp_path, named(), "materials.rock.young=-1")[0] == "materials.rock.young"
-    scene = with_body(rectangle(0, 0, 4, 6), material="soft")
-    scene = {"materials": {"soft": {"young": 1, "poisson": 0.5}}, **scene, "supports": held("rock")}
-    assert fault(tmp_path, scene)[0] == "bodies.rock.material.poisson"
-    (only,) = faults_of(tmp_path / "scene.yaml")
-    lines = (tmp_path / "scene.yaml").read_text(encoding="utf-8").splitlines()
-    assert lines[only.line - 1].strip() == "poisson: 0.5"

@@ -10,22 +10,19 @@ import pytest
 import shapely
 
 import crackgrow
-from crackgrow.case import Case, dump_case
 from crackgrow.case.segments import meeting_places
 from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
     EVERYTHING,
-    MATERIAL,
+    blocks,
     changed,
     compression,
     fault,
-    faults_of,
     held,
     joint,
     load,
     rectangle,
     reread,
-    text_of,
     two_blocks,
     with_body,
 )
@@ -37,54 +34,6 @@ def cracked(scene: dict[str, Any], points: list[list[float]], tips: str = "none"
     return changed(scene, cracks={"flaw": {"path": {"points": points}, "tips": tips, "contact": "none"}})
 
 
-@pytest.mark.parametrize(
-    ("points", "tips", "body"),
-    [
-        ([[1, 1], [2, 1]], "both", "low"),
-        ([[1, 3], [0, 3]], "start", "top"),
-        # ends on the interface
-        ([[1, 1], [1, 2]], "start", "low"),
-        ([[1, 2], [1, 1]], "end", "low"),
-        ([[1, 2], [1, 3]], "end", "top"),
-        ([[1, 2], [3, 2.5], [2, 2]], "none", "top"),
-        # and on the outline
-        ([[0, 1], [4, 2]], "none", "low"),
-        ([[0, 1], [4, 1]], "none", "low"),
-    ],
-)
-def test_a_crack_knows_its_body_and_may_end_on_its_rims(
-    points: list[list[float]], tips: str, body: str, tmp_path: Path
-):
-    (crack,) = load(tmp_path, cracked(two_blocks(), points, tips)).cracks
-    assert crack.body == body
-    assert crack.points.tolist() == points
-    assert (crack.tip_at_start, crack.tip_at_end) == (tips in ("start", "both"), tips in ("end", "both"))
-
-
-@pytest.mark.parametrize(
-    ("points", "tips", "cut", "lost"),
-    [
-        ([[1, 2], [3, 2]], ["start"], [[1, 2], [2, 2]], [1.0]),
-        ([[3, 2], [1, 2]], ["end"], [[2, 2], [1, 2]], [1.0]),
-        ([[-1, 2], [1, 2.5], [3, 2.5]], [], [[0, 2.25], [1, 2.5], [2, 2.5]], [np.hypot(1, 0.25), 1.0]),
-        ([[1, 1], [1, -1]], ["start"], [[1, 1], [1, 0]], [1.0]),
-    ],
-)
-def test_an_end_in_a_hole_or_outside_is_cut_at_the_rim_and_listed(
-    points: list[list[float]], tips: list[str], cut: list[list[float]], lost: list[float], tmp_path: Path
-):
-    holed = {**rectangle(0, 0, 6, 4), "holes": [rectangle(2, 1, 2, 2)]}
-    case = load(tmp_path, cracked({**with_body(holed), "supports": held("rock")}, points, "both"))
-    (crack,) = case.cracks
-    np.testing.assert_allclose(crack.points, cut, atol=1e-15)
-    assert [end for end in ("start", "end") if getattr(crack, f"tip_at_{end}")] == tips
-    assert [(part.crack, part.whole, part.why) for part in case.cut] == [("flaw", False, "outside of the rock")] * len(
-        lost
-    )
-    np.testing.assert_allclose([part.length for part in case.cut], lost, rtol=1e-12)
-    assert Case.from_dict(case.to_dict()).cracks[0].points.tolist() == crack.points.tolist()
-
-
 def test_only_bodies_whose_cracks_can_grow_need_a_strength(tmp_path: Path):
     growth = {key: value for key, value in EVERYTHING["growth"].items() if key != "direction"}
     scene = changed(two_blocks(), growth={**growth, "tip_stress": {"radius": 0.1}})
@@ -92,16 +41,6 @@ def test_only_bodies_whose_cracks_can_grow_need_a_strength(tmp_path: Path):
     assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "none")).bodies[1].strength is None
     scene["bodies"]["top"]["strength"] = {"tension": 1, "cohesion": 9, "friction_angle": 30}
     assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "start")).bodies[0].strength is None
-
-
-def test_vertices_within_a_thousandth_of_a_spacing_are_one_and_the_end_stays():
-    points = "[[0, 0], [0, 0.0014], [3, 1], [4.9988, 5], [5, 5]]"  # mm, at a spacing of 1.5 mm
-    (crack,) = compression(f"cracks.flaw.path={{points: {points}}}").cracks
-    assert crack.points.tolist() == [[0.0, 0.0], [0.003, 0.001], [0.005, 0.005]]
-    (finer,) = compression(f"cracks.flaw.path={{points: {points}}}", "numerics.spacing=1").cracks
-    assert len(finer.points) == 5
-    (short,) = compression("cracks.flaw.path={points: [[0, 0], [0.002, 0]]}").cracks
-    assert len(short.points) == 2
 
 
 # --- cracks that meet ------------------------------------------------------------------------------------------------
@@ -121,72 +60,9 @@ def plate(**cracks: Line) -> dict[str, Any]:
 
 
 MAIN: Line = ([[-2, 0], [2, 0]], "both")
-KINKED: Line = ([[-2, 0], [0, 0], [2, 1]], "both")
-SHORT: Line = ([[-2, 0], [2, 0]], "start")
 
 
-def places_of(case: Case) -> np.ndarray:
-    """Where cracks meet, (n, 2) m."""
-    return meeting_places([crack.points for crack in case.cracks], TOLERANCE)
-
-
-MEETINGS: dict[str, tuple[dict[str, Line], list[list[float]]]] = {
-    "X": ({"a": MAIN, "b": ([[0, -1], [0, 1]], "both")}, [[0, 0]]),
-    "X at vertices": ({"a": KINKED, "b": ([[0, -1], [0, 0], [0, 1]], "both")}, [[0, 0]]),
-    "X twice": ({"a": MAIN, "b": ([[-1, -1], [0, 1], [1, -1]], "both")}, [[-0.5, 0], [0.5, 0]]),
-    "touch with a vertex": ({"a": MAIN, "b": ([[-1, 1], [0, 0], [1, 1]], "both")}, [[0, 0]]),
-    "T of many segments": ({"a": MAIN, "b": ([[1, 0], [1.2, 0.5], [1, 1], [1.2, 1.5], [1, 2]], "end")}, [[1, 0]]),
-    "T on a vertex": ({"a": KINKED, "b": ([[0, -1], [0, 0]], "start")}, [[0, 0]]),
-    "V": ({"a": SHORT, "b": ([[2, 0], [3, 1]], "end")}, [[2, 0]]),
-    "V against a tip that is none": ({"a": ([[-2, 0], [2, 0]], "none"), "b": ([[3, 1], [2, 0]], "start")}, [[2, 0]]),
-    "straight on": ({"a": SHORT, "b": ([[2, 0], [3, 0]], "end")}, [[2, 0]]),
-    "branches": (
-        {"a": SHORT, "b": ([[2, 0], [3, 1]], "end"), "c": ([[2, 0], [3, -1]], "end"), "d": ([[2, 2], [2, -2]], "both")},
-        [[2, 0]],
-    ),
-    "two that enclose a block": (
-        {"a": ([[-2, 0], [0, 1], [2, 0]], "none"), "b": ([[-2, 0], [0, -1], [2, 0]], "none")},
-        [[-2, 0], [2, 0]],
-    ),
-    "through the whole body": ({"a": ([[-5, 1], [5, -1]], "none"), "b": ([[0, -5], [0, 5]], "none")}, [[0, 0]]),
-    "from the outline": ({"a": ([[-5, 1], [0, 0]], "end"), "b": ([[3, 5], [3, 0], [4, 0]], "end")}, []),
-    "at a corner and at one place of the outline": (
-        {"a": ([[-5, -5], [0, 0]], "end"), "b": ([[5, 0], [4, 1]], "end"), "c": ([[5, 0], [4, -1]], "end")},
-        [[5, 0]],
-    ),
-    "just apart": ({"a": MAIN, "b": ([[0, 1.1 * REACH], [0, 1]], "both")}, []),
-    "just beyond": ({"a": MAIN, "b": ([[0, -1.1 * REACH], [0, 1]], "both")}, [[0, 0]]),
-    "side by side": ({"a": MAIN, "b": ([[-1, 1.1 * REACH], [1, 1.1 * REACH]], "both")}, []),
-    "at a small angle": ({"a": MAIN, "b": ([[-1, -10 * REACH], [1, 10 * REACH]], "both")}, [[0, 0]]),
-    "T at a small angle": ({"a": MAIN, "b": ([[-1, 0], [1, 10 * REACH]], "end")}, [[-1, 0]]),
-}
-
-
-@pytest.mark.parametrize("name", MEETINGS)
-def test_cracks_may_meet(name: str, tmp_path: Path):
-    cracks, places = MEETINGS[name]
-    case = load(tmp_path, plate(**cracks))
-    found = places_of(case)
-    np.testing.assert_allclose(found[np.lexsort(found.T[::-1])], np.reshape(places, (-1, 2)), atol=TOLERANCE)
-    assert [crack.points.tolist() for crack in case.cracks] == [points for points, _ in cracks.values()]
-
-
-def test_every_tip_at_a_meeting_is_a_fault(tmp_path: Path):
-    scene = plate(a=MAIN, b=([[2, 0], [3, 1]], "both"), c=([[2, 0], [-2, 0.5], [-2, 0]], "both"))
-    scene["units"] = {"length": "cm"}
-    (tmp_path / "scene.yaml").write_text(text_of(scene), encoding="utf-8")
-    found = faults_of(tmp_path / "scene.yaml")
-    told = [(each.key.split(".")[1], *each.message.split(" lies")[:1], each.message.split("`")[-2]) for each in found]
-    assert told == [
-        ("a", "the tip at the start (-2 cm, 0 cm)", "tips: none"),
-        ("a", "the tip at the end (2 cm, 0 cm)", "tips: none"),
-        ("b", "the tip at the start (2 cm, 0 cm)", "tips: end"),
-        ("c", "the tip at the start (2 cm, 0 cm)", "tips: none"),
-        ("c", "the tip at the end (-2 cm, 0 cm)", "tips: none"),
-    ]
-
-
-@pytest.mark.parametrize("angle", [0.0, 0.3, 1.0, 1.5])
+@pytest.mark.parametrize("angle", [0.0, 0.3, 1.5])
 @pytest.mark.parametrize("off", [-0.9, 0.9])
 def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: float, tmp_path: Path):
     """Short of the other crack or beyond it; it is moved there."""
@@ -198,7 +74,6 @@ def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: fl
     case = load(tmp_path, scene)
     np.testing.assert_allclose(case.cracks[1].points, [0.3 * along, points[1]], atol=1e-15)
     assert case.moved == ()  # no farther than rounding may be
-    assert len(places_of(case)) == 1
 
 
 def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
@@ -209,11 +84,10 @@ def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
     scene = plate(**{f"c{k}": ([starts[k].tolist(), ends[k].tolist()], "both") for k in range(400)})
     lines = [shapely.LineString(pair) for pair in zip(starts, ends, strict=True)]
     crossings = [a.intersection(b) for k, a in enumerate(lines) for b in lines[:k] if a.intersects(b)]
-    expected, found = np.array([(point.x, point.y) for point in crossings]), places_of(load(tmp_path, scene))
+    expected = np.array([(point.x, point.y) for point in crossings])
+    found = meeting_places([crack.points for crack in load(tmp_path, scene).cracks], TOLERANCE)
     assert len(expected) > 10
-    np.testing.assert_allclose(
-        found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-12
-    )  # each a few roundings of 10 m
+    np.testing.assert_allclose(found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-12)
 
 
 # --- what nearly touches: brought together by a tolerance of the scene, the same at every spacing -------------------
@@ -225,28 +99,22 @@ def turned(points: list[list[float]], angle: float, digits: int) -> list[list[fl
     return [[float(f"{value:.{digits}g}") for value in (x * cos - y * sin, x * sin + y * cos)] for x, y in points]
 
 
-def incline(angle: float, digits: int, scale: float = 1.0, mirror: bool = False) -> dict[str, Any]:
+def incline(angle: float, digits: int) -> dict[str, Any]:
     """A block of 2 m on a slab at an angle; neither side of the contact has its corners on those of the other."""
     slab = [[0.0, -1.0], [10.0, -1.0], [10.0, 0.0], [0.0, 0.0]]
     block = [[4.0, 0.0], [6.0, 0.0], [6.0, 2.0], [4.0, 2.0]]
-    shapes = {}
-    for name, corners in (("slab", slab), ("block", block)):
-        points = turned((scale * np.array(corners)).tolist(), angle, digits)
-        shapes[name] = {"polygon": [[-x, y] for x, y in points] if mirror else points}
-    heavy = {**MATERIAL, "density": "2500 kg/m^3"}
-    return {
-        "title": "a block on an incline",
-        "plane": "strain",
-        "bodies": {name: {"shape": shape, "material": dict(heavy)} for name, shape in shapes.items()},
-        "interfaces": joint("slab block", contact={"friction": 0.7, "cohesion": 0}),
-        "supports": [{"on": {"body": "slab", "edge": "0"}, "displacement": {"x": 0, "y": 0}}],
-        "loads": [{"body": "block", "gravity": [0, "-9.81 m/s^2"]}],
-        "numerics": {"spacing": scale},
-    }
+    scene = blocks(slab={"polygon": turned(slab, angle, digits)}, block={"polygon": turned(block, angle, digits)})
+    scene["bodies"]["block"]["material"]["density"] = "2500 kg/m^3"
+    return changed(
+        scene,
+        interfaces=joint("slab block", contact={"friction": 0.7, "cohesion": 0}),
+        supports=[{"on": {"body": "slab", "edge": "0"}, "displacement": {"x": 0, "y": 0}}],
+        loads=[{"body": "block", "gravity": [0, "-9.81 m/s^2"]}],
+    )
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize("digits", [5, 7, 9, 15])
+@pytest.mark.parametrize("digits", [5, 9])
 def test_block_on_an_incline_holds_however_its_corners_are_typed(digits: int, tmp_path: Path):
     """At a coarse spacing it is solved; finer ones need its cover alone."""
     case = load(tmp_path, incline(30.0, digits), "numerics.spacing=0.25")
@@ -275,53 +143,28 @@ def test_side_with_a_corner_more_keeps_its_name_and_its_places(tmp_path: Path):
     assert "a corner of body 'block' by 10 um onto a side of body 'slab' at (4 m, 10 um)" in " ".join(told)
 
 
-def tunnel(x: float, y: float, tips: str = "end") -> dict[str, Any]:
+def tunnel(x: float, y: float, tips: str) -> dict[str, Any]:
     """A joint from near the wall of a tunnel of 2 m into the rock."""
-    shape = {"rectangle": {"center": [0, 0], "width": 40, "height": 40}}
-    scene = with_body({**shape, "holes": [{"disk": {"center": [0, 0], "radius": 2}}]})
-    path = {"points": [[x, y], [4, 4.5]]}
-    scene["cracks"] = {"joint": {"path": path, "tips": tips, "contact": {"friction": 0.5, "cohesion": 0}}}
-    scene["supports"] = held("rock")
-    scene["loads"] = [{"on": {"body": "rock", "edge": "top"}, "traction": [0, -1e6]}]
-    return {**scene, "numerics": {"spacing": 1}}
+    scene = with_body({**rectangle(-20, -20, 40, 40), "holes": [{"disk": {"center": [0, 0], "radius": 2}}]})
+    joint = {"path": {"points": [[x, y], [4, 4.5]]}, "tips": tips, "contact": {"friction": 0.5, "cohesion": 0}}
+    loads = [{"on": {"body": "rock", "edge": "top"}, "traction": [0, -1e6]}]
+    return changed(scene, cracks={"joint": joint}, supports=held("rock"), loads=loads, numerics={"spacing": 1})
 
 
-# with the tip of an end on the wall by intent, 1.4142135623731, `both` is a fault, as ever
-@pytest.mark.parametrize(
-    ("x", "tips", "moved"),
-    [
-        (1.41421, "end", 1),
-        (1.41421, "both", 1),
-        (1.4142135623731, "end", 0),
-        (1.414215, "end", 1),
-        (1.414215, "both", 1),
-    ],
-)
+@pytest.mark.parametrize(("x", "tips", "moved"), [
+    (1.41421, "both", 1), (1.4142135623731, "end", 0), (1.414215, "end", 1)
+])  # fmt: skip
 def test_joint_that_ends_beside_a_wall_ends_on_it(x: float, tips: str, moved: int, tmp_path: Path):
     """Neither refused nor taken for a free tip; where it was moved, it is told, and no tip of `both` is left there."""
     case = load(tmp_path, tunnel(x, x, tips))
     (crack,) = case.cracks
-    assert not crack.tip_at_start
     np.testing.assert_allclose(crack.points[0], np.sqrt(2.0), rtol=1e-4)
-    corner = case.bodies[0].rings[1].points
-    assert np.hypot(*(corner - crack.points[0]).T).min() < 1e-3
     solution = crackgrow.solve(case)
     assert solution.tips["tip"].tolist() == ["end"]
-    told = [text for text in solution.warnings if "were moved" in text]
-    assert len(told) == len(case.moved) == moved
+    assert sum("were moved" in text for text in solution.warnings) == len(case.moved) == moved
     again = reread(case, tmp_path)
     assert again.moved == case.moved
     np.testing.assert_array_equal(again.cracks[0].points, crack.points)
-
-
-def test_an_end_too_far_off_to_be_moved_is_cut_off_at_the_wall(tmp_path: Path):
-    case = load(tmp_path, tunnel(1.41, 1.41))
-    assert case.moved == ()
-    (cut,) = case.cut
-    assert (cut.crack, cut.why) == ("joint", "outside of the rock")
-    assert cut.length == pytest.approx(0.00596, rel=0.02)
-    assert np.hypot(*case.cracks[0].points[0]) == pytest.approx(2.0, rel=1e-4)
-    assert not case.cracks[0].tip_at_start
 
 
 @pytest.mark.parametrize("off", [3e-5, -3e-5, 1e-8, 0.0])
@@ -357,19 +200,3 @@ def test_a_spline_through_places_of_a_parabola_is_that_parabola():
     points = compression(f"cracks.flaw.path={{spline: {places}}}").cracks[0].points * 1e3
     assert max(np.hypot(*(points - place).T).min() for place in places) < 1e-12
     assert np.abs(points[:, 1] - 0.1 * points[:, 0] ** 2).max() < 0.01
-
-
-@pytest.mark.parametrize(
-    ("short", "long"),
-    [
-        ("cracks.flaw.path=[[0, 0], [5, 5]]", "cracks.flaw.path={points: [[0, 0], [5, 5]]}"),
-        ("loading=[0.5, 1]", "loading={history: [0.5, 1]}"),
-        ("growth.tip_stress=2", "growth.tip_stress={radius: 2}"),
-        ("cracks.flaw.path.length=0.5 in", "cracks.flaw.path.length=12.7"),
-        ("cracks.flaw.path.length=0.04 ft", "cracks.flaw.path.length=12.192"),
-        ("loads.0.traction=[0, -1000 psi]", "loads.0.traction=[0, -6.894757293168361]"),
-        ("loads.0.traction=[0, -1 ksi]", "loads.0.traction=[0, -6.894757293168361]"),
-    ],
-)
-def test_short_forms_and_other_units_say_the_same(short: str, long: str):
-    assert dump_case(compression(short)) == dump_case(compression(long))

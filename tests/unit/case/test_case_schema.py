@@ -1,27 +1,32 @@
-"""What tells people of the format: the JSON Schema, other names of keys, and what is meant."""
+"""The JSON Schema, other names of keys, and what is read of numbers, units and formulas, in SI, to the last bit."""
 
 from __future__ import annotations
 
 import json
+import pickle
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 import yaml
 from jsonschema import Draft7Validator
 
 from crackgrow.case.format import CASE, FORMAT
+from crackgrow.case.formula import DEEPEST, LONGEST, CoordinateFormula, FormulaError, parse_formula
 from crackgrow.case.json_schema import case_schema, schema_of
 from crackgrow.case.keys import case_keys
 from crackgrow.case.reader import parse
 from crackgrow.case.report import Place, Report, words_elsewhere
 from crackgrow.case.scalars import Context, Spec
-from crackgrow.case.units import Units
+from crackgrow.case.units import QuantityError, Units, parse_number, parse_quantity
+from crackgrow.errors import CaseError
 from tests.unit.case.scenes import CASES, fault, held, load, rectangle, with_body
 from tests.yaml12 import read_yaml12
 
 SCHEMA = json.loads(case_schema())
+AGREED = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))
 
 
 def schema_accepts(spec: Spec, text: str) -> bool:
@@ -50,60 +55,15 @@ def test_shipped_cases_are_accepted_and_name_it(file: Path):
     assert "# yaml-language-server: $schema=case.schema.json\n" in text
 
 
-@pytest.mark.parametrize(
-    ("spec", "good", "bad"),
-    [
-        (FORMAT.spec("length > 0"), ["31", "31 mm", "'31mm'", "1e-3", ".5 m", "5.", "+2 cm"],
-         ["0", "-1", "-1 mm", "0 mm", "31 kg", "'31'", "none", "[1]", "1 mm mm", ".inf", "1e99", "~", "true",
-          "1e-320", ".nan", "1e61"]),
-        (FORMAT.spec("length"), ["0", "-0.0", "-1e-55", "1e55", "0 mm"], ["1e-70", "-1e-70", ".nan", "-.inf", "1e61"]),
-        (FORMAT.spec("stress >= 0"), ["0", "0 MPa", "-0 Pa", "10 GPa"], ["-1 Pa", "1 mm", "x"]),
-        (FORMAT.spec("acceleration"), ["-9.81", "-9.81 m/s^2"], ["9.81 m/s", "g"]),
-        (FORMAT.spec("number > -1 and <= 0.5"), ["0.25", "0.5", "0", "-1e-59"],
-         ["-1", "0.6", "'0.25'", "0.25 mm", ".nan", "1e-61", "-1e-61"]),
-        (CASE.fields["loading"].spec, ["critical", "{history: [1, -0.5]}", "{}", "[0.5, 1]"],
-         ["crit", "{history: 1}", "{histry: [1]}", "[one]"]),
-        ("Numerics",
-         ["{spacing: 1.5}", "{accuracy: fine}", "{accuracy: draft, spacing: auto}", "{spacing: 1 mm}", "{}",
-          "{support: 2}"],
-         ["{accuracy: finest}", "{spacing: automatic}", "{spacing: 1, quadrature: 2.5}",
-          "{spacing: 1, contact: {stiffness: soft}}", "{spacing: 1, support: 5}"]),
-        ("CoulombContact", ["{friction: 0.3, cohesion: 0}", "{friction: 0.3}"],
-         ["{cohesion: 0.3}", "{friction: -1, cohesion: 0}", "none"]),
-        ("Crack", ["{path: {points: [[0, 0], [1, 2]]}, contact: none}"],
-         ["{path: {points: [[0, 0, 1]]}, contact: none}", "{path: {points: [[0, 0]]}, contact: [no]}",
-          "{path: {center: [0, 0], points: []}, contact: none}", "{path: {}, contact: none}"]),
-        ("Path", ["{center: [0, 0], length: 3, angle: 30 deg}", "[[0, 0], [1, 2]]",
-                  "{spline: [[0, 0], [1, 2], [3, 2]]}",
-                "{arc: {center: [0, 0], radius: 2, from: 90, to: -45 deg}}"],
-         ["{center: [0, 0], length: 3}", "[0, 0]", "{arc: {center: [0, 0], radius: 2, from: 90}}"]),
-        ("Shape", ["{disk: {center: [0, 0], radius: 1}, holes: []}", "{polygon: [[0, 0], [1 mm, 0], [0, 1]]}"],
-         ["{disk: {center: [0, 0], radius: 0}}", "{file: outline.dwg}", "{circle: 1}"]),
-        ("Region", ["{body: a, edge: 3, from: 10 deg, to: 1 mm}"], ["{body: a}", "{body: a, edge: b, from: 1 MPa}"]),
-        (FORMAT.spec("formula of length"),
-         ["sin(x) + cos(y)", "max(x, y, 0)", "min(sin(x), 1.5)", "sin(x,)", "1.5*x + 2.5", "2.*x"],
-         ["sin(x, y)", "1 + cos (x, 2)", "1.2.3", "x + 1..2", "x.real"]),
-        ("Support", ["{at: [0, 0], displacement: {x: 0}}", '{at: [0, 0], displacement: {y: "0.09*x - max(y, 1)"}}',
-                   "{on: {body: a, edge: b}, contact: {friction: 1, cohesion: 0}}"],
-         ["{at: [0, 0], displacement: {}}", "{at: [0, 0]}", '{at: [0, 0], displacement: {y: "0.09*z"}}',
-          '{at: [0, 0], displacement: {y: "5"}}']),
-        ("Load", ["{body: a, gravity: [0, -9.81 m/s^2], held: true}", "{crack: a, pressure: 1}"],
-         ["{body: a, gravity: [0]}", "{body: a, gravity: [0, 1], stress: [0, 0, 0]}",
-          "{crack: a, pressure: 1, held: 1}"]),
-        (FORMAT.spec("crack by name: number"), ["{flaw_1-b: 1}", "{späne: 1}", "{7: 1}"],
-         ["{a b: 1}", "{a/b: 1}", "{-a: 1}", "{..: 1}", '{"a\\u0301": 1}', '{"a\\u202e": 1}']),
-    ],
-)  # fmt: skip
-def test_schema_and_reader_agree(spec: Spec | str, good: list[str], bad: list[str]):
-    spec = FORMAT.part(spec) if isinstance(spec, str) else spec
+@pytest.mark.parametrize("group", AGREED, ids=lambda group: next(iter(group.values())))
+def test_schema_and_reader_agree(group: dict[str, Any]):
+    """On all texts of schema.yaml."""
+    forms = {"spec": FORMAT.spec, "part": FORMAT.part, "key": lambda name: CASE.fields[name].spec}
+    kind, name = next(iter(group.items()))
+    spec = forms[kind](name)
     for judge in (reader_accepts, schema_accepts):
-        assert [text for text in good if not judge(spec, text)] == []
-        assert [text for text in bad if judge(spec, text)] == []
-
-
-def shown(schema: dict[str, Any]) -> dict[str, Any]:
-    """What an editor shows of a key: that of its definition where it has one."""
-    return SCHEMA["definitions"][schema["$ref"].rpartition("/")[2]] if "$ref" in schema else schema
+        assert [text for text in group["good"] if not judge(spec, text)] == []
+        assert [text for text in group["bad"] if judge(spec, text)] == []
 
 
 def inside(schema: Any) -> Iterator[dict[str, Any]]:
@@ -114,26 +74,12 @@ def inside(schema: Any) -> Iterator[dict[str, Any]]:
         yield from inside(value)
 
 
-def titles(schema: dict[str, Any]) -> Iterator[str]:
-    """Titles of a schema and of those that hold together with it."""
-    yield schema.get("title", "")
-    for inner in schema.get("allOf", ()):
-        yield from titles(shown(inner))
-
-
-def test_every_key_is_described_and_every_quantity_tells_its_units():
-    """And beside a reference there is nothing that draft 7 passes over."""
+def test_editors_show_what_keys_mean_their_defaults_and_words():
+    """Beside a reference there is nothing that draft 7 passes over."""
     assert [schema for schema in inside(SCHEMA) if "$ref" in schema and len(schema) > 1] == []
-    found = [
-        (name, shown(its))
-        for schema in inside(SCHEMA)
-        for name, its in schema.get("properties", {}).items()
-        if isinstance(its, dict)
-    ]
-    assert len(found) > 60
-    assert [name for name, its in found if not its.get("description")] == []
-    named = dict(reversed(found))
-    assert "Pa | kPa | MPa | GPa | psi | ksi; a bare number is in units.stress" in " ".join(titles(named["young"]))
+    named = {name: its for schema in inside(SCHEMA) for name, its in schema.get("properties", {}).items()}
+    untold = [name for name, its in named.items() if not ({"$ref", "description"} & set(its))]
+    assert (len(named) > 60, untold) == (True, [])
     assert named["support"]["default"] == 2.0
     assert len(named["criterion"]["enum"]) == len(named["criterion"]["enumDescriptions"]) == 3
 
@@ -151,15 +97,12 @@ def test_every_meaning_is_a_key_or_word_of_the_format():
 FLAW = {"path": {"center": [2, 2], "length": 2, "angle": 30}, "contact": {"friction": 0.3, "cohesion": 0}}
 
 
-@pytest.mark.parametrize(
-    ("wrong", "words"),
-    [
-        ({"in_situ": {"stress": [-12, -8, 0]}}, "stress from the start is a load"),
-        ({"stress": [-12, -8, 0]}, "stress from the start is a load"),  # and not `units.stress`
-        ({"gravity": [0, -9.81]}, "weight is a load"),
-        ({"cracks": {"flaw": {**FLAW, "pressure": 1}}}, "fluid pressure in a crack is a load"),
-    ],
-)
+@pytest.mark.parametrize(("wrong", "words"), [
+    ({"in_situ": {"stress": [-12, -8, 0]}}, "stress from the start is a load"),
+    ({"stress": [-12, -8, 0]}, "stress from the start is a load"),  # and not `units.stress`
+    ({"gravity": [0, -9.81]}, "weight is a load"),
+    ({"cracks": {"flaw": {**FLAW, "pressure": 1}}}, "fluid pressure in a crack is a load"),
+])  # fmt: skip
 def test_what_is_a_load_here_is_said_with_an_example_that_loads(tmp_path: Path, wrong: dict[str, Any], words: str):
     scene = {**with_body(rectangle(0, 0, 4, 4)), "cracks": {"flaw": FLAW}, "supports": held("rock")}
     _, message = fault(tmp_path, {**scene, **wrong})
@@ -167,3 +110,117 @@ def test_what_is_a_load_here_is_said_with_an_example_that_loads(tmp_path: Path, 
     example = yaml.safe_load(message.split("`")[-2].replace("NAME", "flaw"))
     scene["bodies"]["rock"]["material"]["density"] = "2600 kg/m^3"
     assert load(tmp_path, {**scene, **example}).loads
+
+
+MM = Units("mm", "MPa")
+
+
+@pytest.mark.parametrize(
+    ("text", "value"),
+    [("10", 10.0), ("1e10", 1e10), ("1.e10", 1e10), (".5", 0.5), ("-3.25E-2", -0.0325), ("+7", 7.0), ("010", 10.0)],
+)
+def test_numbers(text: str, value: float):
+    assert parse_number(text) == value
+    assert repr(parse_number("-0.0")) == "0.0"
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x", "1_000", "0x10", "1:30", "1e", "--1", "1,5", "٣", "1 2", "nan", "-.inf", "1e61"]
+)
+def test_not_a_number(text: str):
+    with pytest.raises(QuantityError):
+        parse_number(text)
+
+
+@pytest.mark.parametrize(("text", "kind", "value"), [
+    ("31", "length", 0.031),
+    ("31 mm", "length", 0.031),
+    ("31mm", "length", 0.031),
+    (" 3.1 cm ", "length", 0.031),
+    ("0.1 um", "length", 1e-7),
+    ("0", "force", 0.0),  # in every unit
+    ("-2 kN/mm", "force", -2e6),
+    ("10 GPa", "stress", 1e10),
+    ("1e1GPa", "stress", 1e10),
+    ("0.7", "stress", 700000.0),
+    ("2500", "density", 2500.0),
+    ("2.7 g/cm^3", "density", 2700.0),
+    ("30 deg", "angle", 30.0),
+    ("1 mm/year", "velocity", 1e-3 / (365.25 * 86400.0)),
+    ("40 kPa sqrt(m)", "toughness", 4e4),
+    ("1 MPa sqrt(mm)", "toughness", 1e9**0.5),
+])  # fmt: skip
+def test_quantities_are_the_nearest_floats(text: str, kind: str, value: float):
+    assert parse_quantity(text, kind, MM) == value
+
+
+# --- formulas --------------------------------------------------------------------------------------------------------
+
+POINTS = np.array([[0.5, -2.0], [3.0, 0.25], [-1.0, 4.0]])
+X, Y = POINTS.T
+
+
+@pytest.mark.parametrize(("text", "values"), [
+    ("0.09*x - 0.1", 0.09 * X - 0.1),
+    ("x*y/2 + x**2", X * Y / 2 + X**2),
+    ("-x - -y", -X + Y),
+    ("2**-1*x", X / 2),
+    ("(x + y)*(x - y)", (X + Y) * (X - Y)),
+    ("sin(pi*x) + cos(y) + tan(x)", np.sin(np.pi * X) + np.cos(Y) + np.tan(X)),
+    ("sqrt(abs(x)) + exp(-y) + log(y**2)", np.sqrt(np.abs(X)) + np.exp(-Y) + np.log(Y**2)),
+    ("min(x, y) + max(x, y, 1)", np.minimum(X, Y) + np.maximum(np.maximum(X, Y), 1)),
+    (" pi ", np.full(3, np.pi)),
+    ("10**10**2", np.full(3, 1e100)),
+])  # fmt: skip
+def test_values_and_the_same_function_in_si(text: str, values: np.ndarray):
+    formula = CoordinateFormula(parse_formula(text))
+    np.testing.assert_allclose(formula(POINTS), values, rtol=1e-15)  # the same operations
+    assert formula(POINTS[:0]).shape == (0,)
+    assert pickle.loads(pickle.dumps(formula))(POINTS).tolist() == formula(POINTS).tolist()
+    for unit in (1e-3, 1e3):
+        formula = CoordinateFormula(parse_formula(text, unit))
+        np.testing.assert_allclose(formula(POINTS * unit), values * unit, rtol=1e-13)  # (x / L) rounds before tan, exp
+        assert parse_formula(formula.text) == formula.text
+
+
+@pytest.mark.parametrize(("text", "words"), [
+    ("x\0", "is not a formula"),
+    ("1" + "0" * 400 + "*x", "too large"),
+    ("x" + " + x" * DEEPEST, "nested deeper than"),
+    ("(" * 400 + "x" + ")" * 400, "is not a formula"),
+    ("-" * (LONGEST - 1) + "x", "nested deeper than"),
+    ("x + " + " " * LONGEST + "y", "longer than"),
+    ("x" + "+x*x*x*x*x*x*x*x*x*x" * 45, "longer than 1000 characters in SI"),
+    *((text, "not allowed") for text in (
+        "x if x > 0 else y", "x > y", "x // y", "x % y", "not x", "~x", "x and y", "x, y", "[x]", "1if x else 2",
+        "x[0]", "x.real", "lambda: x", "(x := 1)", "'x'", "True", "1j*x", "sin(x=1)", "min(*x, 1)",
+        "__import__('os').system('exit 3')",
+    )),
+])  # fmt: skip
+def test_what_is_no_formula(text: str, words: str):
+    with pytest.raises(FormulaError) as caught:
+        parse_formula(text, 1e-3)
+    assert words in str(caught.value)
+
+
+@pytest.mark.parametrize("text", ["1/x", "log(x)", "x**0.5/x", "exp(1000 + x)", "10**10**10*x", "0*(1/x)"])
+def test_no_finite_value(text: str):
+    with pytest.raises(CaseError, match="has no finite value at"):
+        CoordinateFormula(parse_formula(text))(np.array([[1.0, 1.0], [0.0, 0.0], [-1.0, 0.0], [1e308, 0.0]]))
+
+
+def test_formulas_of_a_map_need_values_in_the_rock_alone(tmp_path: Path):
+    """x and y are those of the map: log(x - 399.99) has values right of x = 399.99 m."""
+    scene = {**with_body(rectangle(400, 800, 10, 10)), "units": {"length": "m", "origin": [400, 800]}}
+    for x, told in ((399.99, ""), (405, "has no finite value at (400 m, 800 m)")):
+        held = {"x": 0, "y": f"1e-6*log(x - {x})"}
+        scene["supports"] = [{"on": {"body": "rock", "edge": "bottom"}, "displacement": held}]
+        if told:
+            assert fault(tmp_path, scene)[1] == told
+        else:
+            assert load(tmp_path, scene).supports[0].displacement[1](np.zeros((1, 2))) == [1e-6 * np.log(400 - x)]
+
+
+def test_a_bare_toughness_by_pounds_needs_a_unit():
+    with pytest.raises(QuantityError, match=r"needs a unit, such as ksi sqrt\(in\)"):
+        parse_quantity("1", "toughness", Units("m", "ksi"))

@@ -1,19 +1,20 @@
-"""The plan of a case: counts are those of the run, cost and warnings follow the scene."""
+"""What `crackgrow check` says of a case: its words, counts that are those of the run, cost and warnings."""
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
+from typing import Any
 
 import pytest
+import yaml
 
-from crackgrow import cli
 from crackgrow.case import Case
 from crackgrow.plan import cost
 from crackgrow.plan.cost import Sizes, cost_of, estimated_cost, guessed_sizes, sizes_of
-from crackgrow.plan.text import plan_text
+from crackgrow.plan.text import overview, plan_text
 from crackgrow.run import grow
 from tests.scenes import shipped_case
+from tests.unit.case.scenes import EVERYTHING, load
 
 CASES = Path(__file__).parents[3] / "cases"
 COARSE = {
@@ -44,61 +45,17 @@ def test_counts_are_those_of_the_run(name: str) -> None:
     assert set(words_of(sizes)) - plan_alone <= set(first.warnings)  # the same words
 
 
-FRICTION = "cracks.flaw.contact.friction=0.3"
-SMOOTH = "interfaces=[{between: [lower, upper], contact: {friction: 0, cohesion: 0}}]"
-BONDED = "interfaces=[{between: [lower, upper], contact: bonded}]"
+CHECKED = yaml.safe_load(Path(__file__).with_name("check.yaml").read_text(encoding="utf-8"))
 
 
-@pytest.mark.parametrize(
-    ("name", "settings", "words"),
-    [
-        ("compression30", [], r"flaw: .*normal contact alone: neither friction nor cohesion"),
-        ("compression30", [], r"\n  3 multipliers for supports and bonds\n"),
-        ("compression30", [FRICTION], r"flaw: \d+ points?, with friction or cohesion"),
-        ("compression30", [FRICTION], r"contact: \d+ tractions at \d+ mortar nodes, normal and tangential"),
-        ("compression30", ["cracks.flaw.contact=none"], "flaw: no contact: its faces never touch"),
-        ("interface_friction04", [SMOOTH], "points, normal contact alone: neither"),
-        ("interface_friction04", [BONDED], "bonded: multipliers close gap and slip"),
-        ("block_rigid", [], "points, with friction or cohesion"),
-    ],
-)
-def test_text_says_what_is_modelled_and_why(name: str, settings: list[str], words: str) -> None:
-    assert re.search(words, plan_text(coarse(name, *settings)))
-
-
-@pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        (("numerics.spacing=3",), "cells are by hand, and no error is measured"),
-        (("cracks={}",), "22 growth steps are asked for, but no crack has a tip"),
-        (("cracks.flaw.tips=none",), "22 growth steps are asked for, but no crack has a tip"),
-        (("loads.1.traction=[0, 50]",), "1.55e+06 N/m of the loads (33 %) are carried by supports at points"),
-    ],
-)
-def test_warnings_come_before_the_run(settings: tuple[str, ...], words: str) -> None:
-    assert any(words in text for text in words_of(sizes_of(coarse("compression30", *settings))))
-
-
-PRESSED = (
-    "{on: {edge: top}, traction: [0, -20], held: true}, {on: {edge: bottom}, traction: [0, PUSH], held: true}, "
-    "{stress: [0, -20, 0], held: true}"
-)
-WEIGHT = "{gravity: [0, -80000 m/s^2], held: true}"  # 11 MPa over the height
-
-
-@pytest.mark.parametrize(
-    ("loads", "warned"),
-    [
-        (PRESSED.replace("PUSH", "20"), False),
-        (PRESSED.replace("PUSH", "31"), True),
-        (f"{PRESSED.replace('PUSH', '31')}, {WEIGHT}", False),
-        (f"{PRESSED.replace('PUSH', '20')}, {WEIGHT}", False),
-    ],
-)
-def test_loads_that_stress_in_the_rock_or_weight_balances_leave_nothing_to_points(loads: str, warned: bool) -> None:
-    settings = ("bodies.rock.material.density=2500 kg/m^3", f"loads=[{loads}]")
-    told = words_of(sizes_of(coarse("compression30", *settings)))
-    assert any("are carried by supports at points" in text for text in told) == warned
+@pytest.mark.parametrize(("table", "row"), [(table, row) for table, rows in CHECKED.items() for row in rows])
+def test_what_is_told(table: str, row: list[Any], tmp_path: Path) -> None:
+    """All that check.yaml wants of a case, and nothing of what it does not want."""
+    name, settings, told, *untold = row
+    case = load(tmp_path, EVERYTHING, *settings) if name == "everything" else shipped_case(name, settings)
+    text = {"overview": overview, "plan": plan_text}[table](case)
+    assert [part for part in told if part not in text] == []
+    assert [part for parts in untold for part in parts if part in text] == []
 
 
 def test_more_memory_than_the_machine_has_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -116,22 +73,6 @@ def test_a_guess_without_a_cover_is_near_that_with_one(spacing: float) -> None:
     counted, guessed = (estimated_cost(case, sizes(case)) for sizes in (sizes_of, guessed_sizes))
     assert guessed.seconds == pytest.approx(counted.seconds, rel=0.25)
     assert guessed.memory == pytest.approx(counted.memory, rel=0.25)
-
-
-def test_a_sound_case_has_no_warnings() -> None:
-    assert words_of(sizes_of(shipped_case("compression30"))) == ()
-    assert plan_text(shipped_case("compression30")).endswith("no warnings")
-
-
-def test_check_draws_where_it_is_told_to(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    case = str(CASES / "compression30.yaml")
-    assert cli.main(["check", case, "--set", "numerics.spacing=3", "--picture", str(tmp_path / "a.png")]) == 0
-    assert f"picture in {tmp_path / 'a.png'}" in capsys.readouterr().out
-    assert (tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"
-    with pytest.raises(SystemExit) as caught:
-        cli.main(["check", case, "--picture", "a.gif"])
-    assert caught.value.code == 2
-    assert "ends in .png or .svg" in capsys.readouterr().err
 
 
 UNTOLD = {

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.case import model
-from crackgrow.case.model import Body, Case, CoulombContact, Crack, Material, Ring, Strength
+from crackgrow.case import Case
 from crackgrow.run.result import (
     SLIP,
     STICK,
@@ -32,31 +31,23 @@ INCREMENT = 0.002
 
 def make_case(**output: Any) -> Case:
     """A block of 30 x 50 mm with a horizontal crack of 20 mm that grows by two steps."""
-    x, y = WIDTH / 2, HEIGHT / 2
-    outline = np.array([[-x, -y], [x, -y], [x, y], [-x, y]])
-    edges = ("bottom", "right", "top", "left")
-    body = Body("rock", (Ring(outline, edges),), Material(1e10, 0.25), Strength(5e5, 1e7, 40.0))
-    settings = {
-        "frames": "every_step",
-        "fields": ("displacement", "stress"),
-        "figures": False,
-        "report": False,
-    } | output
-    return Case(
-        name="block",
-        title="A block with a crack",
-        source="",
-        plane="strain",
-        bodies=(body,),
-        cracks=(Crack("flaw", CRACK, True, True, CoulombContact(0.3, 0.0, 0.3, False), "rock"),),
-        interfaces=(),
-        supports=(),
-        loads=(),
-        loading=model.LoadHistory((1.0,)),
-        growth=model.Growth(2, INCREMENT, "most_critical", "strength", "explicit", 0.002, True),
-        numerics=model.Numerics(spacing=0.005, support=2.0, quadrature=3, contact=model.ContactNumerics(spacing=1.0)),
-        output=model.Output(**settings),
-    )
+    growth = {"steps": 2, "increment": INCREMENT, "advance": "most_critical", "criterion": "strength"}
+    rock = {
+        "shape": {"rectangle": {"center": [0, 0], "width": WIDTH, "height": HEIGHT}},
+        "material": {"young": 1e10, "poisson": 0.25},
+        "strength": {"tension": 5e5, "cohesion": 1e7, "friction_angle": 40},
+    }
+    scene = {
+        "title": "A block with a crack",
+        "plane": "strain",
+        "bodies": {"rock": rock},
+        "cracks": {"flaw": {"path": CRACK.tolist(), "contact": {"friction": 0.3}}},
+        "supports": "minimal",
+        "growth": {**growth, "tip_stress": {"radius": 0.002}},
+        "numerics": {"spacing": 0.005},
+        "output": {"frames": "every_step", "figures": False, "report": False, **output},
+    }
+    return Case.from_dict(scene, "block")
 
 
 def make_frame(scale: float = 1.0) -> Frame:

@@ -1,4 +1,4 @@
-"""Figures: displaced so that holes keep their shape, with room for all words, whatever the user has set."""
+"""Pictures: what acts and nothing else, holes that keep their shape, room for all words, whatever the user has set."""
 
 from __future__ import annotations
 
@@ -13,17 +13,22 @@ import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.image import imread
+from matplotlib.text import Annotation
 
-from crackgrow.case import Case, model
+from crackgrow.case import Case, dump_case, model
 from crackgrow.plan.cost import squares_of
-from crackgrow.results import drawn_frame, figures
+from crackgrow.results import drawn_frame, figures, signs
 from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.folder import RunFolder
+from crackgrow.results.places import extent
 from crackgrow.results.report.charts import event_energies, stress_strain
+from crackgrow.results.report.page import described_actions
 from crackgrow.results.style import own_style
+from crackgrow.results.units import LENGTHS, STRESSES, TIMES, factor_text, rounded_all, shown, unit_of
 from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
+from tests.unit.case.scenes import EVERYTHING, load
 from tests.unit.results.synthetic import make_case, make_frame, make_paths, make_result
 
 
@@ -38,20 +43,14 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
 def run_of(
     folder: Path, case: Case, events: Sequence[tuple[object, ...]] = (), **columns: Sequence[float]
 ) -> RunFolder:
-    """A run with these columns in its steps.csv; one of its two surfaces slips.
-
-    Of events there are step, kind, crack, load and energy.
-    """
+    """A run with these columns in its steps.csv; of events there are step, kind, crack, load and energy."""
     n_steps = len(next(iter(columns.values())))
-    slip, usual = columns.pop("slip", [0.0] * n_steps), {"mean_stress_xx": 0.0, "mean_stress_xy": 0.0}
-    usual |= {f"mean_strain_{xx}": 0.0 for xx in ("xx", "yy", "xy")} | {"mean_stress_yy": 0.0}
-    usual["load_factor"] = 1.0
+    usual = {f"mean_{of}_{xx}": 0.0 for of in ("stress", "strain") for xx in ("xx", "yy", "xy")} | {"load_factor": 1.0}
     steps = {"step": range(n_steps), **{name: [value] * n_steps for name, value in usual.items()}, **columns}
-    rows = [*((k, "flaw", slip[k]) for k in range(n_steps)), (0, "other", 0.0)]  # the other one goes with its rock
     folder.mkdir(exist_ok=True)
     for name, header, table in (
         ("steps", steps, zip(*steps.values(), strict=True)),
-        ("contact", ("step", "crack", "slip"), rows),
+        ("contact", ("step", "crack", "slip"), [(step, "flaw", 0.0) for step in range(n_steps)]),
         ("events", ("step", "kind", "crack", "load_factor", "energy", "tip"), [(*event, "") for event in events]),
     ):
         lines = [header, *table]
@@ -70,10 +69,6 @@ def falling(size: float, case: Case, folder: Path) -> RunFolder:
     )
 
 
-def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:
-    return np.asarray(imread(path)[..., :3], dtype=float)
-
-
 def test_magnification_leaves_holes_their_shape() -> None:
     """A wide plate that shifts much far away, and a small hole in it that closes: u = -c / r."""
     x, y = (grid.ravel() for grid in np.meshgrid(np.arange(-20.0, 21.0), np.arange(-20.0, 21.0)))
@@ -90,14 +85,12 @@ def test_magnification_leaves_holes_their_shape() -> None:
 
 def white_rim(path: Path) -> bool:
     """Whether nothing touches the rim of a picture, as words do that it has no room for."""
-    image = pixels(path)
+    image = imread(path)[..., :3]
     return all(bool((side == 1.0).all()) for side in (image[0], image[-1], image[:, 0], image[:, -1]))
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize(
-    ("size", "stretch"), [(1.0, (1.0, 1.0)), (1.234567e-5, (40.0, 40.0)), (1e12, (8.0, 1.0)), (1.0, (1.0, 8.0))]
-)
+@pytest.mark.parametrize(("size", "stretch"), [(1.234567e-5, (40.0, 40.0)), (1e12, (8.0, 1.0)), (1.0, (1.0, 8.0))])
 def test_words_stay_clear_of_panels_of_the_title_and_of_the_edge(
     size: float, stretch: tuple[float, float], tmp_path: Path, drawn: list[Figure]
 ) -> None:
@@ -178,17 +171,13 @@ def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monk
     assert (tmp_path / "out" / "figures" / "path.png").is_file()
 
 
-@pytest.mark.parametrize(
-    ("stress", "drawn"),
-    [
-        ([(0.0, -1e6, 0.0), (0.0, -2e6, 1e3), (0.0, -1.5e6, 0.0)], ("y", "compressive", [1.0, 2.0, 1.5])),
-        ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan)], None),
-        ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan), (4e6, -1e6, 0.0)], ("x", "tensile", [3.0, None, 4.0])),
-        ([(1e-9, 2e-9, 1e6), (3e-9, 1e-9, 2e6)], None),
-        ([(0.0, 1e6, 0.0), (0.0, 1e6 + 1e-9, 0.0)], None),
-    ],
-    ids=["compression", "one step", "nan", "pure shear", "steady"],
-)
+@pytest.mark.parametrize(("stress", "drawn"), [
+    ([(0.0, -1e6, 0.0), (0.0, -2e6, 1e3), (0.0, -1.5e6, 0.0)], ("y", "compressive", [1.0, 2.0, 1.5])),
+    ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan)], None),
+    ([(3e6, -1e6, 0.0), (np.nan, np.nan, np.nan), (4e6, -1e6, 0.0)], ("x", "tensile", [3.0, None, 4.0])),
+    ([(1e-9, 2e-9, 1e6), (3e-9, 1e-9, 2e6)], None),
+    ([(0.0, 1e6, 0.0), (0.0, 1e6 + 1e-9, 0.0)], None),
+], ids=["compression", "one step", "nan", "pure shear", "steady"])  # fmt: skip
 def test_the_curve_is_of_the_axis_that_bears_more_and_none_of_round_off(
     stress: list[tuple[float, ...]], drawn: tuple[str, str, list[float | None]] | None, tmp_path: Path
 ) -> None:
@@ -246,3 +235,83 @@ def test_the_energy_of_events_is_that_of_their_steps(tmp_path: Path) -> None:
         "bonds break": [0.0, 8.0, 0.0],
         "faces slip": [2.0, 5.0, 0.0],
     }
+
+
+Arrow = tuple[np.ndarray, np.ndarray]
+"""Tail and head (2,), m."""
+
+HELD = "supports=[{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]"
+
+
+def size_of(case: Case) -> float:
+    low, high = extent(case)
+    return float((high - low).max())
+
+
+def arrows_of(load: str) -> tuple[float, list[Arrow]]:
+    """The size of the plate, and the arrows of its load, from left to right."""
+    case = shipped_case("compression30", [f"loads=[{load}]"])
+    sheet = signs.Sheet(Figure().add_subplot(), case, size_of(case))
+    sheet.draw_load(case.loads[0])
+    found = [text for text in sheet.axes.texts if isinstance(text, Annotation)]
+    arrows = [(np.array(text.xyann), np.array(text.xy)) for text in found]
+    return size_of(case), sorted(arrows, key=lambda arrow: float(arrow[0][0]))
+
+
+def test_arrows_push_on_the_edge_or_pull_from_it() -> None:
+    for way in (-1, 1):
+        size, arrows = arrows_of(f"{{on: {{body: rock, edge: top}}, traction: [0, {3 * way}]}}")
+        near = [(head if way < 0 else tail)[1] for tail, head in arrows]
+        np.testing.assert_allclose(near, 0.0275 + signs.GAP * size)
+        np.testing.assert_allclose([head - tail for tail, head in arrows], [[0.0, way * signs.ARROW * size]] * 7)
+        np.testing.assert_allclose([tail[0] for tail, _ in arrows], 0.031 * (np.arange(7) - 3) / 7, atol=1e-15)
+
+
+def test_a_case_with_every_form_of_the_format_can_be_drawn_and_is_the_same_file_again(tmp_path: Path) -> None:
+    case = load(tmp_path, EVERYTHING)
+    paths = [tmp_path / name for name in ("a.svg", "b.svg")]
+    for path in paths:
+        draw_scene(path, case, squares_of(case))
+    assert paths[0].read_bytes() == paths[1].read_bytes()
+    assert paths[0].read_text(encoding="utf-8").count("<path") > 20
+
+
+@pytest.mark.physics
+@pytest.mark.parametrize(("name", "settings", "mark", "least", "most"), [
+    ("compression30", ["numerics.spacing=3"], "#b2182b", 1, 999),  # arrows of loads
+    ("compression30", ["numerics.spacing=3", "loads=[]", HELD], "#b2182b", 0, 0),
+    ("tunnel_excavated", [], "core is taken out in stage 'face near by'", 1, 9),
+    ("two_flaws", ["numerics.spacing=4"], "stroke: #000000; stroke-width: 2; stroke-linecap: round", 2, 2),
+    # a triangle, two rollers, ground and hatching, of three supports
+    ("two_flaws", ["numerics.spacing=4"], "#404040", 3 * 5 + 1, 999),
+])  # fmt: skip
+def test_the_picture_shows_cracks_and_what_acts_and_nothing_else(
+    name: str, settings: list[str], mark: str, least: int, most: int, tmp_path: Path
+) -> None:
+    case = shipped_case(name, settings)
+    draw_scene(tmp_path / "scene.svg", case, squares_of(case))
+    assert least <= (tmp_path / "scene.svg").read_text(encoding="utf-8").count(mark) <= most
+
+
+def test_the_arrow_of_a_point_force_ends_at_its_point() -> None:
+    _, ((tail, head),) = arrows_of("{at: [0, 27.5], force: [0 N/m, -1000 N/m]}")
+    np.testing.assert_allclose(head, [0.0, 0.0275], atol=1e-15)
+    assert tail[1] > head[1]
+
+
+def test_actions_are_told_in_words(tmp_path: Path) -> None:
+    (tmp_path / "case.yaml").write_text(dump_case(shipped_case("compression30")))
+    told = dict(described_actions(RunFolder(tmp_path)))
+    assert told["supports.0"] == "at: [-0.0155, -0.0275], displacement: {y: 0}, body: rock"
+    assert told["loads.1"] == "on: {body: rock, edge: bottom}, traction: [0, 100000000], held: false"
+
+
+def test_numbers_are_shown_in_the_unit_that_suits_them() -> None:
+    assert unit_of([3e6, -2.5e8, float("nan")], STRESSES) == (1e6, "MPa")
+    assert unit_of([1e-3], LENGTHS) == (1e-3, "mm")
+    assert unit_of([3 * 86400.0], TIMES) == (86400.0, "days")
+    assert unit_of([2 * 365.25 * 86400.0], TIMES) == (365.25 * 86400.0, "years")
+    assert unit_of([], LENGTHS) == unit_of([0.0], LENGTHS) == (1e-9, "nm")
+    assert rounded_all([1.23456789e6, float("inf")], 1e6) == [1.23457, None]
+    assert shown(float("nan")) == "\N{EN DASH}"
+    assert [factor_text(factor) for factor in (0.5, 18.93, 5502.0, 1e5)] == ["0.5", "18.9", "5500", "100000"]

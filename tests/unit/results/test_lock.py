@@ -16,16 +16,15 @@ import pytest
 
 from crackgrow.results.lock import LOCK, FolderLock, LockedError
 from crackgrow.results.writer import RunWriter
-from tests.properties.broken_off import ENVIRONMENT, command, contents, finished, started, wait_for
+from tests.properties.broken_off import CASES, command, contents, finished, started, wait_for
 from tests.unit.results.synthetic import make_case, make_end
 
 pytestmark = pytest.mark.physics
 
-COARSE = ("numerics.spacing=3", "growth.steps=2", "output.figures=false", "output.report=false")
+COARSE = ("numerics.spacing=4", "growth.steps=2", "output.figures=false", "output.report=false")
 HOLDING = """
 import pathlib, sys, time
 from crackgrow.results.lock import FolderLock
-
 lock = FolderLock(pathlib.Path(sys.argv[1]), "case slope")
 lock.take()
 print("taken", flush=True)
@@ -40,14 +39,13 @@ def holder(folder: Path) -> subprocess.Popen[str]:
     return process
 
 
-@pytest.mark.parametrize("end", [signal.SIGKILL, signal.SIGTERM])
-def test_a_lock_says_who_holds_it_and_goes_with_the_process(end: signal.Signals, tmp_path: Path) -> None:
+def test_a_lock_says_who_holds_it_and_goes_with_the_process(tmp_path: Path) -> None:
     process = holder(tmp_path)
     with pytest.raises(LockedError, match=f"another run is writing into {tmp_path}") as caught:
         FolderLock(tmp_path, "other").take()
     assert f"case slope, process {process.pid} on {socket.gethostname()}, since 20" in str(caught.value)
     assert caught.value.exit_code == 3
-    process.send_signal(end)
+    process.kill()
     process.communicate()
     assert (tmp_path / LOCK).is_file()
     with FolderLock(tmp_path, "next").held():
@@ -60,7 +58,6 @@ def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch: pytest
         raise OSError(errno.ENOLCK, os.strerror(errno.ENOLCK))
 
     monkeypatch.setattr(fcntl, "flock", refuse)
-    monkeypatch.setattr("crackgrow.results.writer.dump_case", lambda case: f"title: {case.title}\n")
     writer = RunWriter(make_case(), tmp_path)
     writer.begin()
     writer.finish(make_end(0))
@@ -68,35 +65,28 @@ def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch: pytest
     assert "see to it that no other run" in json.loads((tmp_path / "summary.json").read_text())["warnings"][0]
 
 
-@pytest.mark.parametrize("second", [[], ["--resume"]])
-def test_a_second_run_in_the_folder_of_one_that_goes_on_ends_and_changes_nothing(
-    second: list[str], tmp_path: Path
-) -> None:
-    finished(command("compression30", COARSE, tmp_path / "alone"))
-    process = started(command("compression30", COARSE, tmp_path / "out"))
+def test_a_second_run_in_the_folder_of_one_that_goes_on_ends_and_changes_nothing(tmp_path: Path) -> None:
+    process = started(command("compression30", COARSE, tmp_path))
     assert wait_for(process, "step 0")
     process.send_signal(signal.SIGSTOP)
-    before = contents(tmp_path / "out")
-    done = finished(command("compression30", COARSE, tmp_path / "out", *second))
-    assert done.returncode == 3
-    assert f"process {process.pid} on " in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-    assert contents(tmp_path / "out") == before
+    before = contents(tmp_path)
+    for more in ([], ["--resume"]):
+        done = finished(command("compression30", COARSE, tmp_path, *more))
+        assert done.returncode == 3
+        assert f"process {process.pid} on " in done.stderr
+        assert len(done.stderr.splitlines()) == 1
+        assert contents(tmp_path) == before
     process.send_signal(signal.SIGCONT)
     process.communicate()
     assert process.returncode == 0
-    assert contents(tmp_path / "out") == contents(tmp_path / "alone")
 
 
 @pytest.mark.parametrize("study", ["sweep", "trade"])
 def test_studies_hold_their_folders(study: str, tmp_path: Path) -> None:
-    case = tmp_path / "plate.yaml"
-    case.write_bytes((Path(__file__).resolve().parents[3] / "cases" / "compression30.yaml").read_bytes())
-    (tmp_path / "sweep.yaml").write_text("base: plate.yaml\nparameters: {growth.steps: [0]}\n")
-    file = {"sweep": "sweep.yaml", "trade": "plate.yaml"}[study]
+    (tmp_path / "sweep.yaml").write_text(f"base: {CASES / 'compression30.yaml'}\nparameters: {{growth.steps: [0]}}\n")
+    file = {"sweep": tmp_path / "sweep.yaml", "trade": CASES / "compression30.yaml"}[study]
     process = holder(tmp_path / "out")
-    words = [sys.executable, "-m", "crackgrow", study, file, "--out", "out"]
-    done = subprocess.run(words, capture_output=True, text=True, cwd=tmp_path, env=ENVIRONMENT, check=False)
+    done = finished([sys.executable, "-m", "crackgrow", study, str(file), "--out", str(tmp_path / "out")])
     process.kill()
     process.communicate()
     assert done.returncode == 3

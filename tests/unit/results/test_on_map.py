@@ -119,10 +119,7 @@ def test_a_case_as_it_ran_stands_on_the_map_and_reads_back_to_the_same_bits(
         np.testing.assert_array_equal(one.points, other.points)
     changed = there.with_("cracks.flaw.path.center=[466003.5, 6700002]", "output.points={}")
     np.testing.assert_allclose(changed.cracks[0].points.mean(axis=0), [3.0, 2.0], rtol=1e-14)
-    np.testing.assert_array_equal(changed.cracks[1].points, there.cracks[1].points)
-    mapping = there.to_dict()
-    assert mapping["supports"][0]["at"] == [466008.5, 6700000.0]
-    np.testing.assert_allclose(Case.from_dict(mapping).cracks[1].points, here.cracks[1].points, atol=1e-9)
+    np.testing.assert_array_equal(changed.cracks[1].points, here.cracks[1].points)
 
 
 def test_results_are_the_same_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run]) -> None:
@@ -161,27 +158,23 @@ def test_fields_and_meshes_are_on_the_map(runs: tuple[crackgrow.Run, crackgrow.R
 def test_what_is_told_of_places_is_on_the_map(
     runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    _, there = runs
-    told = " ".join(there.warnings)
-    assert "'joints-1' (the shape) at (466006.5 m, 6700004.25 m)" in told
+    assert "'joints-1' (the shape) at (466006.5 m, 6700004.25 m)" in " ".join(runs[1].warnings)
     folder = files[1].parent
-    log = (folder / "out" / "run.log").read_text()
-    event = there.events[there.events["met"] != ""].iloc[0]
-    assert f"({event.x:.4f}"[:9] in log
+    event = runs[1].events[runs[1].events["met"] != ""].iloc[0]
+    assert f"({event.x:.4f}"[:9] in (folder / "out" / "run.log").read_text()
+    assert "466008.5" in (folder / "out" / "report.html").read_text()  # of a support
     assert cli.main(["check", str(files[1]), "--picture", str(folder / "scene.svg")]) == 0
     assert "(466006.5 m, 6700004.25 m)" in capsys.readouterr().out
-    page = (folder / "out" / "report.html").read_text()
-    assert "466008.5" in page  # of a support
 
 
-def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(files: tuple[Path, Path], tmp_path: Path) -> None:
-    run = ["run", str(files[1]), "--quiet", "--set", "output.frames=none", "--set", "output.figures=false"]
-    whole, parts = tmp_path / "whole", tmp_path / "parts"
-    assert cli.main([*run, "--out", str(whole)]) == 0
-    assert cli.main([*run, "--out", str(parts), "--set", "growth.steps=1"]) == 0
-    assert cli.main([*run, "--out", str(parts), "--resume"]) == 0
+def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(
+    runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], tmp_path: Path
+) -> None:
+    run = ["run", str(files[1]), "--quiet", "--out", str(tmp_path), "--set", "output.figures=false"]
+    assert cli.main([*run, "--set", "growth.steps=1"]) == 0
+    assert cli.main([*run, "--resume"]) == 0
     for name in ("tips.csv", "paths.csv", "events.csv", "contact.csv"):
-        assert (whole / name).read_text() == (parts / name).read_text()
+        assert (files[1].parent / "out" / name).read_text() == (tmp_path / name).read_text()
 
 
 def test_a_map_far_away_without_an_origin_names_the_key(tmp_path: Path) -> None:

@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import csv
-import io
 import json
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 import pyvista
 
+from crackgrow.case import dump_case
 from crackgrow.errors import SolveError
-from crackgrow.results import writer as writer_module
 from crackgrow.results.atomic import OccupiedError, OutputError
 from crackgrow.results.folder import SUMMARY_KEYS
 from crackgrow.results.lock import LOCK
@@ -27,11 +26,6 @@ TABLES = {
     "case.yaml", "run.log", "tips.csv", "paths.csv", "contact.csv", "reactions.csv", "steps.csv", "events.csv",
     "interface_tips.csv", "summary.json",
 }  # fmt: skip
-
-
-@pytest.fixture(autouse=True)
-def dumped_case(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(writer_module, "dump_case", lambda case: f"title: {case.title}\n")
 
 
 def begun(folder: Path, results: Sequence[StepResult] = (), **output: Any) -> RunWriter:
@@ -68,7 +62,7 @@ def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:
     out = tmp_path / "out"
     writer = begun(out)
     assert files(out) == TABLES
-    assert (out / "case.yaml").read_text() == "title: A block with a crack\n"
+    assert (out / "case.yaml").read_text() == dump_case(make_case())
     for step in range(3):
         writer.add(make_result(step))
         steps = [str(k) for k in range(step + 1)]
@@ -109,9 +103,8 @@ def test_events_are_in_the_table_the_log_and_the_summary_as_they_come(tmp_path: 
         rows = list(csv.DictReader(file))
     assert [row["step"] for row in rows] == ["1", "1", "2", "2"]
     assert (rows[3]["kind"], rows[3]["met"]) == ("parted", "a piece came loose")
-    for record, row in ((first, rows[0]), (third, rows[2])):
-        told = {name: str(value) for name, value in record.items() if name != "words"}
-        assert told | {"load_factor": "nan", "energy": "nan"} == row
+    told = {name: str(value) for name, value in third.items() if name != "words"}
+    assert told | {"load_factor": "nan", "energy": "nan"} == rows[2]
 
 
 @pytest.mark.physics
@@ -172,43 +165,30 @@ def test_earlier_results_go_and_other_files_stay(tmp_path: Path) -> None:
 
 
 OWN = json.dumps(dict.fromkeys(SUMMARY_KEYS, "mine"))
-FOREIGN = {
-    "a text": b"what I found",
-    "half a summary": b'{"case": "blo',
-    "of another program": b'{"case": "a", "status": "ok", "stop_reason": "done", "version": "7"}',
-    "lines of JSON": f"{OWN}\n{OWN}\n".encode(),
-    "UTF-16": OWN.encode("utf-16"),
-    "a list": b"[" * 100_000,
-}
+SUMMARIES = (
+    b"what I found", b'{"case": "blo', b'{"case": "a", "status": "ok", "stop_reason": "done", "version": "7"}',
+    f"{OWN}\n{OWN}\n".encode(), OWN.encode("utf-16"), b"[" * 100_000,
+)  # fmt: skip
 
 
-@pytest.mark.parametrize("content", FOREIGN.values(), ids=FOREIGN)
-def test_a_summary_that_no_run_has_written_is_not_replaced(content: bytes, tmp_path: Path) -> None:
-    for folder in (tmp_path, a_run(tmp_path / "with files of a run")):
-        (folder / "summary.json").write_bytes(content)
+@pytest.mark.parametrize(("name", "contents"), [
+    ("summary.json", SUMMARIES),
+    *((name, (b"", b"mine", b"PK\x03\x04")) for name in (
+        "summary.json", "checkpoint/step_0000.npz", "checkpoint/step_12345.npz", "render/sigma_1/step_0001.png",
+        "render/mine/animation.gif", "run.log", "figures/path.png", ".steps.tmp.csv",
+    )),
+])  # fmt: skip
+def test_no_file_goes_that_no_run_has_written(name: str, contents: Sequence[bytes], tmp_path: Path) -> None:
+    """Of a summary also where a run's other files lie beside it."""
+    folders = (tmp_path / "new", *([a_run(tmp_path / "run")] if contents is SUMMARIES else []))
+    for folder, content in product(folders, contents):
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_bytes(content)
         before = files(folder)
-        with pytest.raises(OccupiedError, match=r"summary\.json.* would be replaced") as caught:
+        with pytest.raises(OccupiedError, match="would be replaced") as caught:
             begun(folder)
         assert caught.value.exit_code == 2
-        assert (files(folder), (folder / "summary.json").read_bytes()) == (before, content)
-
-
-@pytest.mark.parametrize(
-    "name",
-    ["summary.json", "checkpoint/step_0000.npz", "checkpoint/step_12345.npz", "render/sigma_1/step_0001.png",
-     "render/mine/animation.gif", "run.log", "figures/path.png", ".steps.tmp.csv"],
-)  # fmt: skip
-def test_no_file_of_a_stranger_goes(name: str, tmp_path: Path) -> None:
-    """Empty, of text, an archive of numbers: whatever it holds."""
-    path = tmp_path / name
-    path.parent.mkdir(parents=True, exist_ok=True)
-    archive = io.BytesIO()
-    np.savez(archive, header=np.frombuffer(b'{"format": 2}', dtype=np.uint8))
-    for content in (b"", b"mine", archive.getvalue()):
-        path.write_bytes(content)
-        with pytest.raises(OccupiedError, match="would be replaced"):
-            begun(tmp_path)
-        assert (files(tmp_path), path.read_bytes()) == ({name}, content)
+        assert (files(folder), (folder / name).read_bytes()) == (before, content)
 
 
 LONG = "n" * 300

@@ -98,36 +98,6 @@ output: {{frames: never}}
     assert told[5].endswith("did you mean 'design'?")
 
 
-@pytest.mark.parametrize(("text", "message"), [
-    (f"parameters: {{{ANGLE}: [30, 30]}}", "has the value 30 twice"),
-    (f"parameters: {{{ANGLE}: {{from: 1, to: 2}}}}", "missing: the number of values from 1 to 2"),
-    (f"design: zip\nparameters: {{{ANGLE}: [1, 2], {FRICTION}: [0]}}", f"{ANGLE}: 2, {FRICTION}: 1"),
-    (f"samples: 3\nparameters: {{{ANGLE}: [30]}}", "is for design: latin_hypercube; this is a grid"),
-    (f"design: latin_hypercube\nparameters: {{{ANGLE}: [30]}}", "missing: a Latin hypercube needs"),
-    (f"parameters: {{{ANGLE}: [30]}}\nset: {{{ANGLE}: 40}}", "is a parameter too"),
-    (f"parameters: {{{ANGLE}: {{from: 1, to: 60, n: 10001}}}}", "this makes 10001 runs; at most 10000"),
-    (f"design: latin_hypercube\nsamples: 10001\nparameters: {{{ANGLE}: [30]}}", "samples: this makes 10001 runs"),
-    ("parameters: {}", "parameters: a mapping given"),
-    # keys that no combination can set
-    (f"parameters:\n  {ANGLE}: [20, 30]\n  cracks.flaw.contact.fricton: [0, 0.1]\n",
-     "study.yaml:4: cracks.flaw.contact.fricton: unknown key"),
-    (f"parameters: {{{ANGLE}: [20]}}\nreference: {{numerics.spacng: 2}}",
-     "study.yaml:3: numerics.spacng: unknown key"),
-    (f"parameters: {{{ANGLE}: [30]}}\nresponses: [steps, flaw.end.K_III_first]",
-     "study.yaml:3: responses.1: 'flaw.end.K_III_first' is no column"),
-])  # fmt: skip
-def test_what_makes_no_sense_is_refused(tmp_path: Path, text: str, message: str):
-    (told,) = faults(tmp_path, text)
-    assert message in told
-
-
-def test_missing_base_case_suggests_a_near_name(tmp_path: Path):
-    path = written(tmp_path, f"parameters: {{{ANGLE}: [30]}}", base=CASES / "compresion30.yaml")
-    words = r"study.yaml:1: base: there is no case file .*did you mean 'compression30.yaml'"
-    with pytest.raises(CaseError, match=words):
-        plan_sweep(path)
-
-
 def test_refused_combinations_are_part_of_the_plan_with_their_reason(tmp_path: Path):
     plan = plan_sweep(written(tmp_path, f"parameters: {{{FRICTION}: [0, -1, 0.2]}}"))
     assert [run.case is None for run in plan.runs] == [False, True, False]
@@ -143,13 +113,6 @@ def test_each_run_is_held_against_the_same_one_with_finer_values(tmp_path: Path)
     assert [run.reference for run in plan.runs] == [6, None, 7, 6, None, 7, None, None]
     assert [run.case.numerics.spacing for run in plan.runs if run.case] == [4e-3, 4e-3, 3e-3, 3e-3, 2e-3, 2e-3]
     assert plan.asked == plan.runs[:6]
-
-
-def test_shipped_sweep_has_24_runs_that_are_cases():
-    plan = plan_sweep(CASES / "sweeps" / "angle_friction.yaml")
-    assert len(plan.runs) == len({run.folder for run in plan.runs}) == 24
-    assert all(run.case is not None and run.case.growth is not None for run in plan.runs)
-    assert all(run.case.numerics.auto_rule is not None for run in plan.runs if run.case)
 
 
 @pytest.mark.parametrize(("names", "folders"), [

@@ -9,7 +9,8 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Iterator
+import time
+from collections.abc import Callable
 from pathlib import Path
 
 import dask
@@ -19,32 +20,71 @@ from distributed import Client, LocalCluster
 import crackgrow
 from crackgrow import cli
 from crackgrow.case import load_case
+from crackgrow.results.lock import LOCK
 from crackgrow.study import workers
-from crackgrow.study.plan import Study
+from crackgrow.study.errors import ERRORS, errors_of
+from crackgrow.study.pictures import draw_sweep, responses_of
+from crackgrow.study.plan import Run, Study
+from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep, sweep
-from crackgrow.study.workers import ClusterError
-from tests.unit.study.test_workers import ENVIRONMENT, FLAW, LONG, PATIENCE, process_of
+from crackgrow.study.workers import ClusterError, Workers, run_process
+from tests.properties.broken_off import CASES, ENVIRONMENT, ROOT, finished, wait_for
+
+FLAW = CASES / "compression30.yaml"
+PATIENCE = 60.0  # s, for what happens at last
+LONG = ("growth.steps=10", "growth.increment=0.05", "output.frames=none", "output.figures=false", "output.report=false")
+COARSE = "numerics.spacing: 4, growth.steps: 1"
+LASTING = "numerics.spacing: 4, growth.steps: 10, growth.increment: 0.05"
+FRICTION = "cracks.flaw.contact.friction: [0, -1, 0.3]"  # a negative one is refused
 
 pytestmark = pytest.mark.physics
 
-SHORT = "growth.steps: 1"
+
+def command(folder: Path, *settings: str) -> tuple[str, ...]:
+    return ("run", str(FLAW), "--out", str(folder), "--quiet", *(w for s in settings for w in ("--set", s)))
+
+
+def until(holds: Callable[[], object]) -> None:
+    end = time.monotonic() + PATIENCE
+    while not holds():
+        assert time.monotonic() < end
+        time.sleep(0.02)
+
+
+def process_of(folder: Path) -> int:
+    """The process that runs into a folder, once it has got through a step."""
+    until(lambda: (folder / "steps.csv").is_file() and len((folder / "steps.csv").read_text().splitlines()) > 1)
+    return int(json.loads((folder / LOCK).read_text())["process"])
+
+
+def is_there(process: int) -> bool:
+    """Whether a process goes on; one that has ended may wait to be asked for its exit code."""
+    done = subprocess.run(["ps", "-o", "stat=", "-p", str(process)], capture_output=True, text=True, check=False)
+    return done.stdout.strip()[:1] not in ("", "Z")
 
 
 def rows_of(path: Path) -> list[dict[str, str]]:
     return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
 
 
-def written(folder: Path, friction: str = "[0, -1, 0.3]", settings: str = SHORT) -> Path:
-    """A sweep over friction; a negative one is refused."""
+def statuses(folder: Path) -> list[str]:
+    return [row["status"] for row in rows_of(folder / "sweep.csv")]
+
+
+def written(folder: Path, parameters: str = FRICTION, settings: str = COARSE, more: str = "") -> Path:
     path = folder / "study.yaml"
-    path.write_text(
-        f"base: {FLAW}\nset: {{numerics.spacing: 4, {settings}}}\n"
-        f"parameters: {{cracks.flaw.contact.friction: {friction}}}\n"
-    )
+    path.write_text(f"base: {FLAW}\nset: {{{settings}}}\nparameters: {{{parameters}}}\n{more}")
     return path
 
 
-LASTING = ", ".join(setting.replace("=", ": ") for setting in LONG if setting.startswith("growth"))
+def planned(folder: Path, *asked: str) -> Study:
+    return plan_sweep(written(folder, *asked), folder / "out")
+
+
+def solve(run: Run) -> Values:
+    assert run.case is not None
+    crackgrow.run_case(run.case, run.folder)
+    return found_in(run)
 
 
 def tables(folder: Path) -> dict[str, str]:
@@ -58,14 +98,93 @@ def alone(plan: Study, number: int, folder: Path) -> dict[str, str]:
     return tables(folder)
 
 
-@pytest.fixture(scope="module")
-def address() -> Iterator[str]:
-    """A scheduler with two workers, as another program would offer it."""
-    with (
-        dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.admin.tick.limit": "1h"}),
-        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
-    ):
-        yield cluster.scheduler_address
+# --- runs as processes -----------------------------------------------------------------------------------------------
+
+
+def test_what_fails_a_run_is_told_in_its_own_words(tmp_path: Path) -> None:
+    assert run_process(("--version",), None, None) == ""
+    refused = run_process(command(tmp_path, "cracks.flaw.contact.friction=-1"), None, None)
+    assert "friction: '-1' is out of range" in refused
+    assert run_process(command(tmp_path), None, 0.01) == "not done after 0.01 s"
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems bound no memory")
+def test_memory_is_bounded(tmp_path: Path) -> None:
+    """Where it does not do to load the program, this says so itself; the linear algebra of many points takes more."""
+    assert "KiB of data are allowed" in run_process(command(tmp_path), 200_000_000, None)
+    plan = planned(tmp_path, "numerics.spacing: [4, 0.1]", "growth.steps: 0")
+    rows = {row.run.number: row.values for row in sweep(plan, memory="600MB")}
+    assert [rows[number]["status"] for number in range(2)] == ["completed", "failed"]
+    assert str(rows[1]["reason"]).startswith("out of memory")
+
+
+def test_runs_end_when_their_study_is_left(tmp_path: Path) -> None:
+    with Workers(1).there() as submit:
+        future, waiting = submit(command(tmp_path, *LONG)), submit(("--version",))
+        process = process_of(tmp_path)
+    assert future.result() == "broken off"
+    assert waiting.cancelled()
+    assert not is_there(process)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="elsewhere they go on to their own end")
+def test_runs_end_with_a_study_that_has_no_time_to_end_them(tmp_path: Path) -> None:
+    code = f"from crackgrow.study.workers import run_process; run_process({command(tmp_path, *LONG)}, None, None)"
+    with subprocess.Popen([sys.executable, "-c", code], cwd=ROOT) as program:
+        process = process_of(tmp_path)
+        program.kill()
+    until(lambda: not is_there(process))
+
+
+# --- the table -------------------------------------------------------------------------------------------------------
+
+
+def test_rows_tell_what_files_tell_and_the_overview_takes_words_and_runs_that_are_missing(tmp_path: Path) -> None:
+    """Two criteria, two angles, one of which is refused; one run is not done yet."""
+    plan = planned(tmp_path, "growth.criterion: [strength, max_hoop_stress], cracks.flaw.path.angle: [30, 45]")
+    table, run = Table(plan, {}), plan.runs[0]
+    for each in plan.runs[:2]:
+        table.ended(each, solve(each))
+    table.ended(plan.runs[2], {"status": "refused", "reason": "no such thing"})
+    row, ends = table.row(run), [cells for cells in rows_of(run.folder / "tips.csv") if cells["tip"] == "end"]
+    assert [row[f"flaw.end.K_II_{step}"] for step in ("first", "last")] == [float(cells["K_II"]) for cells in ends]
+    path = rows_of(run.folder / "paths.csv")
+    assert (row["flaw.start.x"], row["flaw.end.y"]) == (float(path[0]["x"]), float(path[-1]["y"]))
+    assert (row["status"], row["steps"], row["load_factor"]) == ("completed", 1, 1.0)
+    assert row["n_dofs"] == int(rows_of(run.folder / "steps.csv")[-1]["n_dofs"])
+    draw_sweep(tmp_path / "sweep.png", table)
+    assert (tmp_path / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    chosen = ["flaw.end.K_I_first", "flaw.end.K_II_first", "flaw.end.x", "flaw.end.y"]
+    assert responses_of(table, [table.row(each) for each in plan.runs]) == chosen
+
+
+def test_runs_are_held_against_finer_ones_once_both_have_ended(tmp_path: Path) -> None:
+    plan = planned(tmp_path, "numerics.spacing: [5, 4]", "growth.steps: 1", "reference: {numerics.spacing: 2}")
+    table = Table(plan, {})
+    coarse, fine, reference = plan.runs
+    assert "K_error" not in table.ended(coarse, solve(coarse)).values
+    assert "K_error" not in table.ended(reference, solve(reference)).values
+    table.ended(fine, solve(fine))
+    far, near = (table.row(run) for run in (coarse, fine))
+    assert 0.0 < float(near["slip_error"] or 0.0) < float(far["slip_error"] or 0.0) < 0.1
+    assert {name: far[name] for name in ERRORS} == errors_of(coarse.folder, reference.folder, grows=True)
+    table.write()
+    assert [row["K_error"] == "" for row in rows_of(plan.folder / "sweep.csv")] == [False, False, True]
+
+
+def test_nothing_is_told_of_a_folder_that_is_damaged_of_another_version_or_of_another_case(tmp_path: Path) -> None:
+    one, other = planned(tmp_path, "cracks.flaw.path.angle: [30, 45]").runs
+    assert found_in(one) == {}
+    assert solve(one)["status"] == "completed"
+    one.folder.rename(other.folder)
+    assert found_in(other) == {}
+    other.folder.rename(one.folder)
+    for text in ('{"status": "compl', "[]", '{"status": "completed"}'):
+        (one.folder / "summary.json").write_text(text, encoding="utf-8")
+        assert found_in(one) == {}
+
+
+# --- whole sweeps ----------------------------------------------------------------------------------------------------
 
 
 def test_command_line_runs_what_is_missing_and_nothing_else(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
@@ -85,18 +204,17 @@ def test_command_line_runs_what_is_missing_and_nothing_else(tmp_path: Path, capf
     plan = plan_sweep(path, out)
     assert tables(plan.runs[2].folder) == alone(plan, 2, tmp_path / "alone")
 
-    when = (plan.runs[0].folder / "summary.json").stat().st_mtime_ns
-    summary = plan.runs[2].folder / "summary.json"
-    summary.write_text(summary.read_text().replace('"status": "completed"', '"status": "running"'))
+    first, third = (plan.runs[number].folder / "summary.json" for number in (0, 2))
+    when = first.stat().st_mtime_ns
+    third.write_text(third.read_text().replace('"status": "completed"', '"status": "running"'))
     assert cli.main([*command, "--resume"]) == 0
     told, complaints = capfd.readouterr()
     assert complaints == ""
     assert "2 runs done, 1 of them done before, 1 not" in told
     assert "000 friction=0" not in told
-    assert (plan.runs[0].folder / "summary.json").stat().st_mtime_ns == when
-    spent = ("seconds", "cpu_seconds", "peak_memory_mb")
-    before, again = ([{**row, **dict.fromkeys(spent)} for row in found] for found in (rows, rows_of(out / "sweep.csv")))
-    assert again == before
+    assert first.stat().st_mtime_ns == when
+    spent = dict.fromkeys(("seconds", "cpu_seconds", "peak_memory_mb"))
+    assert [{**row, **spent} for row in rows_of(out / "sweep.csv")] == [{**row, **spent} for row in rows]
 
 
 def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -107,58 +225,28 @@ def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytes
     assert not out.exists()
     for command in commands.splitlines():
         subprocess.run(command, shell=True, check=True, env=ENVIRONMENT, cwd=tmp_path)
-    plan = plan_sweep(path, out)
-    assert [row.new for row in sweep(plan, resume=True) if row.done] == [False, False]
-    assert [row["status"] for row in rows_of(out / "sweep.csv")] == ["completed", "refused", "completed"]
+    assert [row.new for row in sweep(plan_sweep(path, out), resume=True) if row.done] == [False, False]
+    assert statuses(out) == ["completed", "refused", "completed"]
 
 
-NO_ADDRESS = "--scheduler: '{}' is no address of a scheduler; wanted: such as tcp://"
-
-
-@pytest.mark.parametrize(("option", "values", "told"), [
-    ("scheduler", ["tcp://127.0.0.1", "127.0.0.1", "tcp://", "tcp://host:", "tcp://host:port"], NO_ADDRESS),
-    ("memory", ["1e400GB", "-1e400GB", "1e30GB", "nan", "100MB", "much", "4"], "--memory: '{}' is "),
-    ("timeout", ["0", "-5", "nan", "inf"], "--timeout: "),
-])  # fmt: skip
-def test_options_that_no_machine_can_meet_are_refused_at_once(
-    option: str, values: list[str], told: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    path, out = written(tmp_path), tmp_path / "out"
-    for value in values:
-        assert cli.main(["sweep", str(path), f"--{option}={value}", "--out", str(out)]) == 2
-        assert told.format(value) in capsys.readouterr().err
-    assert not out.exists()
-
-
-@pytest.mark.parametrize("scheduled", [True, False])
-def test_killed_runs_are_told_and_gone_on_with(scheduled: bool, address: str, tmp_path: Path) -> None:
+def test_killed_runs_are_told_and_gone_on_with(tmp_path: Path) -> None:
     """To the same digits as without a break."""
-    plan = plan_sweep(written(tmp_path, "[0, 0.1]", LASTING), tmp_path / "out")
-    where = {"scheduler": address} if scheduled else {"workers": 2}
+    plan = planned(tmp_path, "cracks.flaw.contact.friction: [0, 0.1]", LASTING)
     killer = threading.Thread(target=lambda: os.kill(process_of(plan.runs[0].folder), signal.SIGKILL))
     killer.start()
-    rows = {row.run.number: row.values for row in sweep(plan, **where)}  # type: ignore[arg-type]
+    rows = {row.run.number: row.values for row in sweep(plan, workers=2)}
     killer.join()
-    assert [rows[number]["status"] for number in range(2)] == ["failed", "completed"]
     assert str(rows[0]["reason"]).startswith("killed by SIGKILL")
-    assert [row["status"] for row in rows_of(plan.folder / "sweep.csv")] == ["failed", "completed"]
-    assert [row.new for row in sweep(plan, **where, resume=True)] == [False, True]  # type: ignore[arg-type]
-    assert [row["status"] for row in rows_of(plan.folder / "sweep.csv")] == ["completed", "completed"]
+    assert statuses(plan.folder) == ["failed", "completed"]
+    assert [row.new for row in sweep(plan, workers=2, resume=True)] == [False, True]
+    assert statuses(plan.folder) == ["completed", "completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
 
 
-def test_a_run_that_is_out_of_memory_is_told(tmp_path: Path) -> None:
-    """The linear algebra of many points takes more than the rest of them."""
-    path = tmp_path / "study.yaml"
-    path.write_text(f"base: {FLAW}\nset: {{growth.steps: 0}}\nparameters: {{numerics.spacing: [4, 0.1]}}\n")
-    rows = {row.run.number: row.values for row in sweep(plan_sweep(path, tmp_path / "out"), memory="600MB")}
-    assert [rows[number]["status"] for number in range(2)] == ["completed", "failed"]
-    assert str(rows[1]["reason"]).startswith("out of memory")
-
-
-def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path: Path) -> None:
-    plan = plan_sweep(written(tmp_path, "[0]", LASTING), tmp_path / "out")
+def test_a_run_whose_worker_dies_goes_on_with_another_one(tmp_path: Path) -> None:
+    """Of a scheduler with two workers, as another program would offer it."""
+    plan = planned(tmp_path, "cracks.flaw.contact.friction: [0]", LASTING)
 
     def kill() -> None:
         process_of(plan.runs[0].folder)
@@ -166,16 +254,20 @@ def test_a_run_whose_worker_dies_goes_on_with_another_one(address: str, tmp_path
         os.kill(client.run(os.getpid)[busy], signal.SIGKILL)
 
     killer = threading.Thread(target=kill)
-    with Client(address, set_as_default=False) as client:
+    with (
+        dask.config.set({"distributed.scheduler.allowed-failures": 1, "distributed.admin.tick.limit": "1h"}),
+        LocalCluster(n_workers=2, threads_per_worker=1, host="127.0.0.1", dashboard_address="127.0.0.1:0") as cluster,
+        Client(cluster.scheduler_address, set_as_default=False) as client,
+    ):
         killer.start()
-        rows = list(sweep(plan, scheduler=address))
+        rows = list(sweep(plan, scheduler=cluster.scheduler_address))
         killer.join()
     assert [row.values["status"] for row in rows] == ["completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
 
 
 def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    plan = plan_sweep(written(tmp_path, "[0, -1]"), tmp_path)
+    plan = plan_sweep(written(tmp_path, "cracks.flaw.contact.friction: [0, -1]"), tmp_path)
     for path in (tmp_path / "sweep.csv", plan.runs[0].folder / "summary.json"):
         path.parent.mkdir(exist_ok=True)
         path.write_text("earlier")
@@ -190,7 +282,7 @@ def test_earlier_results_are_kept_where_nothing_can_run(tmp_path: Path, monkeypa
 
 def test_folders_with_files_of_somebody_else_or_of_another_case(tmp_path: Path) -> None:
     """The first fails its own run alone, the second is replaced, also by a study that goes on."""
-    plan = plan_sweep(written(tmp_path, "[0, 0.1, 0.2]"), tmp_path)
+    plan = plan_sweep(written(tmp_path, "cracks.flaw.contact.friction: [0, 0.1, 0.2]"), tmp_path)
     own = plan.runs[1].folder / "paths.csv"
     own.parent.mkdir()
     own.write_text("digitised")
@@ -204,23 +296,18 @@ def test_folders_with_files_of_somebody_else_or_of_another_case(tmp_path: Path) 
 
 @pytest.mark.slow
 def test_interrupted_sweep_leaves_a_whole_table_and_says_how_to_go_on(tmp_path: Path) -> None:
-    path, out = written(tmp_path, "[0, 0.1, 0.2]", "growth.steps: 6"), tmp_path / "out"
-    command = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
-    process = subprocess.Popen(
-        command, env=ENVIRONMENT, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True
-    )
-    assert process.stdout is not None
-    for line in process.stdout:
-        if line.startswith("[1/3]"):
-            break
+    path = written(tmp_path, "cracks.flaw.contact.friction: [0, 0.1, 0.2]", "numerics.spacing: 4, growth.steps: 6")
+    out = tmp_path / "out"
+    words = [sys.executable, "-m", "crackgrow", "sweep", str(path), "--out", str(out), "--workers", "1"]
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}
+    process = subprocess.Popen(words, env=ENVIRONMENT, start_new_session=True, **pipes)  # type: ignore[call-overload]
+    assert wait_for(process, "[1/3]")
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does
     _, complaints = process.communicate(timeout=PATIENCE)
     assert process.returncode == 130
-    assert complaints.splitlines() == [
-        f"crackgrow: interrupted, what has ended is in {out}; go on with: {' '.join(command)} --resume"
-    ]
-    rows = rows_of(out / "sweep.csv")
-    assert [row["status"] for row in rows] == ["completed", "waiting", "waiting"]
-    done = subprocess.run([*command, "--resume"], env=ENVIRONMENT, capture_output=True, text=True, check=False)
+    told = f"crackgrow: interrupted, what has ended is in {out}; go on with: {' '.join(words)} --resume\n"
+    assert complaints == told
+    assert statuses(out) == ["completed", "waiting", "waiting"]
+    done = finished([*words, "--resume"])
     assert (done.returncode, done.stderr) == (0, "")
-    assert [row["status"] for row in rows_of(out / "sweep.csv")] == 3 * ["completed"]
+    assert statuses(out) == 3 * ["completed"]
