@@ -41,28 +41,6 @@ def test_cracks_of_half_a_spacing_to_a_hundred(length: float, spacing: float, er
         assert solution.outcome.residual < 1e-11
 
 
-def in_square(side: float, *cracks: tuple[float, float]) -> tuple[str, ...]:
-    """Settings (mm) of a square with frictionless cracks along x from one place to the other, sheared and pressed."""
-    half = 0.5 * side
-    law = "contact: {friction: 0, cohesion: 0}, tips: both"
-    paths = (f"c{n}: {{path: {{points: [[{a}, 0], [{b}, 0]]}}, {law}}}" for n, (a, b) in enumerate(cracks))
-    held = (
-        f"{{at: [{-half}, {-half}], displacement: {{x: 0, y: 0}}}}, {{at: [{half}, {-half}], displacement: {{y: 0}}}}"
-    )
-    return (
-        f"bodies.rock.shape.rectangle={{center: [0, 0], width: {side}, height: {side}}}",
-        f"supports=[{held}]",
-        loads(IN_CRACK_AXES),
-        f"cracks={{{', '.join(paths)}}}",
-    )
-
-
-def test_a_short_crack_at_an_outline_near_the_edge_of_the_lattice() -> None:
-    """The jump of its tip's angle leads on to the last line of the lattice: it was an IndexError."""
-    settings = in_square(31.8, (9.885, 15.885))
-    assert np.isfinite(K(solve_case(case(*settings)))).all()
-
-
 def bent(turn: float, first: float, second: float) -> str:
     """The setting of a crack with arms of two lengths (mm) and a turn (degrees) at the origin, its first arm at 30."""
     a, b = np.deg2rad(30.0), np.deg2rad(30.0 + turn)

@@ -181,11 +181,9 @@ def columns(
 @pytest.mark.parametrize(
     ("heights", "spacing", "side", "turn"),
     [
-        *((PAIR, spacing, 1.0, 0.0) for spacing in (0.5, 0.25, 0.125, 0.0625)),
-        (PAIR, 0.25, -1.0, 0.0),
-        (PAIR, 0.2, 1.0, 25.0),
+        *((PAIR, spacing, 1.0, 0.0) for spacing in (0.5, 0.125)),
+        (PAIR, 0.2, -1.0, 25.0),
         ((1, 1, 1, 4), 0.5, 1.0, 0.0),
-        ((2, 4, 3), 0.25, 1.0, 0.0),
         ((2, 3, 4, 3), 0.3, 1.0, 0.0),
     ],
 )
