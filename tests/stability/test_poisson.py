@@ -62,9 +62,7 @@ def solved_field(field: str, poisson: float, plane: str, support: float) -> tupl
 
 
 @pytest.mark.parametrize("field", FIELDS)
-@pytest.mark.parametrize(
-    ("poisson", "plane"), [(0.0, "strain"), (0.49, "strain"), (0.499, "strain"), (0.4999, "strain"), (0.5, "stress")]
-)
+@pytest.mark.parametrize(("poisson", "plane"), [(0.49, "strain"), (0.4999, "strain"), (0.5, "stress")])
 def test_displacement_does_not_lock(field: str, poisson: float, plane: str) -> None:
     """Measured at 0.499: 0.15 % and 3e-7; at 0.4999: 0.33 % and 1e-7."""
     found, error = solved_field(field, poisson, plane, 2.0)

@@ -8,7 +8,7 @@ import pytest
 from crackgrow.case.model import Case
 from crackgrow.run import grow
 from tests.solving import solve_case
-from tests.stability.flaw import IN_CRACK_AXES, K, case, exact_K_II, loads
+from tests.stability.flaw import K, case, exact_K_II
 
 
 def warnings(scene: Case) -> str:

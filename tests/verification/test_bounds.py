@@ -49,7 +49,8 @@ GOOD_TO = {"closed kink of 30": 3e-3, "grown wings": 5e-4, "young wings": 5e-4}
 @pytest.mark.parametrize(
     ("name", "target"),
     [
-        *((name, target) for name in SCENES for target in (0.03, 0.01, 0.003)),
+        *((name, target) for name in SCENES for target in (0.03, 0.003)),
+        *((name, 0.01) for name in ("grown wings", "closed kink of 30", "star")),
         ("grown wings", 0.1),
         ("between rollers", 0.001),
     ],
@@ -76,7 +77,7 @@ def is_missed(step: StepResult) -> bool:
     return any(warning.cause is WarningCause.TARGET for warning in step.step_warnings)
 
 
-@pytest.mark.parametrize("number", [4, 22, 36])
+@pytest.mark.parametrize("number", [4, 22])
 def test_faces_that_touch_next_to_a_tip_are_seen(number: int) -> None:
     """Wings whose tips are closed over less than a cell: K_I was below zero there, and K_II 1.4 to 2.5 % off.
 
@@ -163,13 +164,11 @@ def pressed(shear: float, contact: dict[str, Any], fluid: str | float, accuracy:
     )
 
 
-ACCURACIES = ["draft", "standard", "0.3 %"]
 RISING, FALLING = "9 - 9 * (x / 10)**8", "9 * (x / 10)**8"
 """What a fluid takes off the pressure across the flaw, which rises towards its tips or falls."""
 
 
-@pytest.mark.parametrize("angle", [0.0, 10.0, 25.0])
-@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize(("angle", "accuracy"), [(0.0, "0.3 %"), (10.0, "standard"), (25.0, "draft"), (25.0, "0.3 %")])
 @pytest.mark.parametrize(("fluid", "share"), [(0, 0.0), (RISING, 93.0 / 128.0), (FALLING, 35.0 / 128.0)])
 def test_faces_that_slip_open_by_dilation_up_to_the_tips(
     angle: float, accuracy: str, fluid: str | float, share: float
@@ -216,8 +215,8 @@ def opening_ends(fluid: float, power: int) -> tuple[float, float]:
     return float(K_I), float(9e6 * ROOT - FRICTION * (K_I + (PRESSURE - mean) * ROOT))
 
 
-@pytest.mark.parametrize("accuracy", [*ACCURACIES, "fine"])
-@pytest.mark.parametrize(("fluid", "power"), [(15, 8), (12, 8), (30, 8), (11, 20), (20, 20)])
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "fine"])
+@pytest.mark.parametrize(("fluid", "power"), [(12, 8), (30, 8), (11, 20), (20, 20)])
 def test_the_bound_holds_where_ends_open_that_cells_may_not_see(fluid: int, power: int, accuracy: str) -> None:
     """The open ends are 0.02 to 0.2 of the half length; K_I on coarse cells is up to 0.34 K_II too large."""
     step = pressed(9, {"friction": FRICTION}, f"{fluid} * (x / 10)**{power}", accuracy)
@@ -243,12 +242,12 @@ def parting(slope: float, zero: float, accuracy: str, cohesion: float) -> tuple[
     return step, 1e9 * slope * half * np.sqrt(np.pi * half), (5e6 - cohesion) * ROOT + missing
 
 
+@pytest.mark.parametrize("accuracy", ["draft", "1 %", "0.3 %"])
 @pytest.mark.parametrize(("slope", "zero"), [(0.5, 9.8), (0.5, 9.0), (0.2, 9.5)])
-@pytest.mark.parametrize("accuracy", [*ACCURACIES, "1 %"])
 def test_cohesion_is_lost_where_faces_part_next_to_a_tip(slope: float, zero: float, accuracy: str) -> None:
     step, K_I, K_II = parting(slope, zero, accuracy, 3e6)
     tip = step.tips[1]
-    if not accuracy.endswith("%"):
+    if accuracy == "draft":
         assert abs(tip.K_II - K_II) <= tip.K_II_error
         return
     assert (tip.K_II_error > BOUND * 1e-2 * float(accuracy[:-2]) * tip.K_II) == is_missed(step)
@@ -257,22 +256,17 @@ def test_cohesion_is_lost_where_faces_part_next_to_a_tip(slope: float, zero: flo
     assert abs(tip.K_I - K_I) <= tip.K_I_error
 
 
-FAR = [(3.0, 6.0), (5.0, 6.0), (5.0, 7.0)]
-NEAR = [(slope, zero) for slope in (0.5, 5.0, 50.0) for zero in (9.9, 9.6, 9.3)]
-"""Where faces part far from the tip, on large cells, and more closely than any contact point sees."""
-
-
-@pytest.mark.parametrize(("slope", "zero"), FAR + NEAR)
-@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize("accuracy", ["draft", "0.3 %"])
+@pytest.mark.parametrize(
+    ("slope", "zero"), [(3.0, 6.0), (5.0, 7.0), (0.5, 9.3), (0.5, 9.9), (5.0, 9.6), (50.0, 9.3), (50.0, 9.9)]
+)
 def test_the_bound_knows_of_faces_that_part(slope: float, zero: float, accuracy: str) -> None:
+    """Far from the tip, on large cells, and more closely to it than any contact point sees."""
     step, K_I, K_II = parting(slope, zero, accuracy, 0.0)
-    tip = step.tips[1]
+    tip, far = step.tips[1], zero < 9.0
     off = np.hypot(tip.K_I - K_I, tip.K_II - K_II) - 0.0007 * np.hypot(K_I, K_II)
-    if (slope, zero) in FAR:
-        assert off <= max(tip.K_I_error, tip.K_II_error)
-        assert not is_missed(step)
-    else:
-        assert off <= tip.K_I_error
+    assert off <= (max(tip.K_I_error, tip.K_II_error) if far else tip.K_I_error)
+    assert not (far and is_missed(step))
 
 
 def test_a_plug_of_fluid_shorter_than_a_cell_has_its_K() -> None:
