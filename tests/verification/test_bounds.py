@@ -18,13 +18,13 @@ from crackgrow.case import Case
 from crackgrow.run import grow
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.result import StepResult
+from crackgrow.run.result import StepResult, TipResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE
 from tests.benchmarks.target_scenes import Known, alike
-from tests.scenes import MPA, plate
-from tests.verification.solutions import case_of
+from tests.scenes import MPA, plate, shipped_case
+from tests.verification.solutions import QUIET, case_of
 
 
 def row_of_cracks() -> Known:
@@ -281,3 +281,25 @@ def test_a_plug_of_fluid_shorter_than_a_cell_has_its_K() -> None:
     for tip, K_I in zip(step.tips, exact, strict=True):  # the plate adds 0.33 %
         assert abs(tip.K_I - K_I) <= tip.K_I_error + 4e-3 * K_I
         assert tip.K_I_error <= BOUND * 0.01 * exact.max()
+
+
+PATH = [
+    [-4.0155, -13.8005], [-4.4729, -12.3719], [-4.9497, -10.9497], [4.9497, -1.0503], [4.4729, 0.3719],
+    [3.8018, 1.7134], [3.141, 3.0601], [2.5044, 4.4183], [1.941, 5.8084], [1.5023, 7.2428],
+]  # fmt: skip
+"""mm: the flaw of cases/flaw_and_hole.yaml with wings, the last vertex 0.37 from the hole; the radius is 1.5."""
+
+
+def tip_beside_the_hole(accuracy: str) -> TipResult:
+    """The tip of the wing, a quarter of the averaging length from the hole."""
+    settings = (f"cracks.flaw.path={{points: {PATH}}}", "growth.steps=0", "loading={history: [3.2]}")
+    case = shipped_case("flaw_and_hole", [*settings, *QUIET, f"numerics.accuracy={accuracy}"])
+    return next(tip for tip in next(grow(case)).tips if tip.tip == "end")
+
+
+def test_smaller_cells_say_the_same_of_growth_and_the_tip_grows_by_its_K() -> None:
+    """As in the other steps, which are at 0.217 to 0.219 MPa sqrt(m) where the wing advances."""
+    coarse, fine = tip_beside_the_hole("standard"), tip_beside_the_hole("fine")
+    assert coarse.criticality == pytest.approx(fine.criticality, rel=0.01)
+    assert abs(coarse.kink_deg - fine.kink_deg) < coarse.kink_error_deg
+    assert coarse.K_I / coarse.criticality == pytest.approx(0.218e6, rel=0.03)

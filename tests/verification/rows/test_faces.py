@@ -134,15 +134,6 @@ def block_error(what: int, spacing: float, support: float, L2: bool = False) -> 
     return float(np.abs(found[what] - wanted)[inside].max() / np.abs(wanted[inside]).max())
 
 
-def elastic_or_rigid() -> float:
-    """Largest difference of pressure and shear on the elastic foundation from those on the rigid one."""
-    x, *elastic = pressure_and_shear(block("block_foundation", 0.1, 2.0))
-    other, *rigid = pressure_and_shear(block("block_rigid", 0.1, 2.0))
-    inside = np.abs(x) <= AWAY
-    pairs = [(np.interp(x, other, r)[inside], e[inside]) for r, e in zip(rigid, elastic, strict=True)]
-    return max(float(np.abs(r - e).max() / np.abs(e).max()) for r, e in pairs)
-
-
 def reaction(case: str, axis: int, *settings: str) -> float:
     """Force (N/m) on the block from below, its sign turned to that of the load."""
     return -block(case, 0.2, 1.5, *settings).result.reactions[-1].force[axis]
@@ -160,7 +151,7 @@ def state_at_right_corner() -> float:
 
 
 def _blocks() -> Iterator[Row]:
-    for spacing, support in ((0.2, 1.5), (0.2, 2.0), (0.05, 1.5), (0.05, 2.0), (0.025, 2.0)):
+    for spacing, support in ((0.2, 1.5), (0.05, 2.0), (0.025, 2.0)):
         value = partial(sticking_share, spacing, support)
         yield Row(f"block_rigid, {spacing} m, support {support}", "part that sticks", value, 1.0, BLOCK, 0.0)
     for what, L2 in (("pressure", 3e-2), ("shear", 6e-2)):
@@ -173,7 +164,6 @@ def _blocks() -> Iterator[Row]:
             yield Row(papers, f"largest difference of {what}", value, 0.0, BLOCK, 0.15)
             value = partial(block_error, axis, 0.2, support, True)
             yield Row(papers, f"L2 difference of {what}", value, 0.0, BLOCK, L2)
-    yield Row("block_foundation", "difference from block_rigid", elastic_or_rigid, 0.0, "stiff foundation", 5e-3)
     for case in ("block_rigid", "block_foundation"):
         for axis, load in ((1, -720.0), (0, 120.0)):
             yield Row(case, f"force along {'xy'[axis]} [N/m]", partial(reaction, case, axis), load, "equilibrium", 1e-8)

@@ -91,7 +91,7 @@ def in_mode_I(criterion: str, lengths: int, along: float) -> float:
     """
     tension = MODE_I[criterion] * TOUGHNESS / np.sqrt(2.0 * np.pi * 0.06 / lengths)
     found = []
-    for pressure in (0, 1, 2, 5, 10):
+    for pressure in (0, 2, 10):
         fluid, pull = {"crack": "flaw", "pressure": pressure * tension, "held": True}, {"far_field": [0, 1, 0]}
         loads = [held(along * tension, pressure * tension), fluid, pull]
         strength = {**ROCK, "tension": tension, "cohesion": 1000, "friction_angle": 30}
@@ -144,11 +144,11 @@ def breakdown(major: float, minor: float) -> float:
 
 
 def _growth() -> Iterator[Row]:
-    for criterion, lengths, along in product(CRITERIA, (10, 100, 1000), (0, 10)):
+    for criterion, (lengths, along) in product(CRITERIA, ((10, 10), (1000, 0))):
         name, value = f"{criterion}, {lengths} radii, {along} T along", partial(in_mode_I, criterion, lengths, along)
         yield Row(name, "load in mode I", value, 0.0, "K_I = sigma sqrt(pi a)", 0.01)
-    flaws = [*product([30.0, 37.5, 45.0, 52.5, 60.0], [0.0, 0.2, 0.4], ["max_hoop_stress"])]
-    for angle, friction, criterion in (*flaws, (45.0, 0.2, "strength"), (45.0, 0.2, "directional_strength")):
+    flaws = [(30.0, 0.0), (37.5, 0.4), (52.5, 0.2), (60.0, 0.4)]
+    for (angle, friction), criterion in (*product(flaws, ["max_hoop_stress"]), *product([(45.0, 0.2)], CRITERIA)):
         c, s = np.cos(np.deg2rad(angle)), np.sin(np.deg2rad(angle))
         wanted = 0.5 * np.sqrt(3.0) * TOUGHNESS / (np.sqrt(np.pi * 0.01) * (s * c - friction * c * c))
         name, value = f"{angle} degrees, friction {friction}, {criterion}", partial(wings, angle, friction, criterion)
@@ -156,12 +156,12 @@ def _growth() -> Iterator[Row]:
     for criterion in CRITERIA:
         value, wanted = partial(fluid_in, 30, 0, 12, 5, 1200, criterion), 5.0 + TOUGHNESS / np.sqrt(np.pi * 0.03)
         yield Row(f"crack, {criterion}", "breakdown pressure [MPa]", value, wanted, "sigma + K_Ic / sqrt(pi a)", 0.01)
-        value = partial(notched, criterion)
-        yield Row(f"borehole, {criterion}", "breakdown pressure [MPa]", value, 13.6, "K of notches", 0.01)
-    for major, minor in ((5, 5), (6, 5), (7.5, 5), (8, 4), (10, 5), (15, 5)):
+    value = partial(notched, "max_hoop_stress")
+    yield Row("borehole", "breakdown pressure [MPa]", value, 13.6, "K of notches", 0.01)
+    for major, minor in ((6, 5), (8, 4), (15, 5)):
         name, value = f"{major} and {minor} MPa", partial(fluid_in, 50, 45, minor, major, 2400, spacing="auto")
         yield Row(name, "breakdown pressure [MPa]", value, breakdown(major, minor), "Erdogan, Sih 1963", 5e-3)
-    for width, length, angle in ((1000, 99, 45), (1000, 100, 45), (2000, 100, -45), (2000, 104, 135)):
+    for width, length, angle in ((1000, 99, 45), (2000, 104, 135)):
         wanted = 5.0 + TOUGHNESS / np.sqrt(0.5e-3 * np.pi * length)  # faces part all at once: all jumps are round-off
         value = partial(fluid_in, 0.5 * length, angle, 5, 5, width, spacing="auto")
         yield Row(f"{length} mm, {angle} degrees", "breakdown pressure [MPa]", value, wanted, "infinite plate", 0.01)
@@ -203,14 +203,14 @@ def over_pressure(friction: float, phi: float) -> float:
 
 def _shear() -> Iterator[Row]:
     quantity, load = "K_II of growth in shear", "load of growth in shear [MPa]"
-    for friction, phi in ((0.0, 0.0), (0.3, 16.69924), (0.3, 0.0), (0.3, 32.0)):
+    for friction, phi in ((0.0, 0.0), (0.3, 16.69924), (0.3, 32.0)):
         value = partial(over_pressure, friction, phi)
         yield Row(f"long, friction {friction}, rock {phi:g} degrees", quantity, value, 1.0, "K_IIc and pressure", 0.01)
-    for part in (0.1, 1.0, 2.0):  # a length R over which stress suffices, and the energy of an advance by R
+    for part in (0.1, 2.0):  # a length R over which stress suffices, and the energy of an advance by R
         value, wanted = partial(shear_part, 1, 16.69924, part, 3), 1.0 / np.sqrt(1.0 + part)
         yield Row(f"R = {part} x 2a", quantity, value, wanted, "K_IIc / sqrt(1 + R / 2a)", 0.01)
     wanted = 2.0 * cohesion_of(0.002) / (0.7 * np.sqrt(11.0) + 0.3 - np.tan(np.deg2rad(32.0)))
-    for levels in (0, 1, 2):
+    for levels in (0, 2):
         value = partial(shear_part, 0, 32.0, 0.1, levels)
         yield Row(f"cells of {4 / 2**levels:g} mm, R = 2 mm", load, value, wanted, "average of stress over R", 0.01)
 
@@ -272,24 +272,6 @@ loading: strength_reduction
 numerics: {spacing: 0.25, contact: {stiffness: RATIO}}
 """
 
-STACK = """
-title: two blocks on a floor under uniform pressure and shear
-plane: strain
-bodies:
-  low: {shape: {rectangle: {center: [0, 0.5], width: 2, height: 1}}, material: {young: 1e9, poisson: 0.25}}
-  top: {shape: {rectangle: {center: [0, 1.5], width: 2, height: 1}}, material: {young: 1e9, poisson: 0.25}}
-interfaces: [{between: [low, top], contact: {friction: 0.3, cohesion: BETWEEN}}]
-supports: [{on: {body: low, edge: bottom}, contact: {friction: 0.3, cohesion: FLOOR}}]
-loads:
-  - {on: {body: top, edge: top}, traction: [9e3, -18e3]}
-  - {on: {body: top, edge: left}, traction: [6e3, -9e3]}
-  - {on: {body: top, edge: right}, traction: [-6e3, 9e3]}
-  - {on: {body: low, edge: left}, traction: [6e3, -9e3]}
-  - {on: {body: low, edge: right}, traction: [-6e3, 9e3]}
-loading: strength_reduction
-numerics: {spacing: 0.25}
-"""
-
 TANK = """
 title: a block of 2 m on a frictional floor below water
 units: {length: m, stress: MPa}
@@ -348,13 +330,10 @@ def _safety() -> Iterator[Row]:
         holds = cohesion * length + friction * (weight * np.cos(SLOPE) - water * length)
         words: dict[str, object] = {"CONTACT": law, "WATER": pressure}
         found.append((name, ROCK_SLOPE, "it slides along 'joint'", words, holds / (weight * np.sin(SLOPE))))
-    for (young, ratio), after in product((("1e9", "rigid"), ("1e9", "1"), ("1e13", "1e-3")), ("kept", "lost")):
+    for young, ratio, after in (("1e9", "rigid", "lost"), ("1e9", "1", "kept"), ("1e13", "1e-3", "lost")):
         words = {"YOUNG": young, "RATIO": ratio, "AFTER": after}
         name = f"uniform shear, {', '.join(map(str, words.values()))}"
         found.append((name, UNIFORM, "slides along 'block.bottom'", words, (1e4 + 0.3 * 2e4) / 1e4))
-    for between, floor, slides in ((9e3, 18e3, "low/top"), (18e3, 9e3, "low.bottom")):
-        words = {"BETWEEN": between, "FLOOR": floor}
-        found.append((f"a stack, {slides}", STACK, f"it slides along '{slides}'", words, (9e3 + 0.3 * 18e3) / 9e3))
     for more in ("cohesion_after_slip: kept", "weakening_length: 10"):
         words = {"LAW": f"friction: 0.4, cohesion: 1e4, {more}"}
         found.append((f"incline, {more}", INCLINE, "slides along 'wedge/block'", words, LIMIT))
