@@ -7,6 +7,7 @@ shear 100 sin(30) cos(30) = 43.3 MPa sticks from a friction of tan(30) = 0.577 o
 from __future__ import annotations
 
 import functools
+from collections import Counter
 from itertools import product
 
 import numpy as np
@@ -20,7 +21,8 @@ from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case, told
 from tests.solving import solve_case
-from tests.stability.flaw import QUIET
+from tests.stability.contact_at_random import drawn, ended
+from tests.verification.solutions import QUIET
 
 STRESS = 100e6
 PRESSURE = STRESS * np.cos(np.deg2rad(30.0)) ** 2
@@ -45,6 +47,7 @@ def flaw(
         f"numerics.contact={{stiffness: {stiffness}, discretization: {discretization}, solver: {solver}}}",
         f"numerics.spacing={spacing}",
         *QUIET,
+        "growth.steps=0",
     )
 
 
@@ -123,3 +126,9 @@ def test_friction_and_cohesion_of_any_size(solver: str, friction: float, cohesio
         assert K_II(step) == pytest.approx(-drive * np.sqrt(np.pi * 5e-3), rel=0.07)  # infinite plate
     if held and friction != STICK_LIMIT:
         assert set(step.contact.state.tolist()) == {STICK}
+
+
+def test_each_is_solved_or_a_limit_state() -> None:
+    ends = {seed: ended(drawn(seed))[0] for seed in range(200)}
+    assert {seed: end for seed, end in ends.items() if end not in ("solved", "limit state")} == {}
+    assert Counter(ends.values())["limit state"] >= 3
