@@ -77,13 +77,11 @@ def solved_to_the_end(path: Path) -> None:
             assert np.isfinite(values).all()
 
 
-@pytest.mark.parametrize("key", KEYS, ids=name_of)
-def test_numbers_that_none_can_mean_are_refused_where_they_stand(tmp_path: Path, key: Key) -> None:
-    for value in (".nan", "-.inf", "1e400", "-1e300", "1e-300"):
-        with pytest.raises(CaseError) as caught:
-            load_case(written(tmp_path, {key: value}))
-        assert name_of(key) in {fault.key for fault in caught.value.faults}, value
-        assert any(value in fault.message for fault in caught.value.faults)
+@pytest.mark.parametrize("value", [".nan", "-.inf", "1e400", "-1e300", "1e-300"])
+def test_numbers_that_none_can_mean_are_refused_where_they_stand(tmp_path: Path, value: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, dict.fromkeys(KEYS, value)))
+    assert {name_of(key) for key in KEYS} <= {fault.key for fault in caught.value.faults if value in fault.message}
 
 
 @pytest.mark.slow

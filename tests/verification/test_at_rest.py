@@ -26,9 +26,9 @@ IN_SITU, NO_SHEAR = {"stress": STRESS}, {"stress": [*STRESS[:2], 0]}
 @pytest.mark.parametrize(
     ("supports", "loads", "shape", "moved"),
     [
-        ("minimal", [FAR], outcrop(), 2e-2),
-        ("minimal", [IN_SITU, FAR], outcrop(), 0.0),
-        ([{"outline": "fixed"}], [IN_SITU], outcrop(), 1e-10),
+        ("minimal", [FAR], outcrop(41), 2e-2),
+        ("minimal", [IN_SITU, FAR], outcrop(41), 0.0),
+        ([{"outline": "fixed"}], [IN_SITU], outcrop(41), 1e-10),
         ([{"outline": "rollers"}], [NO_SHEAR], SQUARE, 1e-10),
     ],
     ids=["loaded", "in balance", "fixed", "rollers"],

@@ -115,11 +115,9 @@ def beside(what: str, room: float) -> dict[str, Any]:
     return scene
 
 
-@pytest.mark.parametrize(
-    ("what", "room", "asked"), [("hole", 0.1, 0.03), ("interface", 0.1, 0.005), ("interface", 0.01, "standard")]
-)
+@pytest.mark.parametrize(("what", "room", "asked"), [("hole", 0.1, 0.03), ("interface", 0.01, "standard")])
 def test_cells_at_a_tip_are_small_by_its_room(what: str, room: float, asked: float | str) -> None:
-    """Two cells of different size, both larger than the room, agreed on what was 2.6, 1.4 and 2 % off.
+    """Two cells of different size, both larger than the room, agreed on what was 2.6 and 2 % off.
 
     The truth is that of `fine`, which has four cells in the room.
     """
@@ -168,10 +166,18 @@ RISING, FALLING = "9 - 9 * (x / 10)**8", "9 * (x / 10)**8"
 """What a fluid takes off the pressure across the flaw, which rises towards its tips or falls."""
 
 
-@pytest.mark.parametrize(("angle", "accuracy"), [(0.0, "0.3 %"), (10.0, "standard"), (25.0, "draft"), (25.0, "0.3 %")])
-@pytest.mark.parametrize(("fluid", "share"), [(0, 0.0), (RISING, 93.0 / 128.0), (FALLING, 35.0 / 128.0)])
+@pytest.mark.parametrize(
+    ("fluid", "share", "angle", "accuracy"),
+    [
+        (0, 0.0, 25.0, "draft"),
+        (RISING, 93.0 / 128.0, 10.0, "0.3 %"),
+        (RISING, 93.0 / 128.0, 25.0, "draft"),
+        (FALLING, 35.0 / 128.0, 0.0, "standard"),
+        (FALLING, 35.0 / 128.0, 25.0, "0.3 %"),
+    ],
+)
 def test_faces_that_slip_open_by_dilation_up_to_the_tips(
-    angle: float, accuracy: str, fluid: str | float, share: float
+    fluid: str | float, share: float, angle: float, accuracy: str
 ) -> None:
     """They open by tan(psi) times the slip, which adds to the pressure what a crack opened so far would carry.
 
