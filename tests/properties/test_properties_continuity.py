@@ -53,3 +53,18 @@ def test_displacement_jumps_across_the_crack(build, name: str, support: float) -
         jump = np.hypot(*(plus - minus).T)
         assert jump.min() > 1e-4
         assert np.median(jump) > 0.05
+
+
+@pytest.mark.parametrize("name", ["kinked", "two", "from a side"])
+def test_jump_closes_with_the_square_root_of_the_distance_from_the_tip(build, name: str) -> None:
+    sample = sample_of(build, name, 2.0)
+    u = random_unknowns(sample)
+    for (index, at_end), tip in zip(sample.cover.tip_ends, sample.cover.tips, strict=True):
+        crack = sample.cover.elements.lines[index]
+        last = -1 if at_end else 0
+        back = -tip.rotation[0]
+        points = tip.point + np.array([[4e-6], [1e-6]]) * back
+        side = np.array([crack.plus[last]] * 2), np.array([crack.minus[last]] * 2)
+        plus, minus = (displacement_at(sample.cover, u, points, elements) for elements in side)
+        far, near = plus - minus
+        np.testing.assert_allclose(far, 2 * near, rtol=1e-4)  # the next term is r, 1e-6 / 1e-3 smaller

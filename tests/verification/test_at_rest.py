@@ -200,14 +200,6 @@ def test_loads_that_cancel_all_through_stages_leave_nothing(seed: int) -> None:
         assert np.abs(step.contact.slip).max() == 0.0
 
 
-def test_loads_that_cancel_in_one_part_leave_the_others_as_they_are() -> None:
-    """A push and a pull of the rock that cancel beside a load on the block: as if they were not there."""
-    (alone,), (both,) = staged((1, 0, 0, 0)), staged((1, 0, 0.7, -2.1))
-    size = np.abs(alone.contact.normal_traction).max()
-    np.testing.assert_allclose(both.contact.normal_traction, alone.contact.normal_traction, atol=1e-12 * size)
-    np.testing.assert_array_equal(both.contact.state, alone.contact.state)
-
-
 @pytest.mark.parametrize("friction", [0.12, 0.3])
 @pytest.mark.parametrize("last", [(0, 0, 0, 0), (0.7, 1.4, 0, 0)], ids=["off", "taken back"])
 def test_a_block_that_slid_lies_free_when_its_loads_go(friction: float, last: tuple[float, ...]) -> None:

@@ -42,7 +42,7 @@ loads:
   - {{on: {{body: sheet, edge: bottom}}, traction: [0, -1]}}
 growth: {{steps: 1, increment: 2, criterion: max_hoop_stress, direction: explicit}}
 """
-KINKS = {30: 62.4, 50: 51.1, 70: 30.7}
+KINKS = {30: 62.4, 40: 55.6, 50: 51.1, 60: 43.1, 70: 30.7, 80: 17.3}
 """Degrees, by the angle between crack and load."""
 
 THREE_HOLES = f"""{HEAD}
