@@ -22,8 +22,9 @@ from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
+from tests.scenes import shipped_case
 from tests.verification.row import Record, Row, parameters
-from tests.verification.solutions import case_of
+from tests.verification.solutions import QUIET, case_of
 from tests.whole_run import whole_run
 
 TOUGHNESS = 1.0  # MPa sqrt(m)
@@ -222,7 +223,7 @@ def shear_part(which: int, phi: float, part: float, levels: int) -> float:
 
 # Factors of safety. A block on a plane at an angle t: F = (c A + mu (W cos t - U)) / (W sin t), U by water.
 
-SLOPE, WEIGHT = np.deg2rad(35.0), 2500.0 * 9.81  # rad, N/m^3
+SLOPE, WEIGHT = np.deg2rad(40.0), 2500.0 * 9.81  # rad, N/m^3
 
 INCLINE = """
 title: a block on an incline
@@ -241,23 +242,8 @@ numerics: {spacing: 0.5}
 LIMIT = (1e4 * 2.0 + 0.4 * 2.0 * WEIGHT * np.cos(np.pi / 6.0)) / (2.0 * WEIGHT * np.sin(np.pi / 6.0))
 """Limit equilibrium of the block with friction 0.4 and a cohesion of 1e4 Pa, all of which acts at once."""
 
-JOINT = np.array([[0.36397, 1.0], [0.36397 + 6.0 / np.tan(SLOPE), 7.0]]).round(9)
-TOP = [[JOINT[1, 0], 10.0], [3.6397, 10.0]]
-ROCK_SLOPE = f"""
-title: a slope of 10 m with a joint to a tension crack
-plane: strain
-bodies:
-  rock:
-    shape: {{polygon: [[-8, -6], [20, -6], [20, 10], [3.6397, 10], [0, 0], [-8, 0]]}}
-    material: {{young: 1e10, poisson: 0.2, density: 2500}}
-cracks:
-  joint: {{path: {{points: {JOINT.tolist()}}}, tips: none, contact: {{CONTACT}}}}
-  back: {{path: {{points: {np.array([JOINT[1], TOP[0]]).tolist()}}}, tips: none, contact: {{friction: 0.5}}}}
-supports: [{{on: {{body: rock, edge: 0}}, displacement: {{x: 0, y: 0}}}}]
-loads: [{{body: rock, gravity: [0, -9.81]}}, {{crack: joint, pressure: WATER}}]
-loading: strength_reduction
-numerics: {{spacing: 1}}
-"""
+JOINT, TOP = np.array([[0.36397, 1.0], [7.514492, 7.0]]), [[7.514492, 10.0], [3.6397, 10.0]]
+"""m: the joint of cases/slope_safety.yaml, and the crest above what slides on it."""
 
 UNIFORM = """
 title: a block on a floor under uniform pressure and shear
@@ -316,20 +302,29 @@ def factor(text: str, mechanism: str, words: Mapping[str, object]) -> float:
     return safety.factor
 
 
+def of_slope(law: str, pressure: str) -> float:
+    """The same of the shipped slope, whose joint has a law and a pressure of water."""
+    settings = [*QUIET, f"cracks.joint.contact={{{law}}}", f"loads.1.pressure={pressure}"]
+    safety = whole_run(shipped_case("slope_safety", settings))[1].safety
+    assert safety is not None
+    assert "it slides along 'joint'" in safety.mechanism
+    return safety.factor
+
+
 def _safety() -> Iterator[Row]:
     weight = WEIGHT * shapely.Polygon([*JOINT, *TOP]).area
     length = float(np.hypot(*(JOINT[1] - JOINT[0])))
     slopes = {
         "a slope with friction": ("friction: 0.9, cohesion: 0", 0.9, 0.0, "0", 0.0),
         "with water": ("friction: 0.9, cohesion: 0", 0.9, 0.0, "10 kPa", 1e4),
-        "with water of a triangle": ("friction: 0.9, cohesion: 0", 0.9, 0.0, '"9810*min(y - 1, 7 - y)"', 9810.0 * 1.5),
-        "with cohesion": ("friction: 0.6, cohesion: 1e4, cohesion_after_slip: kept", 0.6, 1e4, "0", 0.0),
+        "with water of a triangle": ("friction: 0.9, cohesion: 0", 0.9, 0.0, "0.00981*min(y - 1, 7 - y)", 9810.0 * 1.5),
+        "with cohesion": ("friction: 0.6, cohesion: 0.01, cohesion_after_slip: kept", 0.6, 1e4, "0", 0.0),
     }
-    found = []
     for name, (law, friction, cohesion, pressure, water) in slopes.items():
         holds = cohesion * length + friction * (weight * np.cos(SLOPE) - water * length)
-        words: dict[str, object] = {"CONTACT": law, "WATER": pressure}
-        found.append((name, ROCK_SLOPE, "it slides along 'joint'", words, holds / (weight * np.sin(SLOPE))))
+        value, wanted = partial(of_slope, law, pressure), holds / (weight * np.sin(SLOPE))
+        yield Row(name, "factor of safety", value, wanted, "limit equilibrium", 2e-3)
+    found: list[tuple[str, str, str, dict[str, object], float]] = []
     for young, ratio, after in (("1e9", "rigid", "lost"), ("1e9", "1", "kept"), ("1e13", "1e-3", "lost")):
         words = {"YOUNG": young, "RATIO": ratio, "AFTER": after}
         name = f"uniform shear, {', '.join(map(str, words.values()))}"
