@@ -51,9 +51,9 @@ sys.exit(cli.main(sys.argv[3:]))
 """
 
 
-def command_killed_at(operation: int, case: str, settings: Sequence[str], folder: Path) -> list[str]:
+def command_killed_at(operation: int, case: str, settings: Sequence[str], folder: Path, *more: str) -> list[str]:
     """The same of a run that is killed when it is about to change the files of its folder for the n-th time."""
-    python, _, _, *words = command(case, settings, folder)
+    python, _, _, *words = command(case, settings, folder, *more)
     return [python, "-c", KILLED_AT, str(folder), str(operation), *words]
 
 

@@ -5,16 +5,12 @@ Kernels that an earlier run has left give the same bits, too.
 
 from __future__ import annotations
 
-import itertools
 import json
-import random
 import re
 import resource
 import shlex
 import signal
-import subprocess
 import sys
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -33,7 +29,6 @@ from tests.properties.broken_off import (
 )
 
 COARSE = ("numerics.spacing=3", "growth.steps=4", "cracks.flaw.contact.friction=0.3", "output.figures=false")
-TITLE = "compression30: "
 MIB = 2**20
 
 
@@ -59,78 +54,24 @@ def assert_goes_on(words: Sequence[str], folder: Path, whole: dict[str, object])
     return done.stdout
 
 
-@pytest.mark.parametrize("n_kills", [3, pytest.param(100, marks=pytest.mark.slow)])
-def test_a_run_killed_again_and_again_ends_as_if_nothing_had_happened(
-    unbroken: Path, tmp_path: Path, n_kills: int
+@pytest.mark.parametrize("operations", [(60, 150), pytest.param(range(1, 240, 17), marks=pytest.mark.slow)], ids=len)
+def test_a_run_killed_at_any_change_of_its_files_goes_on(
+    unbroken: Path, tmp_path: Path, operations: Sequence[int]
 ) -> None:
-    whole, moments = contents(unbroken), random.Random(n_kills)
-    process = started(command("compression30", COARSE, tmp_path / "timed"))
-    wait_for(process, TITLE)
-    began = time.perf_counter()
-    process.communicate()
-    longest = time.perf_counter() - began
-    killed, chain, n_finished = 0, 0, 0
-    while killed < n_kills or chain:
-        folder = tmp_path / str(n_finished)
-        process = started(command("compression30", COARSE, folder, "--resume"))
-        wait_for(process, TITLE)
-        try:
-            process.wait(moments.uniform(0.0, 0.5 * longest) if killed < n_kills else None)
-            assert process.returncode == 0
-            assert contents(folder) == whole
-            n_finished, chain = n_finished + 1, 0
-        except subprocess.TimeoutExpired:
-            process.kill()
-            killed, chain = killed + 1, chain + 1
-            process.wait()
-            assert_whole(folder, whole)
-        process.communicate()
-    assert n_finished > 0
-
-
-@pytest.mark.slow
-def test_a_run_killed_at_any_change_of_its_files_goes_on(unbroken: Path, tmp_path: Path) -> None:
-    whole = contents(unbroken)
-    for operation in itertools.count(1, 17):
+    """Also one that is killed again as it goes on."""
+    whole, n_killed = contents(unbroken), 0
+    for operation in operations:
         folder = tmp_path / str(operation)
-        killed = finished(command_killed_at(operation, "compression30", COARSE, folder))
-        if killed.returncode == 0:
-            break
-        assert killed.returncode == -signal.SIGKILL
-        assert_whole(folder, whole)
+        for number, more in ((operation, ()), (operation // 2 + 1, ("--resume",))):
+            killed = finished(command_killed_at(number, "compression30", COARSE, folder, *more))
+            if killed.returncode == 0:
+                break
+            assert killed.returncode == -signal.SIGKILL
+            assert_whole(folder, whole)
+            n_killed += 1
         assert_goes_on(command("compression30", COARSE, folder, "--resume"), folder, whole)
         assert (folder / "report.html").is_file()
-    assert operation > 150  # files that are not there are not removed, and do not count
-
-
-@pytest.mark.parametrize(
-    ("case", "settings", "last"),
-    [
-        ("cyclic_friction", ("numerics.spacing=10", "output.figures=false"), 12),
-        ("compression30", (*COARSE[:3], "growth.unload_between_steps=false", "output.frames=first_and_last"), 2),
-        pytest.param(
-            *("flaw_and_hole", ("numerics.spacing=3", "growth.steps=4", "output.frames=none"), 3),
-            marks=pytest.mark.slow,
-        ),
-        pytest.param(
-            "two_flaws",
-            ("numerics.spacing=3", "growth.steps=11", "output.frames=none", "output.figures=false"),
-            10,
-            marks=pytest.mark.slow,
-        ),
-    ],
-)
-def test_any_kind_of_run_goes_on(tmp_path: Path, case: str, settings: tuple[str, ...], last: int) -> None:
-    finished(command(case, settings, tmp_path / "unbroken"))
-    process = started(command(case, settings, tmp_path / "broken"))
-    assert wait_for(process, f"step {last}")
-    process.kill()
-    process.communicate()
-    assert summary_of(tmp_path / "broken")["status"] == "running"
-    resumed = command(case, settings, tmp_path / "broken", "--resume")
-    told = assert_goes_on(resumed, tmp_path / "broken", contents(tmp_path / "unbroken"))
-    assert f"goes on with step {last}" in told
-    assert f"step {last - 1}" not in told
+    assert n_killed >= min(len(operations), 9)  # files that are not there are not removed, and do not count
 
 
 def test_ctrl_c_ends_with_what_is_done_and_the_command_to_go_on(unbroken: Path, tmp_path: Path) -> None:
@@ -144,7 +85,9 @@ def test_ctrl_c_ends_with_what_is_done_and_the_command_to_go_on(unbroken: Path, 
     assert (summary["status"], summary["steps_done"] >= 1) == ("interrupted", True)
     told = err.splitlines()
     assert ["once more" in line for line in told] == [True, False]
-    assert_goes_on(shlex.split(told[1].split("go on with: ")[1]), folder, contents(unbroken))
+    printed = assert_goes_on(shlex.split(told[1].split("go on with: ")[1]), folder, contents(unbroken))
+    assert f"goes on with step {summary['steps_done']}" in printed
+    assert "step 0" not in printed
 
 
 def limited(kind: int, limit: int) -> Callable[[], None]:
@@ -201,6 +144,7 @@ def test_less_than_the_program_itself_takes_is_told_at_once(kind: int, limit: in
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_kernels_that_are_compiled_or_loaded_give_the_same_bits(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

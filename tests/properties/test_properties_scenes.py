@@ -6,12 +6,10 @@ import numpy as np
 import pytest
 
 from crackgrow.case.load import read_case
-from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.errors import SolveError
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.state_values import reactions, total_load
-from tests.scenes import specimen
+from crackgrow.run.state_values import reactions
 from tests.solving import displacement_in, solve_case
 
 PATCH_TEST = {1.5: 1e-7, 2.0: 1e-9}
@@ -81,47 +79,6 @@ def test_a_frictionless_block_slides_at_any_push_and_without_one_its_place_is_ar
         solve(BLOCK, smooth, "loads.0.traction=[1, -100]")
 
 
-@pytest.mark.parametrize("spacing", [0.3, 0.15])
-def test_weight_of_a_column(spacing: float) -> None:
-    """Without lateral strain sigma_yy = -rho g (H - y); the reaction is the weight, holes left out."""
-    settings = (
-        "bodies.block.material={young: 1000, poisson: 0, density: 7}",
-        "loads=[{body: block, gravity: [0, -10]}]",
-        f"numerics.spacing={spacing}",
-    )
-    solution = solve(BLOCK, *settings)
-    metres = places((-1.9, 0.1), (1.9, 1.9))
-    y = metres[:, 1]
-    exact = 70.0 / 1000.0 * (0.5 * y**2 - 2.0 * y)
-    found = displacement_in(solution, metres)
-    assert np.abs(found[:, 1] - exact).max() < 2e-3 * 0.14
-    assert np.abs(found[:, 0]).max() < 2e-3 * 0.14
-    np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, 8 * 70.0], rtol=1e-6, atol=1e-6)
-    holes = "bodies.block.shape.holes=[{rectangle: {center: [0.4, 1.1], width: 0.7, height: 0.5}}]"
-    solution = solve(BLOCK, *settings, holes)
-    np.testing.assert_allclose(reactions(solution.state)[0].force, [0.0, 7.65 * 70.0], rtol=1e-6, atol=1e-6)
-
-
-def with_flaw(pull: float, *more: dict) -> StepSolution:
-    """A plate with a crack across the pull (MPa), and other loads."""
-    flaw = {"path": {"center": [0, 0], "length": 10, "angle": 0}, "contact": {"friction": 0.2, "cohesion": 0}}
-    scene = specimen({"flaw": flaw}, sigma=pull, numerics={"spacing": 1.5})
-    return solve_case(Case.from_dict({**scene, "loads": [*(scene["loads"] if pull else []), *more]}))
-
-
-def test_fluid_pressure_opens_a_crack_as_tension_does() -> None:
-    """Superposition (Sneddon): pressure on the faces, or as much tension across them."""
-    fluid = {"crack": "flaw", "pressure": 2}
-    pulled, blown = with_flaw(2.0), with_flaw(0.0, fluid)
-    for one, two in zip(pulled.tips, blown.tips, strict=True):
-        assert two.K[0] == pytest.approx(one.K[0], rel=1e-4)
-        assert abs(two.K[1]) < 1e-4 * one.K[0]
-    np.testing.assert_allclose(total_load(blown.state), 0.0, atol=1e-9)
-    closed = with_flaw(-5.0, fluid)  # effective stress: contact carries 3 MPa
-    np.testing.assert_allclose(closed.outcome.points.normal, -3e6, rtol=1e-4)
-    assert max(abs(K) for tip in closed.tips for K in tip.K) < 1e-3 * blown.tips[0].K[0]
-
-
 SLANTED = """
 title: Two blocks with a slanted joint
 plane: strain
@@ -161,7 +118,7 @@ CONTACTS = ("bonded", "{friction: 2, cohesion: 0}")
 
 @pytest.mark.parametrize("support", [1.5, 2.0])
 @pytest.mark.parametrize("contact", CONTACTS)
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_patch_test_through_slanted_joints(seed: int, contact: str, support: float) -> None:
     left, right = np.random.default_rng(seed).uniform(0.6, 1.4, 2).tolist()
     solution = solve(SLANTED.format(left=left, right=right, contact=contact, support=support))

@@ -16,6 +16,7 @@ import yaml
 from shapely import LineString, Point, Polygon
 
 from crackgrow.case.units import UNITS
+from tests.stability.judge.written import region, ring
 
 Scene = dict[str, Any]
 Rng = np.random.Generator
@@ -25,11 +26,6 @@ SAME_PLACE = 1e-9
 
 TRIES = 100
 """Places that are tried for a crack; one that finds none is left out."""
-
-KINDS = (
-    "plate", "tension", "hole", "edge", "crossing", "interface",
-    "stack", "foundation", "disk", "driven", "fluid", "in situ", "cyclic",
-)  # fmt: skip
 
 WEAKER = 0.4
 """Strength of rock that is pressed, over that of rock that is pulled: else most cracks under pressure never grow."""
@@ -56,44 +52,28 @@ class Frame:
         return [0.0, -share * self.level * self.in_pascals / (DENSITY * self.size * self.in_metres)]
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Outline:
-    """A body's shape, in the units of the case."""
-
-    shape: Scene
-    polygon: Polygon
-
-
-@dataclass(frozen=True, slots=True)
-class Manner:
-    """How cracks are drawn."""
-
-    n: int
-    longest: float  # spacings, of a segment
-    most_segments: int = 3
-    meetings: tuple[float, ...] = (0.4, 0.2, 0.2, 0.2)  # probabilities: meets nothing, the outline; touches, crosses
-    apart: float = 0.0  # spacings: one that meets nothing is as far from all others and the outline
-
-
 def growing_scene(seed: int) -> Scene:
     """A case document."""
-    rng, kind = np.random.default_rng([seed, 14]), KINDS[seed % len(KINDS)]
+    rng, kind = np.random.default_rng([seed, 14]), list(SCENES)[seed % len(SCENES)]
     length, stress = str(rng.choice(["m", "cm", "mm"])), str(rng.choice(["Pa", "kPa", "MPa"]))
-    frame = _frame(rng, float(UNITS["length"][length]), float(UNITS["stress"][stress]))
-    rock = rectangle(frame)
+    in_metres, in_pascals = float(UNITS["length"][length]), float(UNITS["stress"][stress])
+    size, young = float(10.0 ** rng.uniform(-1.5, 1.0)) / in_metres, float(10.0 ** rng.uniform(9.0, 11.0)) / in_pascals
+    level = young * float(10.0 ** rng.uniform(-4.0, -2.7))
+    frame = Frame(rng, size, size / float(rng.uniform(12.0, 18.0)), young, level, in_metres, in_pascals)
+    block = rectangle(frame)
     material = {"young": frame.young, "poisson": float(rng.choice([0.0, 0.2, 0.25, 0.35])), "density": DENSITY}
     scene: Scene = {
         "title": f"growing scene {seed}: {kind}",
         "units": {"length": length, "stress": stress},
         "plane": str(rng.choice(["strain", "stress"])),
-        "bodies": {"rock": {"shape": rock.shape, "material": material}},
+        "bodies": {"rock": {"shape": block, "material": material}},
         "supports": [],
         "loads": [],
     }
-    polygon = SCENES.get(kind, pressed)(frame, scene, rock)
-    if kind == "hole":
-        polygon = with_hole(rng, rock.shape, polygon, frame.size)
-    _set_cracks(frame, scene, polygon, kind)
+    SCENES[kind](frame, scene)
+    if kind in ("hole", "in situ"):
+        _cut_hole(frame, scene)
+    _set_cracks(frame, scene, kind)
     if kind == "fluid":
         for name in scene["cracks"]:
             pressure = {"crack": name, "pressure": float(frame.level * rng.uniform(0.1, 1.0))}
@@ -105,23 +85,17 @@ def growing_scene(seed: int) -> Scene:
     return {**scene, "numerics": numerics, "output": {"frames": "none", "figures": False, "report": False}}
 
 
-def _frame(rng: Rng, in_metres: float, in_pascals: float) -> Frame:
-    size, young = float(10.0 ** rng.uniform(-1.5, 1.0)), float(10.0 ** rng.uniform(9.0, 11.0))
-    level = young * float(10.0 ** rng.uniform(-4.0, -2.7))
-    spacing = size / float(rng.uniform(12.0, 18.0))
-    return Frame(
-        rng, size / in_metres, spacing / in_metres, young / in_pascals, level / in_pascals, in_metres, in_pascals
-    )
-
-
-def rectangle(frame: Frame) -> Outline:
+def rectangle(frame: Frame) -> Scene:
     """A block, with its centre anywhere."""
     rng, size = frame.rng, frame.size
     width, height = size * rng.uniform(0.7, 1.0), size * rng.uniform(0.8, 1.1)
     x, y = rng.uniform(-1.0, 1.0, 2) * size
-    shape = {"rectangle": {"center": [float(x), float(y)], "width": float(width), "height": float(height)}}
-    polygon = shapely.box(x - width / 2, y - height / 2, x + width / 2, y + height / 2)
-    return Outline(shape, polygon)
+    return {"rectangle": {"center": [float(x), float(y)], "width": float(width), "height": float(height)}}
+
+
+def bounds(scene: Scene) -> tuple[float, float, float, float]:
+    """Least x and y of the rock, and the largest."""
+    return ring(scene["bodies"]["rock"]["shape"]).bounds
 
 
 def on(edge: str, body: str = "rock", **part: float) -> Scene:
@@ -129,13 +103,10 @@ def on(edge: str, body: str = "rock", **part: float) -> Scene:
     return {"body": body, "edge": edge, **{key.strip("_"): float(value) for key, value in part.items()}}
 
 
-def at_three_points(polygon: Polygon) -> list[Scene]:
+def at_its_corners(scene: Scene) -> list[Scene]:
     """Supports that take rigid motions alone, where the loads balance each other."""
-    x0, y0, x1, _ = polygon.bounds
-    return [
-        {"at": [x0, y0], "displacement": {"x": 0, "y": 0}},
-        {"at": [x1, y0], "displacement": {"y": 0}},
-    ]
+    x0, y0, x1, _ = bounds(scene)
+    return [{"at": [x0, y0], "displacement": {"x": 0, "y": 0}}, {"at": [x1, y0], "displacement": {"y": 0}}]
 
 
 def balanced(xx: float, yy: float, xy: float, held: tuple[bool, bool]) -> list[Scene]:
@@ -149,26 +120,24 @@ def balanced(xx: float, yy: float, xy: float, held: tuple[bool, bool]) -> list[S
     return [load for load in loads if any(load["traction"])]
 
 
-def pressed(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def pressed(frame: Frame, scene: Scene) -> None:
     """Compression along y, with confinement, perhaps held."""
     side = frame.level * float(frame.rng.choice([0.0, 0.0, 0.05, 0.1, 0.3]))
     scene["loads"] = balanced(-side, -frame.level, 0.0, (bool(frame.rng.random() < 0.5), False))
-    scene["supports"] = at_three_points(rock.polygon)
-    return rock.polygon
+    scene["supports"] = at_its_corners(scene)
 
 
-def pulled(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def pulled(frame: Frame, scene: Scene) -> None:
     """Tension along y, and shear."""
     shear = frame.level * float(frame.rng.choice([0.0, frame.rng.uniform(-0.5, 0.5)]))
     scene["loads"] = balanced(0.0, frame.level, shear, (False, False))
-    scene["supports"] = at_three_points(rock.polygon)
-    return rock.polygon
+    scene["supports"] = at_its_corners(scene)
 
 
-def driven(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def driven(frame: Frame, scene: Scene) -> None:
     """A rigid platen moves the top; the bottom rests on another one, or is clamped."""
     rng, down = frame.rng, frame.level / frame.young * frame.size
-    x0, y0, _, _ = rock.polygon.bounds
+    x0, y0, _, _ = bounds(scene)
     top: Scene = {"y": float(-down * rng.choice([1.0, 1.0, -0.3]))}
     if rng.random() < 0.5:
         top["x"] = float(down * rng.uniform(-1.0, 1.0))
@@ -179,22 +148,20 @@ def driven(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
     ]
     if not clamped:
         scene["supports"].append({"at": [x0, y0], "displacement": {"x": 0}})
-    return rock.polygon
 
 
-def in_situ(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def in_situ(frame: Frame, scene: Scene) -> None:
     """Given stress in a block whose rim is fixed."""
     xx, yy = -frame.level * frame.rng.uniform(0.2, 1.0, 2)
     stress = [float(xx), float(yy), float(frame.level * frame.rng.uniform(-0.5, 0.5))]
     scene["supports"] = [{"on": on(e), "displacement": {"x": 0, "y": 0}} for e in ("left", "right", "bottom", "top")]
     scene["loads"] = [{"body": "rock", "stress": stress}]
-    return with_hole(frame.rng, rock.shape, rock.polygon, frame.size)
 
 
-def disk(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def disk(frame: Frame, scene: Scene) -> None:
     """A disk pressed between two jaws, or all round."""
     rng, radius = frame.rng, 0.5 * frame.size
-    x, y = rock.shape["rectangle"]["center"]
+    x, y = scene["bodies"]["rock"]["shape"]["rectangle"]["center"]
     scene["bodies"]["rock"]["shape"] = {"disk": {"center": [x, y], "radius": radius}}
     half = float(rng.uniform(5.0, 20.0))
     jaws = [on("arc", from_=90.0 - half, to=90.0 + half), on("arc", from_=270.0 - half, to=270.0 + half)]
@@ -205,10 +172,9 @@ def disk(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
         {"at": [x - radius, y], "displacement": {"x": 0, "y": 0}},
         {"at": [x + radius, y], "displacement": {"y": 0}},
     ]
-    return Point(x, y).buffer(0.999 * radius, quad_segs=90)
 
 
-def foundation(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def foundation(frame: Frame, scene: Scene) -> None:
     """A block on a rigid, rough foundation, under its weight and what presses and pushes it."""
     rng = frame.rng
     friction = float(rng.uniform(0.2, 1.5))
@@ -220,21 +186,19 @@ def foundation(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
         {"body": "rock", "gravity": frame.weight(float(rng.uniform(0.1, 0.5))), "held": held},
         {"on": on("top"), "traction": [push, -frame.level]},
     ]
-    return rock.polygon
 
 
-def on_base(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def on_base(frame: Frame, scene: Scene) -> None:
     """The block on an elastic base, with contact or bonded, perhaps pushed."""
-    _add_block(frame, scene, rock, "base", 0.4)
+    _add_block(frame, scene, "base", 0.4)
     law = "none" if frame.rng.random() < 0.25 else _law(frame)
     scene["interfaces"] = [{"between": ["rock", "base"], "contact": "bonded" if law == "none" else law}]
     scene["supports"] = [{"on": on("bottom", "base"), "displacement": {"x": 0, "y": 0}}]
     push = frame.level * float(frame.rng.choice([0.0, frame.rng.uniform(-0.2, 0.2)]))
     scene["loads"] = [{"on": on("top"), "traction": [push, -frame.level]}]
-    return rock.polygon
 
 
-def stack(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
+def stack(frame: Frame, scene: Scene) -> None:
     """Blocks on top of each other on a foundation: contact alone holds them."""
     rng, held = frame.rng, bool(frame.rng.random() < 0.5)
     low, scene["interfaces"] = "rock", []
@@ -243,7 +207,7 @@ def stack(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
         scene["interfaces"].append(
             {"between": [low, name], "contact": {"friction": float(rng.uniform(0.2, 1.0)), "cohesion": 0}}
         )
-        _add_block(frame, scene, rock, name, 0.3, above=0.3 * number)
+        _add_block(frame, scene, name, 0.3, above=0.3 * number)
         low = name
     scene["supports"] = [{"on": on("bottom"), "contact": {"friction": float(rng.uniform(0.3, 1.0)), "cohesion": 0}}]
     g = frame.weight(float(rng.uniform(0.1, 0.5)))
@@ -251,12 +215,11 @@ def stack(frame: Frame, scene: Scene, rock: Outline) -> Polygon:
     scene["loads"].append(
         {"on": on("top", low), "traction": [float(0.1 * rng.uniform(-1, 1) * frame.level), -frame.level]}
     )
-    return rock.polygon
 
 
-def _add_block(frame: Frame, scene: Scene, rock: Outline, name: str, height: float, above: float | None = None) -> None:
+def _add_block(frame: Frame, scene: Scene, name: str, height: float, above: float | None = None) -> None:
     """A block as wide as the rock, below it or on top of it and of what is `above` it already (parts of its size)."""
-    x0, y0, x1, y1 = rock.polygon.bounds
+    x0, y0, x1, y1 = bounds(scene)
     tall = height * frame.size
     y = y0 - tall / 2 if above is None else y1 + above * frame.size + tall / 2
     material = dict(scene["bodies"]["rock"]["material"])
@@ -266,33 +229,67 @@ def _add_block(frame: Frame, scene: Scene, rock: Outline, name: str, height: flo
 
 
 SCENES = {
-    "tension": pulled,
-    "driven": driven,
-    "in situ": in_situ,
-    "disk": disk,
-    "foundation": foundation,
-    "interface": on_base,
-    "stack": stack,
-}
-"""All others are pressed."""
+    "plate": pressed, "tension": pulled, "hole": pressed, "edge": pressed, "crossing": pressed, "interface": on_base,
+    "stack": stack, "foundation": foundation, "disk": disk, "driven": driven, "fluid": pressed, "in situ": in_situ,
+    "cyclic": pressed,
+}  # fmt: skip
+"""By kind, in the order of the seeds."""
 
 
-def _set_cracks(frame: Frame, scene: Scene, polygon: Polygon, kind: str) -> None:
-    """One to six cracks; straight ones alone in half of the scenes, so that K_I of closed ones is known."""
-    rng = frame.rng
+def _set_cracks(frame: Frame, scene: Scene, kind: str) -> None:
+    """One to six polylines that may cross, touch, branch and start on the outline.
+
+    In half of the scenes all are straight, so that K_I of closed ones is known.
+    """
+    rng, rock, spacing = frame.rng, region(scene["bodies"]["rock"]["shape"]), frame.spacing
     meetings = {"edge": (0.3, 0.7, 0.0, 0.0), "crossing": (0.4, 0.0, 0.3, 0.3)}.get(kind, (1.0, 0.0, 0.0, 0.0))
-    n = int(rng.choice([1, 2, 3, 4, 6], p=[0.35, 0.25, 0.2, 0.1, 0.1])) + (kind == "crossing")
-    n = min(n, 6)
+    n = min(int(rng.choice([1, 2, 3, 4, 6], p=[0.35, 0.25, 0.2, 0.1, 0.1])) + (kind == "crossing"), 6)
     straight = rng.random() < 0.5
-    manner = Manner(n, float(rng.uniform(3.0, 6.0)), 1 if straight else 2, meetings, float(rng.choice([0.3, 1.5, 2.5])))
-    cracks = random_cracks(rng, polygon, frame.spacing, manner)
+    longest, apart = float(rng.uniform(3.0, 6.0)) * spacing, float(rng.choice([0.3, 1.5, 2.5])) * spacing
+    lines: dict[str, LineString] = {}
+    room, whole = rock.buffer(-1e-3 * spacing), rock.buffer(1e-9 * spacing)
+    for number in range(n):
+        meeting, others = str(rng.choice(["nothing", "outline", "touch", "cross"], p=meetings)), [*lines.values()]
+        for _ in range(TRIES):
+            points = _random_path(frame, rock, others, longest, 1 if straight else 2, meeting)
+            line, inner = LineString(points), LineString(points[1:]) if len(points) > 2 else Point(points[1])
+            near = meeting == "nothing" and min(line.distance(o) for o in [rock.boundary, *others]) < apart
+            if line.is_simple and room.contains(inner) and whole.contains(line) and not near:
+                lines[f"c{number}"] = line
+                break
     alike = _law(frame)
-    laws = [alike if rng.random() < 0.5 else _law(frame) for _ in cracks]
+    laws = [alike if rng.random() < 0.5 else _law(frame) for _ in lines]
     scene["cracks"] = {
-        name: {"path": {"points": points.tolist()}, "contact": law}
-        for (name, points), law in zip(cracks.items(), laws, strict=True)
+        name: {"path": {"points": [list(point) for point in line.coords]}, "contact": law}
+        for (name, line), law in zip(lines.items(), laws, strict=True)
     }
-    set_tips(rng, scene, polygon, frame.size)
+    for name, line in lines.items():
+        rims = [rock.boundary, *(other for other in lines.values() if other is not line)]
+        free = tuple(
+            all(Point(line.coords[end]).distance(rim) > SAME_PLACE * frame.size for rim in rims) for end in (0, -1)
+        )
+        words = {(True, True): "both", (True, False): "start", (False, True): "end", (False, False): "none"}
+        scene["cracks"][name]["tips"] = words[free] if rng.random() < 0.9 else "none"  # now and then none may grow
+
+
+def _random_path(
+    frame: Frame, rock: Polygon, others: list[LineString], longest: float, most: int, meeting: str
+) -> np.ndarray:
+    """Vertices (n, 2) of a crack that starts on the `outline`, on another crack (`touch`) or crosses it, or none."""
+    rng = frame.rng
+    n = int(rng.integers(1, most + 1))
+    start = np.array(point_inside(rng, rock))
+    if meeting == "outline":
+        start = shapely.get_coordinates(rock.exterior.interpolate(rng.random(), normalized=True))[0]
+    elif meeting in ("touch", "cross") and others:
+        other = others[int(rng.integers(len(others)))]
+        start = shapely.get_coordinates(other.interpolate(rng.choice([0.0, rng.random(), 1.0]), normalized=True))[0]
+    lengths = rng.uniform(frame.spacing, longest, n)
+    angles = rng.uniform(0.0, 2.0 * np.pi) + np.concatenate([[0.0], np.cumsum(rng.uniform(-1.2, 1.2, n - 1))])
+    steps = lengths[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    if meeting == "cross" and others:
+        start = start - rng.uniform(0.2, 0.8) * steps[0]
+    return np.vstack([start, start + np.cumsum(steps, axis=0)])
 
 
 def _law(frame: Frame) -> Scene | str:
@@ -345,26 +342,22 @@ def _set_loading(frame: Frame, scene: Scene, kind: str) -> None:
         scene["loading"] = {"history": [*history[:2], 1.0]}
 
 
-def with_hole(rng: Rng, shape: Scene, polygon: Polygon, size: float) -> Polygon:
-    """Cut a hole into a shape where there is room for one."""
-    radius = size * rng.uniform(0.05, 0.15)
-    room = polygon.buffer(-1.5 * radius)
+def _cut_hole(frame: Frame, scene: Scene) -> None:
+    """Cut a hole into the rock where there is room for one."""
+    rng, shape = frame.rng, scene["bodies"]["rock"]["shape"]
+    radius = frame.size * rng.uniform(0.05, 0.15)
+    room = ring(shape).buffer(-1.5 * radius)
     if room.is_empty:
-        return polygon
-    x, y = point_inside(rng, room)
-    kind = rng.choice(["disk", "rectangle", "polygon"])
-    if kind == "disk":
-        hole: Scene = {"disk": {"center": [x, y], "radius": float(radius)}}
-        ring = Point(x, y).buffer(radius, quad_segs=90)
-    elif kind == "rectangle":
-        hole = {"rectangle": {"center": [x, y], "width": float(radius), "height": float(2.0 * radius)}}
-        ring = shapely.box(x - radius / 2, y - radius, x + radius / 2, y + radius)
-    else:
+        return
+    place = point_inside(rng, room)
+    kind = str(rng.choice(["disk", "rectangle", "polygon"]))
+    if kind == "polygon":
         angles = np.sort(rng.uniform(0.0, 2.0, 3)) + np.array([0.0, 2.0, 4.0])
-        corners = np.array([x, y]) + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-        hole, ring = {"polygon": corners.tolist()}, Polygon(corners)
-    shape["holes"] = [hole]
-    return polygon.difference(ring)
+        corners = place + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        shape["holes"] = [{"polygon": corners.tolist()}]
+    else:
+        sides = {"radius": float(radius)} if kind == "disk" else {"width": float(radius), "height": float(2.0 * radius)}
+        shape["holes"] = [{kind: {"center": [*place], **sides}}]
 
 
 def point_inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
@@ -376,58 +369,6 @@ def point_inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
             return float(point[0]), float(point[1])
     point = polygon.representative_point()
     return float(point.x), float(point.y)
-
-
-def random_cracks(rng: Rng, polygon: Polygon, spacing: float, manner: Manner) -> dict[str, np.ndarray]:
-    """Polylines that may cross, touch, branch and start on the outline."""
-    cracks: dict[str, np.ndarray] = {}
-    room = polygon.buffer(-1e-3 * spacing)
-    for number in range(manner.n):
-        meeting = str(rng.choice(["nothing", "outline", "touch", "cross"], p=manner.meetings))
-        others = [LineString(points) for points in cracks.values()]
-        alone = meeting == "nothing" and manner.apart > 0.0
-        for _ in range(TRIES):
-            points = _random_path(rng, polygon, list(cracks.values()), spacing, manner, meeting)
-            line = LineString(points)
-            inner = LineString(points[1:]) if len(points) > 2 else Point(points[1])
-            near = alone and min(line.distance(o) for o in [polygon.boundary, *others]) < manner.apart * spacing
-            inside = room.contains(inner) and polygon.buffer(1e-9 * spacing).contains(line)
-            if line.is_simple and inside and not near:
-                cracks[f"c{number}"] = points
-                break
-    return cracks
-
-
-def _random_path(
-    rng: Rng, polygon: Polygon, others: list[np.ndarray], spacing: float, manner: Manner, meeting: str
-) -> np.ndarray:
-    """Vertices (n, 2) of a crack that starts on the `outline`, on another crack (`touch`) or crosses it, or none."""
-    n = int(rng.integers(1, manner.most_segments + 1))
-    start = np.array(point_inside(rng, polygon))
-    if meeting == "outline":
-        start = shapely.get_coordinates(polygon.exterior.interpolate(rng.random(), normalized=True))[0]
-    elif meeting in ("touch", "cross") and others:
-        other = LineString(others[int(rng.integers(len(others)))])
-        start = shapely.get_coordinates(other.interpolate(rng.choice([0.0, rng.random(), 1.0]), normalized=True))[0]
-    lengths = spacing * rng.uniform(1.0, manner.longest, n)
-    angles = rng.uniform(0.0, 2.0 * np.pi) + np.concatenate([[0.0], np.cumsum(rng.uniform(-1.2, 1.2, n - 1))])
-    steps = lengths[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    if meeting == "cross" and others:
-        start = start - rng.uniform(0.2, 0.8) * steps[0]
-    return np.vstack([start, start + np.cumsum(steps, axis=0)])
-
-
-def set_tips(rng: Rng, scene: Scene, polygon: Polygon, size: float) -> None:
-    """Say which ends of the cracks are tips: those that lie in rock; now and then they must not grow."""
-    lines = {name: LineString(crack["path"]["points"]) for name, crack in scene["cracks"].items()}
-    for name, crack in scene["cracks"].items():
-        others = [polygon.boundary, *(line for other, line in lines.items() if other != name)]
-        free = [
-            all(Point(crack["path"]["points"][end]).distance(other) > SAME_PLACE * size for other in others)
-            for end in (0, -1)
-        ]
-        words = {(True, True): "both", (True, False): "start", (False, True): "end", (False, False): "none"}
-        crack["tips"] = words[free[0], free[1]] if rng.random() < 0.9 else "none"
 
 
 def text_of(scene: Scene) -> str:

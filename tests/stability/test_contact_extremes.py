@@ -7,6 +7,8 @@ shear 100 sin(30) cos(30) = 43.3 MPa sticks from a friction of tan(30) = 0.577 o
 from __future__ import annotations
 
 import functools
+from collections import Counter
+from itertools import product
 
 import numpy as np
 import pytest
@@ -19,7 +21,8 @@ from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case, told
 from tests.solving import solve_case
-from tests.stability.flaw import QUIET
+from tests.stability.contact_at_random import drawn, ended
+from tests.verification.solutions import QUIET
 
 STRESS = 100e6
 PRESSURE = STRESS * np.cos(np.deg2rad(30.0)) ** 2
@@ -44,6 +47,7 @@ def flaw(
         f"numerics.contact={{stiffness: {stiffness}, discretization: {discretization}, solver: {solver}}}",
         f"numerics.spacing={spacing}",
         *QUIET,
+        "growth.steps=0",
     )
 
 
@@ -73,9 +77,9 @@ def test_elastic_contact_converges_to_rigid_contact(friction: float) -> None:
     assert max(max(step.complementarity, step.residual) for step in steps) < 1e-10
 
 
-@pytest.mark.parametrize("friction", [0.0, 0.3])
-@pytest.mark.parametrize("stiffness", ["1e2", "1e4", "1e8", "1e12", "rigid"])  # 1e0 bends: it gives way over h/2
+@pytest.mark.parametrize(("stiffness", "friction"), [("1e2", 0.3), ("1e4", 0.0), ("1e8", 0.3)])
 def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction: float) -> None:
+    """But for 1e0, which gives way over h/2."""
     found = solution(*flaw(friction, stiffness=stiffness, spacing=0.75))  # enough nodes for waves to show
     p_n, p_t = found.outcome.points.normal, found.outcome.points.tangential
     assert len(p_n) >= 9
@@ -88,7 +92,7 @@ def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction
     np.testing.assert_allclose(np.abs(p_t), -friction * p_n, rtol=1e-9, atol=1.0)
 
 
-@pytest.mark.parametrize("stiffness", ["1e6", "1e8", "1e12", "rigid"])
+@pytest.mark.parametrize("stiffness", ["1e6", "rigid"])
 def test_gauss_points_are_refused_where_their_tractions_mean_nothing(stiffness: str) -> None:
     """K_I would be 160 MPa sqrt(m) at 1e8, 28 times the K_II of a flaw that is closed."""
     with pytest.raises(CaseError, match="more contact points than the displacement can follow") as error:
@@ -96,9 +100,13 @@ def test_gauss_points_are_refused_where_their_tractions_mean_nothing(stiffness: 
     assert "stiffer than 100000" in str(error.value)
 
 
-@pytest.mark.parametrize("cohesion", [0.0, 1.0, 1e3])
-@pytest.mark.parametrize("friction", [0.0, 0.3, STICK_LIMIT, 2.0, 10.0, 1e3])
-@pytest.mark.parametrize("solver", ["newton", "lemke"])
+@pytest.mark.parametrize(
+    ("solver", "friction", "cohesion"),
+    [
+        *product(["newton"], [0.0, 0.3, STICK_LIMIT, 2.0, 1e3], [0.0, 1.0, 1e3]),
+        *product(["lemke"], [0.3, STICK_LIMIT, 1e3], [0.0, 1.0]),
+    ],
+)
 def test_friction_and_cohesion_of_any_size(solver: str, friction: float, cohesion: float) -> None:
     step = first_step(*flaw(friction, cohesion, solver=solver))
     assert told(step.warnings) == []
@@ -118,3 +126,9 @@ def test_friction_and_cohesion_of_any_size(solver: str, friction: float, cohesio
         assert K_II(step) == pytest.approx(-drive * np.sqrt(np.pi * 5e-3), rel=0.07)  # infinite plate
     if held and friction != STICK_LIMIT:
         assert set(step.contact.state.tolist()) == {STICK}
+
+
+def test_each_is_solved_or_a_limit_state() -> None:
+    ends = {seed: ended(drawn(seed))[0] for seed in range(200)}
+    assert {seed: end for seed, end in ends.items() if end not in ("solved", "limit state")} == {}
+    assert Counter(ends.values())["limit state"] >= 3

@@ -14,7 +14,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.errors import CaseError, CrackgrowError, SolveError
 from crackgrow.run import grow
-from tests.scenes import fault_of, shipped_case
+from tests.scenes import shipped_case
 from tests.stability.growing_scenes import text_of
 from tests.unit.case import scenes
 from tests.unit.case.scenes import changed
@@ -77,13 +77,11 @@ def solved_to_the_end(path: Path) -> None:
             assert np.isfinite(values).all()
 
 
-@pytest.mark.parametrize("key", KEYS, ids=name_of)
-def test_numbers_that_none_can_mean_are_refused_where_they_stand(tmp_path: Path, key: Key) -> None:
-    for value in (".nan", "-.inf", "1e400", "-1e300", "1e-300"):
-        with pytest.raises(CaseError) as caught:
-            load_case(written(tmp_path, {key: value}))
-        assert name_of(key) in {fault.key for fault in caught.value.faults}, value
-        assert any(value in fault.message for fault in caught.value.faults)
+@pytest.mark.parametrize("value", [".nan", "-.inf", "1e400", "-1e300", "1e-300"])
+def test_numbers_that_none_can_mean_are_refused_where_they_stand(tmp_path: Path, value: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(written(tmp_path, dict.fromkeys(KEYS, value)))
+    assert {name_of(key) for key in KEYS} <= {fault.key for fault in caught.value.faults if value in fault.message}
 
 
 @pytest.mark.slow
@@ -106,13 +104,6 @@ def test_an_increment_far_larger_than_the_specimen_ends_at_its_outline() -> None
     assert len(ends[0]) == 3
     assert np.array_equal(ends[1], ends[0])
     assert np.array_equal(ends[2], ends[0])
-
-
-@pytest.mark.parametrize("formula", ["1/(x - x)", "log(-1 - y*y)", "exp(1000*y)"])
-def test_formulas_without_a_finite_value_are_refused(tmp_path: Path, formula: str) -> None:
-    fault = fault_of(written(tmp_path, {DISPLACEMENT: f'"{formula}"'}))
-    assert fault.key == name_of(DISPLACEMENT)
-    assert "has no finite value at" in fault.message
 
 
 @pytest.mark.parametrize(

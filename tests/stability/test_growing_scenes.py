@@ -2,14 +2,43 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
 import pytest
 
+from crackgrow.case.surface import crack_name
+from crackgrow.cover.cover import Cover, build_cover
+from crackgrow.cover.lattice import place_lattice
+from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
+from crackgrow.geometry.tolerance import ON_LINE
 from tests.stability.growing_scenes import Scene, growing_scene, text_of
-from tests.stability.judge.court import Court
-from tests.stability.judge.verdict import judged
-from tests.stability.judge.written import WrittenRun, run_case
+from tests.stability.judge.balance import judge_energies, judge_forces
+from tests.stability.judge.contact import judge_contact
+from tests.stability.judge.paths import judge_paths
+from tests.stability.judge.tips import judge_tips
+from tests.stability.judge.written import Court, WrittenRun, run_case
+
+DONE = ("completed", "arrested", "broke_through")
+
+CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_paths, judge_tips)
+
+
+def judged(run: WrittenRun) -> Court:
+    """All checks that what is there allows."""
+    court = Court(run)
+    court.check("bug", float(run.exit_code not in (0, 2, 3) or "Traceback" in run.errors), 0.5, 0)
+    if run.exit_code == 0:
+        court.check("status", float(run.summary.get("status") not in DONE), 0.5, 0)
+    if run.exit_code in (2, 3):
+        court.check("no reason", float(not re.search(r"\S+: \S+", run.errors)), 0.5, 0)
+    solved = len(run.tables) == 6 and len(run.tables["steps"]) and run.exit_code in (0, 3)
+    for check in CHECKS if solved else ():
+        check(court)
+    return court
+
 
 GROWING = (1, 16, 10, 31, 4)
 """Seeds: growth in tension, of edge cracks, with fluid pressure, of a block on a base, of pieces that lie anywhere."""
@@ -17,8 +46,6 @@ MANY = 400
 
 NO_EXCUSE = ("energy balance", "dissipation falls", "released energy below zero", "reactions", "moment")
 """In scenes that are no limit states the run may not even have to tell of these."""
-
-DONE = ("completed", "arrested", "broke_through")
 
 
 def run_scene(folder: Path, name: str, document: Scene) -> WrittenRun:
@@ -54,3 +81,57 @@ def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
         assert not silent(found), f"growing {seed}"
         n_solved += found.run.exit_code == 0
     assert n_solved > 0.7 * MANY
+
+
+HELD = {"body": "rock", "edge": "2"}
+TRIANGLE = [[4.0, -10.0], [-6.0, -9.0], [-0.6, -20.0]]
+
+
+def run(folder: Path, corners: list, material: dict, cracks: Scene, load: dict, numerics: dict) -> WrittenRun:
+    """A polygon held at its edge 2."""
+    document = {
+        "title": "a polygon",
+        "plane": "strain",
+        "bodies": {"rock": {"shape": {"polygon": corners}, "material": material}},
+        "cracks": cracks,
+        "supports": [{"on": HELD, "displacement": {"x": 0, "y": 0}}],
+        "loads": [load],
+        "numerics": numerics,
+        "output": {"frames": "none", "figures": False, "report": False},
+    }
+    (folder / "scene.yaml").write_text(text_of(document), encoding="utf-8")
+    return run_case(folder / "scene.yaml", folder / "out")
+
+
+@pytest.mark.parametrize("traction", [[5.0, -6.0], [0.0, 1.0]], ids=["oblique", "along y"])
+def test_loads_on_nothing_but_held_rock_move_nothing(tmp_path: Path, traction: list[float]) -> None:
+    """All displacements are round-off then: what supports miss by as much is no contradiction."""
+    load = {"on": HELD, "traction": traction}
+    found = run(tmp_path, TRIANGLE, {"young": 4e4, "poisson": 0.2}, {}, load, {"spacing": 0.8})
+    length = np.hypot(4.6, 10.0)
+    (force,) = found.tables["reactions"][["force_x", "force_y"]].to_numpy()
+    np.testing.assert_allclose(force, -length * np.array(traction), atol=1e-9 * length)
+
+
+def covered(corners: np.ndarray, path: np.ndarray, support: float) -> Cover:
+    """A polygon with a crack that starts on its outline."""
+    lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), 1.0, support)
+    crack = CrackGeometry(crack_name("flaw"), lattice.to_lattice(path), False, True)
+    return build_cover(lattice, [BodyGeometry((lattice.to_lattice(corners),))], [crack])
+
+
+def assert_whole(cover: Cover) -> None:
+    """The crack is cut into edges from its start to its tip."""
+    edges = cover.surfaces[0].edges
+    assert len(cover.tips) == 1
+    assert edges.s[0, 0] == pytest.approx(0.0, abs=ON_LINE)
+    assert edges.s[-1, 1] == pytest.approx(np.hypot(*np.diff(cover.cracks[0].points, axis=0)[0]), abs=ON_LINE)
+
+
+@pytest.mark.parametrize("support", [1.5, 2.0])
+def test_cracks_start_anywhere_on_a_slanting_side(support: float) -> None:
+    """Rounding puts the end to either side of the outline; a speck of rock between them would cut the crack short."""
+    corners = np.array([[0.0, 0.0], [7.3, 1.9], [5.1, 6.7]])
+    for share in np.random.default_rng(4).uniform(0.15, 0.85, 40):
+        start = (1.0 - share) * corners[0] + share * corners[1]
+        assert_whole(covered(corners, np.array([start, corners.mean(axis=0)]), support))

@@ -20,14 +20,9 @@ ROUGH = ("numerics.spacing=3", "growth.steps=1", "growth.tip_stress.radius=2", "
 
 SCENES = {
     "contact": ("compression30", (*ROUGH, "cracks.flaw.contact.friction=0.3")),
-    "gauss points": (
-        "compression30",
-        (*ROUGH, "numerics.contact.discretization=gauss", "numerics.contact.stiffness=10"),
-    ),
     "critical load": ("compression30", (*ROUGH, "loading=critical")),
     "corrected direction": ("compression30", (*ROUGH, "growth.criterion=max_hoop_stress", "growth.direction=implicit")),
     "springs": ("block_rigid", ("numerics.spacing=0.4", "output.figures=false")),
-    "two bodies": ("block_foundation", ("numerics.spacing=0.4", "output.figures=false")),
 }
 
 

@@ -1,6 +1,6 @@
 """Rock in the ground: what balances moves nothing, a cut or water has its K, loads that cancel leave nothing.
 
-In-situ stress and weight, uniform or by formulas of the place; a reservoir that a fault displaces; water in joints.
+In-situ stress and weight, uniform or by formulas of the place; water in joints.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ IN_SITU, NO_SHEAR = {"stress": STRESS}, {"stress": [*STRESS[:2], 0]}
 @pytest.mark.parametrize(
     ("supports", "loads", "shape", "moved"),
     [
-        ("minimal", [FAR], outcrop(), 2e-2),
-        ("minimal", [IN_SITU, FAR], outcrop(), 0.0),
-        ([{"outline": "fixed"}], [IN_SITU], outcrop(), 1e-10),
+        ("minimal", [FAR], outcrop(41), 2e-2),
+        ("minimal", [IN_SITU, FAR], outcrop(41), 0.0),
+        ([{"outline": "fixed"}], [IN_SITU], outcrop(41), 1e-10),
         ([{"outline": "rollers"}], [NO_SHEAR], SQUARE, 1e-10),
     ],
     ids=["loaded", "in balance", "fixed", "rollers"],
@@ -164,54 +164,6 @@ def test_water_that_lifts_the_block_off_is_told() -> None:
         solve_case(case_of(WATER, PAIR="[top, low]", HIGH="12e4"))
 
 
-# A reservoir that a fault displaces: where layers begin and end (m), on either side of it at x = 0.
-
-LAYERS = {"l": (-2000.0, -75.0, 150.0, 2000.0), "r": (-2000.0, -150.0, 75.0, 2000.0)}
-CLOSED = {"friction": 0.2, "cohesion": 0}
-
-
-def fault(unit: str, contact: Any, depletion: float) -> dict[str, float]:
-    """Energies (J per metre) of rock at rest on rollers whose reservoir is depleted (MPa), with lengths in a unit."""
-    bodies, supports, loads = {}, [], []
-    for side, (direction, edge) in {"l": (-1, "left"), "r": (1, "right")}.items():
-        for part, low, high in zip("bmt", LAYERS[side][:-1], LAYERS[side][1:], strict=True):
-            name = side + part
-            shape = {"center": [1125 * direction, 0.5 * (low + high)], "width": 2250, "height": high - low}
-            bodies[name] = {"shape": {"rectangle": shape}, "material": {"young": 14950, "poisson": 0.15}}
-            supports.append({"on": {"body": name, "edge": edge}, "displacement": {"x": 0}})
-            loads.append({"body": name, "stress": [-20, -40, 0], "held": True})
-        supports.append({"on": {"body": f"{side}b", "edge": "bottom"}, "displacement": {"y": 0}})
-        supports.append({"on": {"body": f"{side}t", "edge": "top"}, "displacement": {"y": 0}})
-        loads.append({"body": f"{side}m", "stress": [depletion, depletion, 0]})
-    pairs = [(f"{side}{a}", f"{side}{b}", "bonded") for side in "lr" for a, b in ("bm", "mt")]
-    pairs += [(f"l{a}", f"r{b}", contact) for a, b in ("bb", "bm", "mm", "mt", "tt")]
-    scene = {
-        "title": "displaced fault",
-        "units": {"length": unit, "stress": "MPa"},
-        "plane": "strain",
-        "bodies": bodies,
-        "interfaces": [{"between": [one, other], "contact": law} for one, other, law in pairs],
-        "supports": supports,
-        "loads": loads,
-        "numerics": {"accuracy": "draft"},
-    }
-    step = crackgrow.run_case(case_of(scene)).steps.iloc[-1]
-    return {name: float(step[name]) for name in ("work", "strain_energy", "dissipation")}
-
-
-def test_a_depleted_reservoir_slips_on_the_fault_in_any_unit() -> None:
-    """On the cells of `standard`, which told of no contradiction, the fault dissipates 51.85 MJ/m."""
-    large, small = (fault(unit, CLOSED, 22.5) for unit in ("m", "mm"))
-    assert large["dissipation"] == pytest.approx(51.85e6, rel=0.03)
-    for name, energy in large.items():
-        assert small[name] == pytest.approx(1e-6 * energy, rel=1e-9)
-
-
-def test_rock_at_rest_on_rollers_moves_by_round_off() -> None:
-    """Energies are 1e-9 of those of the depletion."""
-    assert np.abs(list(fault("m", CLOSED, 0.0).values())).max() < 20.0
-
-
 BLOCK = """
 title: a block on rock with a flaw
 plane: strain
@@ -237,7 +189,7 @@ def staged(*factors: tuple[float, ...], friction: float = 0.5, push: float = 2.3
     return list(grow(case_of(BLOCK, f"loading={{stages: {stages}}}", FRICTION=friction, PUSH=push, PULL=push / 3.0)))
 
 
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("seed", range(3))
 def test_loads_that_cancel_all_through_stages_leave_nothing(seed: int) -> None:
     """Tractions of 1e-10 Pa, and the states of points that go with them, are what round-off of the sums makes."""
     random = np.random.default_rng(seed)
@@ -248,15 +200,7 @@ def test_loads_that_cancel_all_through_stages_leave_nothing(seed: int) -> None:
         assert np.abs(step.contact.slip).max() == 0.0
 
 
-def test_loads_that_cancel_in_one_part_leave_the_others_as_they_are() -> None:
-    """A push and a pull of the rock that cancel beside a load on the block: as if they were not there."""
-    (alone,), (both,) = staged((1, 0, 0, 0)), staged((1, 0, 0.7, -2.1))
-    size = np.abs(alone.contact.normal_traction).max()
-    np.testing.assert_allclose(both.contact.normal_traction, alone.contact.normal_traction, atol=1e-12 * size)
-    np.testing.assert_array_equal(both.contact.state, alone.contact.state)
-
-
-@pytest.mark.parametrize("friction", [0.12, 0.15, 0.2, 0.3])
+@pytest.mark.parametrize("friction", [0.12, 0.3])
 @pytest.mark.parametrize("last", [(0, 0, 0, 0), (0.7, 1.4, 0, 0)], ids=["off", "taken back"])
 def test_a_block_that_slid_lies_free_when_its_loads_go(friction: float, last: tuple[float, ...]) -> None:
     loaded, unloaded = staged((1, 0, 0, 0), last, friction=friction)

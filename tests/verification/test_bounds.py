@@ -18,30 +18,17 @@ from crackgrow.case import Case
 from crackgrow.run import grow
 from crackgrow.run.loading import load
 from crackgrow.run.loop import solved_steps
-from crackgrow.run.result import StepResult
+from crackgrow.run.result import StepResult, TipResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE
-from tests.benchmarks.target_scenes import Known, alike
-from tests.scenes import MPA, plate
-from tests.verification.solutions import case_of
-
-
-def row_of_cracks() -> Known:
-    """One of a row of collinear cracks between rollers: sqrt(2 b / (pi a) tan(pi a / (2 b))) sigma sqrt(pi a)."""
-    half, width, height = 12.0, 40.0, 160.0
-    scene = plate([[-half, 0.0], [half, 0.0]], width, -10.0, 0.0, 0.0)
-    scene["bodies"]["rock"]["shape"]["rectangle"].update(width=width, height=height)
-    scene["supports"] = [{"on": {"edge": edge}, "displacement": {"x": 0.0}} for edge in ("left", "right")]
-    scene["supports"].append({"at": [-width / 2, -height / 2], "displacement": {"y": 0.0}})
-    scene["loads"] = [{"on": {"edge": edge}, "traction": [0.0, t]} for edge, t in (("top", 10.0), ("bottom", -10.0))]
-    return Known(scene, alike((10.0 * MPA * np.sqrt(width * 1e-3 * np.tan(np.pi * half / width)), 0.0)))
-
+from tests.scenes import shipped_case
+from tests.verification.solutions import QUIET, case_of
 
 QUICK = ("grown wings", "young wings", "wings, friction 0.3, 30", "friction 0.3, 45 degrees", "open, 20 degrees",
          "closed kink of 30", "edge crack", "disk, along the load", "cross", "stacked", "star", "fork")  # fmt: skip
 """Of the table of targets."""
-SCENES = {"between rollers": row_of_cracks, **{name: TABLE[name] for name in QUICK}}
+SCENES = {name: TABLE[name] for name in QUICK}
 GOOD_TO = {"closed kink of 30": 3e-3, "grown wings": 5e-4, "young wings": 5e-4}
 """What truths are good to, of the largest K; plates a hundred half lengths wide add 8e-4."""
 
@@ -49,9 +36,9 @@ GOOD_TO = {"closed kink of 30": 3e-3, "grown wings": 5e-4, "young wings": 5e-4}
 @pytest.mark.parametrize(
     ("name", "target"),
     [
-        *((name, target) for name in SCENES for target in (0.03, 0.01, 0.003)),
+        *((name, target) for name in SCENES for target in (0.03, 0.003)),
+        *((name, 0.01) for name in ("grown wings", "closed kink of 30", "star")),
         ("grown wings", 0.1),
-        ("between rollers", 0.001),
     ],
 )
 def test_K_is_within_the_target_and_the_bound_holds(name: str, target: float) -> None:
@@ -76,7 +63,7 @@ def is_missed(step: StepResult) -> bool:
     return any(warning.cause is WarningCause.TARGET for warning in step.step_warnings)
 
 
-@pytest.mark.parametrize("number", [4, 22, 36])
+@pytest.mark.parametrize("number", [4, 22])
 def test_faces_that_touch_next_to_a_tip_are_seen(number: int) -> None:
     """Wings whose tips are closed over less than a cell: K_I was below zero there, and K_II 1.4 to 2.5 % off.
 
@@ -114,11 +101,9 @@ def beside(what: str, room: float) -> dict[str, Any]:
     return scene
 
 
-@pytest.mark.parametrize(
-    ("what", "room", "asked"), [("hole", 0.1, 0.03), ("interface", 0.1, 0.005), ("interface", 0.01, "standard")]
-)
+@pytest.mark.parametrize(("what", "room", "asked"), [("hole", 0.1, 0.03), ("interface", 0.01, "standard")])
 def test_cells_at_a_tip_are_small_by_its_room(what: str, room: float, asked: float | str) -> None:
-    """Two cells of different size, both larger than the room, agreed on what was 2.6, 1.4 and 2 % off.
+    """Two cells of different size, both larger than the room, agreed on what was 2.6 and 2 % off.
 
     The truth is that of `fine`, which has four cells in the room.
     """
@@ -163,16 +148,22 @@ def pressed(shear: float, contact: dict[str, Any], fluid: str | float, accuracy:
     )
 
 
-ACCURACIES = ["draft", "standard", "0.3 %"]
 RISING, FALLING = "9 - 9 * (x / 10)**8", "9 * (x / 10)**8"
 """What a fluid takes off the pressure across the flaw, which rises towards its tips or falls."""
 
 
-@pytest.mark.parametrize("angle", [0.0, 10.0, 25.0])
-@pytest.mark.parametrize("accuracy", ACCURACIES)
-@pytest.mark.parametrize(("fluid", "share"), [(0, 0.0), (RISING, 93.0 / 128.0), (FALLING, 35.0 / 128.0)])
+@pytest.mark.parametrize(
+    ("fluid", "share", "angle", "accuracy"),
+    [
+        (0, 0.0, 25.0, "draft"),
+        (RISING, 93.0 / 128.0, 10.0, "0.3 %"),
+        (RISING, 93.0 / 128.0, 25.0, "draft"),
+        (FALLING, 35.0 / 128.0, 0.0, "standard"),
+        (FALLING, 35.0 / 128.0, 25.0, "0.3 %"),
+    ],
+)
 def test_faces_that_slip_open_by_dilation_up_to_the_tips(
-    angle: float, accuracy: str, fluid: str | float, share: float
+    fluid: str | float, share: float, angle: float, accuracy: str
 ) -> None:
     """They open by tan(psi) times the slip, which adds to the pressure what a crack opened so far would carry.
 
@@ -216,8 +207,8 @@ def opening_ends(fluid: float, power: int) -> tuple[float, float]:
     return float(K_I), float(9e6 * ROOT - FRICTION * (K_I + (PRESSURE - mean) * ROOT))
 
 
-@pytest.mark.parametrize("accuracy", [*ACCURACIES, "fine"])
-@pytest.mark.parametrize(("fluid", "power"), [(15, 8), (12, 8), (30, 8), (11, 20), (20, 20)])
+@pytest.mark.parametrize("accuracy", ["draft", "standard", "fine"])
+@pytest.mark.parametrize(("fluid", "power"), [(12, 8), (30, 8), (11, 20), (20, 20)])
 def test_the_bound_holds_where_ends_open_that_cells_may_not_see(fluid: int, power: int, accuracy: str) -> None:
     """The open ends are 0.02 to 0.2 of the half length; K_I on coarse cells is up to 0.34 K_II too large."""
     step = pressed(9, {"friction": FRICTION}, f"{fluid} * (x / 10)**{power}", accuracy)
@@ -243,12 +234,12 @@ def parting(slope: float, zero: float, accuracy: str, cohesion: float) -> tuple[
     return step, 1e9 * slope * half * np.sqrt(np.pi * half), (5e6 - cohesion) * ROOT + missing
 
 
+@pytest.mark.parametrize("accuracy", ["draft", "1 %", "0.3 %"])
 @pytest.mark.parametrize(("slope", "zero"), [(0.5, 9.8), (0.5, 9.0), (0.2, 9.5)])
-@pytest.mark.parametrize("accuracy", [*ACCURACIES, "1 %"])
 def test_cohesion_is_lost_where_faces_part_next_to_a_tip(slope: float, zero: float, accuracy: str) -> None:
     step, K_I, K_II = parting(slope, zero, accuracy, 3e6)
     tip = step.tips[1]
-    if not accuracy.endswith("%"):
+    if accuracy == "draft":
         assert abs(tip.K_II - K_II) <= tip.K_II_error
         return
     assert (tip.K_II_error > BOUND * 1e-2 * float(accuracy[:-2]) * tip.K_II) == is_missed(step)
@@ -257,33 +248,36 @@ def test_cohesion_is_lost_where_faces_part_next_to_a_tip(slope: float, zero: flo
     assert abs(tip.K_I - K_I) <= tip.K_I_error
 
 
-FAR = [(3.0, 6.0), (5.0, 6.0), (5.0, 7.0)]
-NEAR = [(slope, zero) for slope in (0.5, 5.0, 50.0) for zero in (9.9, 9.6, 9.3)]
-"""Where faces part far from the tip, on large cells, and more closely than any contact point sees."""
-
-
-@pytest.mark.parametrize(("slope", "zero"), FAR + NEAR)
-@pytest.mark.parametrize("accuracy", ACCURACIES)
+@pytest.mark.parametrize("accuracy", ["draft", "0.3 %"])
+@pytest.mark.parametrize(
+    ("slope", "zero"), [(3.0, 6.0), (5.0, 7.0), (0.5, 9.3), (0.5, 9.9), (5.0, 9.6), (50.0, 9.3), (50.0, 9.9)]
+)
 def test_the_bound_knows_of_faces_that_part(slope: float, zero: float, accuracy: str) -> None:
+    """Far from the tip, on large cells, and more closely to it than any contact point sees."""
     step, K_I, K_II = parting(slope, zero, accuracy, 0.0)
-    tip = step.tips[1]
+    tip, far = step.tips[1], zero < 9.0
     off = np.hypot(tip.K_I - K_I, tip.K_II - K_II) - 0.0007 * np.hypot(K_I, K_II)
-    if (slope, zero) in FAR:
-        assert off <= max(tip.K_I_error, tip.K_II_error)
-        assert not is_missed(step)
-    else:
-        assert off <= tip.K_I_error
+    assert off <= (max(tip.K_I_error, tip.K_II_error) if far else tip.K_I_error)
+    assert not (far and is_missed(step))
 
 
-def test_a_plug_of_fluid_shorter_than_a_cell_has_its_K() -> None:
-    """A force P on each face at a distance b from the middle: K_I = P / sqrt(pi a) sqrt((a + b) / (a - b)) (Tada)."""
-    half, place, width, pressure = 0.05, 0.013, 0.3e-3, 200e6  # m, m, m, Pa; cells there are of 7.5 mm
-    scene = plate([[-50, 0], [50, 0]], 2400.0, 0.0, 0.0, 0.6)
-    plug = "200 * exp(-((x - 13) / 0.3)**2)"
-    scene |= {"supports": "minimal", "loads": [{"crack": "flaw", "pressure": plug}], "numerics": {"spacing": "auto"}}
-    step = next(grow(case_of(scene)))
-    force, b = np.sqrt(np.pi) * width * pressure, np.array([-place, place])
-    exact = force / np.sqrt(np.pi * half) * np.sqrt((half + b) / (half - b))
-    for tip, K_I in zip(step.tips, exact, strict=True):  # the plate adds 0.33 %
-        assert abs(tip.K_I - K_I) <= tip.K_I_error + 4e-3 * K_I
-        assert tip.K_I_error <= BOUND * 0.01 * exact.max()
+PATH = [
+    [-4.0155, -13.8005], [-4.4729, -12.3719], [-4.9497, -10.9497], [4.9497, -1.0503], [4.4729, 0.3719],
+    [3.8018, 1.7134], [3.141, 3.0601], [2.5044, 4.4183], [1.941, 5.8084], [1.5023, 7.2428],
+]  # fmt: skip
+"""mm: the flaw of cases/flaw_and_hole.yaml with wings, the last vertex 0.37 from the hole; the radius is 1.5."""
+
+
+def tip_beside_the_hole(accuracy: str) -> TipResult:
+    """The tip of the wing, a quarter of the averaging length from the hole."""
+    settings = (f"cracks.flaw.path={{points: {PATH}}}", "growth.steps=0", "loading={history: [3.2]}")
+    case = shipped_case("flaw_and_hole", [*settings, *QUIET, f"numerics.accuracy={accuracy}"])
+    return next(tip for tip in next(grow(case)).tips if tip.tip == "end")
+
+
+def test_smaller_cells_say_the_same_of_growth_and_the_tip_grows_by_its_K() -> None:
+    """As in the other steps, which are at 0.217 to 0.219 MPa sqrt(m) where the wing advances."""
+    coarse, fine = tip_beside_the_hole("standard"), tip_beside_the_hole("fine")
+    assert coarse.criticality == pytest.approx(fine.criticality, rel=0.01)
+    assert abs(coarse.kink_deg - fine.kink_deg) < coarse.kink_error_deg
+    assert coarse.K_I / coarse.criticality == pytest.approx(0.218e6, rel=0.03)

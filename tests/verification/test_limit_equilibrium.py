@@ -94,7 +94,7 @@ def test_with_a_weakening_length_cells_do_not_matter() -> None:
     """Where bonds break at once the factor falls with every finer lattice, as at a crack without toughness."""
     ratios = []
     for more in ("", ", weakening_length: 1e-5"):
-        texts = [INCLINE.replace("spacing: 0.5", f"spacing: {h}") for h in (0.25, 0.125)]
+        texts = [INCLINE.replace("spacing: 0.5", f"spacing: {h}") for h in (0.5, 0.25)]
         first, second = (safety_of(text, LAW=BRITTLE["LAW"] + more).factor for text in texts)
         ratios.append(second / first)
     assert ratios[0] < 0.95
@@ -181,11 +181,9 @@ def columns(
 @pytest.mark.parametrize(
     ("heights", "spacing", "side", "turn"),
     [
-        *((PAIR, spacing, 1.0, 0.0) for spacing in (0.5, 0.25, 0.125, 0.0625)),
-        (PAIR, 0.25, -1.0, 0.0),
-        (PAIR, 0.2, 1.0, 25.0),
+        *((PAIR, spacing, 1.0, 0.0) for spacing in (0.5, 0.125)),
+        (PAIR, 0.2, -1.0, 25.0),
         ((1, 1, 1, 4), 0.5, 1.0, 0.0),
-        ((2, 4, 3), 0.25, 1.0, 0.0),
         ((2, 3, 4, 3), 0.3, 1.0, 0.0),
     ],
 )
@@ -199,30 +197,3 @@ def test_columns_topple_as_each_hands_on_the_push(
     together = r"'\w+'.* \(and with it .* '\w+'.*\) " if heights == PAIR else ""
     with pytest.raises(SolveError, match=rf"{together}is free to move"):
         solve_case(Case.from_dict(columns(1.002 * tilt, spacing, side, turn, cracked, heights)))
-
-
-SIN, COS = float(np.sin(np.deg2rad(20.0))), float(np.cos(np.deg2rad(20.0)))
-PUSH = 4.0 * (2.0 * SIN - 0.5 * COS)
-"""Of the high column about its lower corner, 1 m deep: push times height over the weight of the low one, m."""
-
-COLUMNS_LIMIT = 0.6 * PUSH / (PUSH + 0.5 * SIN - 0.5 * COS)
-"""Factor with the push on the top of the low column (Goodman, Bray 1976). Lower by h, in parts of the height, the push
-is 1 / h as large, and so is its friction: the factor is this over h."""
-
-
-def leaning(spacing: float, side: float = 1.0, weaker: float = 1.0, **more: Any) -> Case:
-    """The pair on an incline of 20 degrees, whose friction is weaker by a factor."""
-    friction = (1.2 / weaker, 0.6 / weaker)
-    bottom = {"body": "base", "edge": 0 if side > 0.0 else 2}
-    held = [{"on": bottom, "displacement": {"x": 0, "y": 0}}]
-    return case_of({**columns(SIN / COS, spacing, side, friction=friction), "supports": held, **more})
-
-
-def test_columns_that_topple_are_named_at_their_limit_equilibrium() -> None:
-    """The high one turns about its lower corner and pushes the top of the low one, which turns, too."""
-    for spacing in (0.5, 0.125):
-        safety = whole_run(leaning(spacing, loading="strength_reduction"))[1].safety
-        assert safety is not None
-        assert safety.factor == pytest.approx(COLUMNS_LIMIT, rel=1e-3)
-        words = r"hold up to 1\.\d+: there body 'c0' \(and with it body 'c1'\).* turns about"
-        assert re.search(words, safety.mechanism)

@@ -158,7 +158,10 @@ loading: {stages: [{}, {loads: {house: 1}}, {excavate: top, release: 0.25}, {rel
 numerics: {spacing: 0.4}
 output: {points: {head: {body: low, at: [0, 2]}, roof: {at: [0, 5]}}}
 """
-ON_ROLLERS = "[{on: {body: low, edge: bottom}, displacement: {y: 0}}, {at: [0, 0], displacement: {x: 0}}]"
+ON_ROLLERS = (
+    "[{at: [1, 5], displacement: {x: 0}}, {on: {body: low, edge: bottom}, displacement: {y: 0}},"
+    " {at: [0, 0], displacement: {x: 0}}]"
+)
 ON_ROCK = "[{on: {body: low, edge: bottom}, contact: {friction: 0.5, cohesion: 0}}]"
 
 
@@ -185,6 +188,12 @@ def test_a_column_rebounds_when_its_upper_part_is_taken_away(contact: str, suppo
     released = [result.energy.released for result in results]
     np.testing.assert_allclose(released, [0, 0, of_top, of_top], rtol=1e-6, atol=1e-3)
     assert max(result.energy.error for result in results) < 1e-6
+    forces = [{reaction.where: reaction.force for reaction in result.reactions} for result in results]
+    assert all(list(found) == list(forces[0]) for found in forces)  # those that are gone stay in the tables
+    foot = "supports.1" if supports == ON_ROLLERS else "low.bottom"
+    np.testing.assert_allclose([found[foot][1] for found in forces], [2 * (q + own * h) for q in pressures], rtol=1e-6)
+    for name in ("supports.0", "low/top") if supports == ON_ROLLERS else ("low/top",):
+        assert not np.any(forces[3][name])
 
 
 def test_stages_of_factors_are_a_history() -> None:
@@ -201,104 +210,6 @@ def test_stages_of_factors_are_a_history() -> None:
         assert found.energy.dissipated == pytest.approx(expected.energy.dissipated, rel=1e-9)
         assert found.energy.error < 1e-9
     assert [result.load_factor for result in staged] == [1.0, 2.0, 3.0, 4.0]
-
-
-PRESS = """
-title: a block is pressed and let go
-plane: stress
-bodies: {rock: {shape: {rectangle: {center: [0, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0}}}
-supports:
-  - {on: {edge: bottom}, displacement: {x: 0, y: 0}}
-  - {on: {edge: top}, displacement: {y: -1e-3}}
-loads: [{on: {edge: right}, traction: [0, 0]}]
-loading: {stages: [{factor: 2}, {factor: -0.5}]}
-numerics: {spacing: 0.25}
-"""
-
-
-def test_given_displacements_follow_the_factor() -> None:
-    results, _ = whole_run(case_of(PRESS))
-    forces = [next(r.force[1] for r in result.reactions if r.where == "supports.1") for result in results]
-    np.testing.assert_allclose(forces, [-2e6, 0.5e6], rtol=1e-9)
-    np.testing.assert_allclose([result.energy.work for result in results], [2e3, 2e3 - 1.875e3], rtol=1e-9)
-
-
-GROWN = """
-title: a crack grows towards a hole that is cut first
-plane: stress
-units: {length: mm, stress: MPa}
-bodies:
-  plate:
-    shape: {rectangle: {center: [0, 0], width: 100, height: 100}, holes: [{disk: {center: [14, 5], radius: 6}}]}
-    material: {young: 10000, poisson: 0.25}
-    strength: {tension: 3, cohesion: 10, friction_angle: 40, toughness: "0.5 MPa sqrt(m)"}
-  plug: {shape: {disk: {center: [14, 5], radius: 6}}, material: {young: 10000, poisson: 0.25}}
-interfaces: [{between: [plate, plug], contact: bonded}]
-cracks: {flaw: {path: {points: [[-12, 0], [0, 0]]}, tips: end, contact: none}}
-supports: [{at: [-50, -50], displacement: {x: 0, y: 0}}, {at: [50, -50], displacement: {y: 0}}]
-loads:
-  - {on: {body: plate, edge: top}, traction: [0, 10]}
-  - {on: {body: plate, edge: bottom}, traction: [0, -10]}
-loading: {stages: [{}, {excavate: plug, release: 0.4}, {release: 1}]}
-growth: {steps: 8, increment: 2, advance: all, criterion: max_hoop_stress, direction: explicit}
-numerics: {spacing: 4}
-output: {points: {mouth: {crack: flaw, at: [-6, 0]}}}
-"""
-
-
-def test_a_crack_grows_at_the_end_of_all_stages() -> None:
-    """As beside a hole that has always been there; it ends at its wall."""
-    plain = "\n".join(line for line in GROWN.splitlines() if "plug" not in line)
-    (found, end), (expected, like) = (whole_run(case_of(text)) for text in (GROWN, plain))
-    assert len(found) == len(expected) > 3
-    np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
-    assert [event.kind for result in found for event in result.events] == ["hole"]
-    K = [[(tip.K_I, tip.K_II) for result in results for tip in result.tips] for results in (found, expected)]
-    np.testing.assert_allclose(K[0], K[1], rtol=0, atol=1e-6 * np.abs(K[1]).max())
-    assert all(result.history.load_factor[[0, -1]].tolist() == [1.0, 3.0] for result in found)
-
-
-BENCHES = """
-title: two benches beside each other, held at their sides, are taken away in turn
-plane: strain
-bodies:
-  low: {shape: {rectangle: {center: [0, 1], width: 8, height: 2}}, material: {young: 1e9, poisson: 0.2, density: 2000}}
-  left: {shape: {rectangle: {center: [-2, 3.5], width: 4, height: 3}}, material: {young: 4e9, poisson: 0, density: 3e3}}
-  right: {shape: {rectangle: {center: [2, 3.5], width: 4, height: 3}}, material: {young: 4e9, poisson: 0, density: 3e3}}
-interfaces:
-  - {between: [low, left], contact: {friction: 0.5, cohesion: 0}}
-  - {between: [low, right], contact: bonded}
-  - {between: [left, right], contact: {friction: 0.3, cohesion: 0}}
-supports:
-  - {on: {body: left, edge: left}, contact: {friction: 0.2, cohesion: 0}}
-  - {on: {body: low, edge: bottom}, displacement: {x: 0, y: 0}}
-  - {on: {body: right, edge: right, from: 2, to: 4}, displacement: {x: 0}}
-  - {at: [4, 5], displacement: {x: 0}}
-loads:
-  - {body: low, gravity: [0, -10]}
-  - {body: left, gravity: [0, -10]}
-  - {body: right, gravity: [0, -10]}
-  - {interface: [left, right], pressure: 1e4, name: water}
-  - {at: [-2, 5], force: [0, -1e4], body: left, held: true}
-loading: {stages: [{}, {loads: {water: 1}}, {excavate: right, release: 0.5}, {excavate: left}]}
-numerics: {spacing: 0.5}
-output: {points: {gap: {interface: [left, right], at: [0, 3]}}}
-"""
-
-
-def test_forces_balance_while_benches_go_with_what_holds_them() -> None:
-    results, _ = whole_run(case_of(BENCHES))
-    low, bench, load = 8 * 2 * 2e4, 4 * 3 * 3e4, 1e4
-    forces = [{reaction.where: np.array(reaction.force) for reaction in result.reactions} for result in results]
-    assert all(list(found) == list(forces[0]) for found in forces)  # those that are gone stay in the tables
-    weights = [low + 2 * bench + load] * 2 + [np.nan, low]  # on the way friction takes a part
-    for found, weight in zip(forces[:2] + forces[3:], weights[:2] + weights[3:], strict=True):
-        up = sum(found[name] for name in ("supports.1", "supports.2", "supports.3", "left.left"))
-        np.testing.assert_allclose(up, [0.0, weight], rtol=0, atol=1e-6 * weight)
-    for name in ("supports.2", "supports.3", "low/right", "left/right"):
-        assert not np.any([found[name] for found in forces[2:]])
-    assert np.isnan([seen([result], "gap.slip")[-1] for result in results[2:]]).all()
-    assert max(result.energy.error for result in results) < 1e-6
 
 
 SLIPPERY = "cracks: {a: {path: {points: [[3, 1], [5.5, 2.2]]}, contact: {friction: 0, cohesion: 0}}}"
@@ -334,35 +245,17 @@ def test_a_target_holds_at_the_end_of_stages() -> None:
     assert again.factorizations == steps[1].factorizations
 
 
-PRESSED = """
-title: a closed flaw is pressed, slides, and is let go
-plane: strain
-units: {length: mm, stress: MPa}
-bodies:
-  rock: {shape: {rectangle: {center: [0, 0], width: 100, height: 100}}, material: {young: 10000, poisson: 0.25}}
-cracks: {flaw: {path: {center: [1, 2], length: 20, angle: 45}, contact: {friction: 0.3, cohesion: 0}}}
-supports: minimal
-loads:
-  - {on: {edge: top}, traction: [0, -20], held: HELD}
-  - {on: {edge: bottom}, traction: [0, 20], held: HELD}
-LOADING
-"""
-LET_GO = "  - {on: {edge: top}, traction: [0, 20]}\n  - {on: {edge: bottom}, traction: [0, -20]}\n"
-
-
-@pytest.mark.parametrize(
-    ("held", "loading"),
-    [
-        ("false", "loading: {stages: [{}, {factor: 0.3}, {factor: 0}]}"),
-        ("false", "loading: {stages: [{}, {factor: 0.3}, {factor: 0}, {factor: 0.3}, {factor: 0}]}"),
-        ("true", f"{LET_GO}loading: {{history: [0.7, 1]}}"),
-    ],
-)
-def test_rock_that_all_loads_have_left_is_at_rest(held: str, loading: str) -> None:
-    """Friction without cohesion lets faces slide back with the loads. What is left of the loads is round-off alone."""
-    *_, last = grow(case_of(PRESSED, HELD=held, LOADING=loading))
-    assert np.abs(last.contact.slip).max() < 1e-20
-    assert max(abs(tip.K_II) for tip in last.tips) < 1e-6
+def test_a_crack_grows_at_the_end_of_all_stages() -> None:
+    """As beside a hole that has always been there."""
+    grows = (JUDGED[0].replace("steps: 0", "steps: 2"), JUDGED[1].replace("1 MPa", "0.1 MPa"), "numerics.spacing=1")
+    (found, end), (expected, like) = (
+        whole_run(tunnel(loading, *grows, CRACKS=SLIPPERY)) for loading in (TWO_HALVES, "{}")
+    )
+    assert len(found) == len(expected) == 3
+    np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
+    for one, other in zip(found, expected, strict=True):
+        np.testing.assert_allclose(K_of(one), K_of(other), rtol=0, atol=1e-6 * np.abs(K_of(other)).max())
+        assert one.history is None or one.history.load_factor[[0, -1]].tolist() == [1.0, 3.0]
 
 
 BONDED_BY_COHESION = """
@@ -390,7 +283,7 @@ numerics: {spacing: 6}
 
 
 @pytest.mark.parametrize("dilation", [0, 4])
-@pytest.mark.parametrize("way", [(0.7, 0.0, 1.0), (0.0, 0.3, 0.0, 1.0), (0.9, 0.7, 0.3, 0.0, 0.6, 0.0, 1.0)])
+@pytest.mark.parametrize("way", [(0.7, 0.0, 1.0), (0.9, 0.7, 0.3, 0.0, 0.6, 0.0, 1.0)])
 def test_bonds_hold_through_stages_without_load(way: tuple[float, ...], dilation: int) -> None:
     """Nothing slips at full load. Without load tractions are round-off: bonds broke by it, and faces slipped after."""
     law = f"{{friction: 0.6, cohesion: 0.35, residual_friction: 0.2, dilation_angle: {dilation}}}"

@@ -72,7 +72,7 @@ def test_a_crack_that_starts_on_an_interface_that_sticks_is_that_of_one_body(fri
         np.testing.assert_allclose(found, exact, atol=most * abs(exact[1]))
 
 
-@pytest.mark.parametrize("spacing", [0.5, 0.25, 0.125])
+@pytest.mark.parametrize("spacing", [0.5, 0.125])
 def test_uniform_stress_comes_through_where_a_crack_starts_on_an_interface(spacing: float) -> None:
     """Nodes on all corners that meet there do not repeat each other."""
     contact = solve_case(joint(spacing, FRICTION, apart=True)).result.contact
@@ -108,7 +108,7 @@ def offset_joints(offset: float, cracked: bool) -> Case:
 
 
 @pytest.mark.parametrize("cracked", [False, True])
-@pytest.mark.parametrize("offset", [0.01, 0.02, 0.08, 0.2, 0.4, 0.8, 1.6])
+@pytest.mark.parametrize("offset", [0.01, 0.08, 0.4, 1.6])
 def test_the_pressure_is_smooth_between_joints_that_end_on_both_sides_of_another_one(
     offset: float, cracked: bool
 ) -> None:

@@ -5,10 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import pandas as pd
 
-from tests.stability.judge.court import Court
-from tests.stability.judge.written import WrittenRun
+from tests.stability.judge.written import Court, WrittenRun
 
 FORCES = 1e-6
 """Of the sum of the magnitudes of all forces."""
@@ -110,9 +108,3 @@ def judge_energies(court: Court) -> None:
         court.check("dissipation falls", (before - lost) / size, ENERGIES, step)
         court.check("released energy below zero", -released / size, ENERGIES, step)
         before = lost if goes_on else 0.0
-
-
-def total_crack_length(run: WrittenRun, step: int) -> float:
-    """Length (m) of all cracks as they were in a step."""
-    paths: pd.DataFrame = run.tables["paths"]
-    return float(sum(np.hypot(*np.diff(run.path(name, step)[0], axis=0).T).sum() for name in paths["crack"].unique()))

@@ -6,8 +6,7 @@ import numpy as np
 import pandas as pd
 import shapely
 
-from tests.stability.judge.court import Court
-from tests.stability.judge.written import WrittenRun
+from tests.stability.judge.written import Court, WrittenRun
 
 ROUND_OFF = 1e-7
 """Of the largest traction of a step."""

@@ -7,9 +7,7 @@ from itertools import combinations
 import numpy as np
 import shapely
 
-from tests.stability.judge.balance import total_crack_length
-from tests.stability.judge.court import Court
-from tests.stability.judge.written import WrittenRun
+from tests.stability.judge.written import Court, WrittenRun
 
 BODY = "rock"
 """All cracks lie in it."""
@@ -36,7 +34,7 @@ def judge_paths(court: Court) -> None:
     for pair in combinations(names, 2):
         court.check("cracks cross", _crossing(run, pair) / spacing, SAME, last, " ".join(pair))
     for _, row in run.tables["steps"].iterrows():
-        length = total_crack_length(run, int(row["step"]))
+        length = _total_length(run, int(row["step"]))
         court.check("crack length", abs(length / row["crack_length"] - 1.0), SAME, int(row["step"]))
     solved = int(run.tables["steps"]["step"].max())
     said = run.summary["stop_reason"].startswith(f"step {last}:")
@@ -83,3 +81,9 @@ def _segments(court: Court, name: str, last: int) -> None:
         met = bool(here.any())
         off = max(length - 1.0 - TURNED, 0.0) if met else abs(length - 1.0)
         court.check("increment", off, SAME, int(made), name)
+
+
+def _total_length(run: WrittenRun, step: int) -> float:
+    """Length (m) of all cracks as they were in a step."""
+    names = run.tables["paths"]["crack"].unique()
+    return float(sum(np.hypot(*np.diff(run.path(name, step)[0], axis=0).T).sum() for name in names))

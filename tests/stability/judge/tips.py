@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tests.stability.judge.court import Court
-from tests.stability.judge.written import WrittenRun
+from tests.stability.judge.written import Court, WrittenRun
 
 K_I_CLOSED = 0.01
 """Of K_II, or of what a pressed crack of its length that stuck nowhere would have."""

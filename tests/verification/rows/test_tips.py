@@ -112,25 +112,19 @@ def _open() -> Iterator[Row]:
         yield Row(f"{case} {settings[0] if settings else ''}", "K_I [MPa sqrt(mm)]", value, K, FOUND, 3e-3)
     value = partial(opened, 0, "tension0", "numerics.spacing=1")
     yield Row("tension0", "K_I [MPa sqrt(mm)]", value, series(5.0, 0.0, 31.0, 55.0, 1.0).K_I, "slit_body.py", 3e-3)
-    for functions in ("patch", "gathered"):
-        for spacing in (1.0, 0.95, 0.9):
-            value = partial(slanted, spacing, functions)
-            yield Row(
-                f"slant_tension, {spacing} mm, {functions}", "K of an open crack", value, 0.0, "slit_body.py", 3e-4
-            )
-    for support in (2.0, 2.5):
-        for spacing in (3.0, 2.0, 1.5, 1.2):
-            value = partial(edge_error, spacing, support)
-            yield Row(f"edge_tension, {spacing} mm, support {support}", "K of an open crack", value, 0.0, FOUND, 1e-3)
+    for spacing, functions in ((1.0, "patch"), (0.95, "patch"), (1.0, "gathered"), (0.9, "gathered")):
+        name, value = f"slant_tension, {spacing} mm, {functions}", partial(slanted, spacing, functions)
+        yield Row(name, "K of an open crack", value, 0.0, "slit_body.py", 3e-4)
+    for spacing, support in ((3.0, 2.0), (2.0, 2.5), (1.2, 2.0), (1.2, 2.5)):
+        name, value = f"edge_tension, {spacing} mm, support {support}", partial(edge_error, spacing, support)
+        yield Row(name, "K of an open crack", value, 0.0, FOUND, 1e-3)
     # at supports 2 and 2.5 the error is below 0.05 % from 3 mm on, all that the integral's disc leaves: no order shows
     yield Row("edge_tension, support 1.5, 3 to 0.5 mm", "order of K_I", edge_order, 1.0, "energy norm h^(1/2)", 0.25)
-    for angle in (0, 5, 10, 15, 20, 25):
+    source = "brazilian_disk_N.csv: Atkinson and others 1982"
+    for angle in (0, 15, 25):
         for share, accuracy in ((0.3, AUTOMATIC), (0.5, "numerics.accuracy=0.3 %")):
-            name, value = (
-                f"disk, a/R = {share}, {angle} degrees, {accuracy}",
-                partial(disk_error, share, angle, accuracy),
-            )
-            yield Row(name, "K of an open crack", value, 0.0, "brazilian_disk_N.csv: Atkinson and others 1982", 3e-3)
+            name, value = f"disk, a/R = {share}, {angle} degrees", partial(disk_error, share, angle, accuracy)
+            yield Row(name, "K of an open crack", value, 0.0, source, 3e-3)
     yield Row("open crack of 2 mm", "opening and slip of an open crack", opening_error, 0.0, INFINITE, 1e-2)
 
 
@@ -205,52 +199,29 @@ def _closed() -> Iterator[Row]:
         yield Row(name, "abs(K_II) of a closed crack [Pa sqrt(m)]", value, without, code, 2e-4)
     yield Row("compression30, 3 to 0.75 mm", "order of K_I/K_II", spurious_order, 1.0, "K_I = 0", 0.0, "at least")
     # K_I of elastic contact lives within E'/(2k) of the tip, 53, 0.53, 0.053 mm here, which points have to resolve
-    for discretization, stiffness, tolerance in (
-        ("mortar", "1e11", 0.03),
-        ("gauss", "1e11", 5e-3),
-        ("gauss", "1e13", 0.03),
-    ):
-        for friction in (0.0, 0.3, 0.6):
-            (K_I, K_II), more = pressed(friction, stiffness), (friction, float(stiffness), discretization)
-            name = f"compression30, {discretization}, {stiffness} N/m^3, friction {friction}"
+    for how, stiffness, tolerance in (("mortar", "1e11", 0.03), ("gauss", "1e11", 5e-3), ("gauss", "1e13", 0.03)):
+        for friction in (0.0, 0.3):
+            (K_I, K_II), more = pressed(friction, stiffness), (friction, float(stiffness), how)
+            name = f"compression30, {how}, {stiffness} N/m^3, friction {friction}"
             yield Row(name, "K_I of elastic contact [Pa sqrt(m)]", partial(elastic, 0, *more), K_I, code, tolerance)
-            yield Row(name, "abs(K_II) of elastic contact [Pa sqrt(m)]", partial(elastic, 1, *more), K_II, code,
-                      tolerance * float(np.hypot(K_I, K_II)), "absolute")  # fmt: skip
-    for discretization in ("mortar", "gauss"):
-        for stiffness in ("1e11", "1e13", "1e14"):
-            name, value = (
-                f"{discretization}, {stiffness} N/m^3",
-                partial(elastic, 1, 0.0, float(stiffness), discretization),
-            )
-            K_II = pressed(0.0, stiffness)[1]
-            yield Row(f"compression30, {name}", "abs(K_II) of elastic contact [Pa sqrt(m)]", value, K_II, code, 2e-3)
-    for turn in (30.0, 45.0, 60.0):
-        for numerics, tolerance in (("spacing=5", 0.1), ("spacing=2", 0.02), ("spacing=auto", 5e-3)):
-            value = partial(kink_error, turn, f"numerics.{numerics}")
-            yield Row(
-                f"turn of {turn:g} degrees, {numerics}",
-                "K behind a closed kink",
-                value,
-                0.0,
-                "closed_kink_K.csv",
-                tolerance,
-            )
-    for turn in (-40.0, 18.0, 75.0, 120.0):
-        name, value = f"turn of {turn:g} degrees, wings of 3 and 8 cells", partial(kink_change, turn)
-        yield Row(name, "K behind a closed kink", value, 0.0, "itself", 0.06)
+            value, within = partial(elastic, 1, *more), tolerance * float(np.hypot(K_I, K_II))
+            yield Row(name, "abs(K_II) of elastic contact [Pa sqrt(m)]", value, K_II, code, within, "absolute")
+    for how, stiffness in (("mortar", "1e11"), ("mortar", "1e14"), ("gauss", "1e13"), ("gauss", "1e14")):
+        name, value = f"compression30, {how}, {stiffness} N/m^3", partial(elastic, 1, 0.0, float(stiffness), how)
+        K_II = pressed(0.0, stiffness)[1]
+        yield Row(name, "abs(K_II) of elastic contact [Pa sqrt(m)]", value, K_II, code, 2e-3)
+    quantity = "K behind a closed kink"
+    for turn, numerics, tolerance in (
+        (30.0, "spacing=5", 0.1), (30.0, "spacing=auto", 5e-3), (45.0, "spacing=2", 0.02), (60.0, "spacing=auto", 5e-3),
+    ):  # fmt: skip
+        value = partial(kink_error, turn, f"numerics.{numerics}")
+        yield Row(f"turn of {turn:g} degrees, {numerics}", quantity, value, 0.0, "closed_kink_K.csv", tolerance)
+    for turn in (-40.0, 75.0, 120.0):
+        name = f"turn of {turn:g} degrees, wings of 3 and 8 cells"
+        yield Row(name, quantity, partial(kink_change, turn), 0.0, "itself", 0.06)
 
 
 # Wings, many cracks, small ones.
-
-
-def with_wings(name: str, *settings: str) -> float:
-    """Largest error of K over K_I of the flaw of compression30 with wings of one or of eight increments."""
-    case = case_of({**SCENES[name]().case, "numerics": {}}, *settings)
-    found, truth = solve_case(case).result, SCENES[name]().truth
-    assert found.n_dofs < 6000 or "accuracy" in settings[-1]
-    assert truth is not None
-    return max(float(np.abs(np.subtract((tip.K_I, tip.K_II), truth["flaw", tip.tip])).max()) / truth["flaw", tip.tip][0]
-               for tip in found.tips)  # fmt: skip
 
 
 def in_wide_plate(make: Callable[[], Known], accuracy: str) -> float:
@@ -313,21 +284,13 @@ def collinear() -> float:
 
 
 def _many() -> Iterator[Row]:
-    for name in ("young wings", "grown wings"):
-        for accuracy, tolerance in (("draft", 0.03), ("standard", 5e-3), ("fine", 2e-3)):
-            value = partial(with_wings, name, AUTOMATIC, f"numerics.accuracy={accuracy}")
-            yield Row(f"compression30, {name}, {accuracy}", "K of wings", value, 0.0, "grown_K.csv", tolerance)
-    for number in (1, 9, 17, 25, 33):
-        for accuracy, tolerance in (("standard", 4e-3), ("fine", 2e-3)):
-            value = partial(in_wide_plate, partial(winged_flaw, number), accuracy)
-            yield Row(f"wing {number}, {accuracy}", "K of wings", value, 0.0, "wing_K_contact.csv", tolerance)
-    for law in ((0.0, -10.0, 0.0, 0.0), (45.0, 10.0, 2.0, 0.3)):
-        for spacing in (200.0, 110.0):
-            name, value = (
-                f"2 mm in 1 m, cells of {spacing:g} mm, {law[0]:g} degrees",
-                partial(small_crack, *law, spacing),
-            )
-            yield Row(name, "K of a small crack", value, 0.0, INFINITE, 1e-3)
+    for number, accuracy, tolerance in ((1, "standard", 4e-3), (9, "fine", 2e-3), (17, "standard", 4e-3),
+                                        (25, "fine", 2e-3), (33, "standard", 4e-3)):  # fmt: skip
+        value = partial(in_wide_plate, partial(winged_flaw, number), accuracy)
+        yield Row(f"wing {number}, {accuracy}", "K of wings", value, 0.0, "wing_K_contact.csv", tolerance)
+    for spacing, law in ((200.0, (0.0, -10.0, 0.0, 0.0)), (110.0, (45.0, 10.0, 2.0, 0.3))):
+        name, value = f"2 mm in 1 m, cells of {spacing:g} mm, {law[0]:g} degrees", partial(small_crack, *law, spacing)
+        yield Row(name, "K of a small crack", value, 0.0, INFINITE, 1e-3)
     yield Row("1 um beside 2 mm", "K of a small crack", of_two_sizes, 0.0, "singular integral equations", 5e-3)
     yield Row("two collinear cracks", "K of many cracks", collinear, 0.0, "Erdogan 1962", 5e-3)
     for share, tolerance in ((0.9, 0.01), (1.0, 0.02)):
@@ -410,11 +373,11 @@ def K_in_ground(shape: dict[str, Any], supports: Any, loads: list[dict[str, Any]
 
 def _places() -> Iterator[Row]:
     for name in RIMS:
-        for accuracy, within in (("standard", 1e-2), ("0.5 %", 5e-3), ("fine", 5e-3)):
+        for accuracy, within in (("standard", 1e-2), ("0.5 %", 5e-3)):
             value = partial(rim_error, name, accuracy)
             yield Row(f"{name}, {accuracy}", "K beside a singularity of the rim", value, 0.0, "smaller cells", within)
     in_situ, no_shear = {"stress": STRESS}, {"stress": [*STRESS[:2], 0]}
-    for angle in (45.0, 65.0, 120.0):
+    for angle in (45.0, 120.0):
         for words, loads in (("loaded", [FAR]), ("in balance", [in_situ, FAR])):
             value = partial(K_in_ground, outcrop(), "minimal", loads, angle)
             yield Row(f"outcrop, {words}, {angle:g} degrees", "K in the ground", value, 0.0, INFINITE, 0.01)
@@ -468,86 +431,61 @@ def injected(load: str, *settings: str) -> StepResult:
 def _injected() -> Iterator[Row]:
     """A volume V opens a plane crack by p - S = V E'/(2 pi a^2), with K = (p - S) sqrt(pi a) (Sneddon 1946)."""
     half, beyond, K = 5e-3, 0.1e-6 * (20e9 / (1.0 - 0.25**2)) / (2.0 * math.pi * 5e-3**2), 1e6
-    plane = "infinite plate: Sneddon 1946"
-    found = cache(partial(injected, "{volume: 0.1}"))
-    yield Row(
-        "volume in a crack",
-        "pressure of a volume [Pa]",
-        lambda: found().reactions[-1].pressure - 6e6,
-        beyond,
-        plane,
-        1e-3,
-    )
-    yield Row(
-        "volume in a crack",
-        "K_I of a volume [Pa sqrt(m)]",
-        lambda: found().tips[0].K_I,
-        beyond * math.sqrt(math.pi * half),
-        plane,
-        1e-3,
-    )
     strength = "bodies.rock.strength={tension: 8, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}"
     growth = "growth={steps: 0, increment: 1, criterion: max_hoop_stress}"
+    found = cache(partial(injected, "{volume: 0.1}"))
     breaking = cache(partial(injected, "{volume: 0.1}", strength, growth, "loading=critical"))
     p = K / math.sqrt(math.pi * half)
-    yield Row(
-        "volume in a crack",
-        "pressure of break-out [Pa]",
-        lambda: breaking().reactions[-1].pressure - 6e6,
-        p,
-        plane,
-        1e-3,
-    )
-    yield Row(
-        "volume in a crack", "volume of break-out [0.1 mm^2]", lambda: breaking().load_factor, p / beyond, plane, 1e-3
-    )
+    values: dict[str, tuple[Callable[[], float], float]] = {
+        "pressure of a volume [Pa]": (lambda: found().reactions[-1].pressure - 6e6, beyond),
+        "K_I of a volume [Pa sqrt(m)]": (lambda: found().tips[0].K_I, beyond * math.sqrt(math.pi * half)),
+        "pressure of break-out [Pa]": (lambda: breaking().reactions[-1].pressure - 6e6, p),
+        "volume of break-out [0.1 mm^2]": (lambda: breaking().load_factor, p / beyond),
+    }
+    for quantity, (value, wanted) in values.items():
+        yield Row("volume in a crack", quantity, value, wanted, "infinite plate: Sneddon 1946", 1e-3)
 
 
+@cache
 def joined_plate(degrees: int) -> StepResult:
     """A plate of 4 by 8 mm of two materials with a crack of 2 mm on the interface, at an angle to the level."""
     slope = math.tan(math.radians(degrees))
     tip = [math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]
     left, right = [-2.0, -2.0 * slope], [2.0, 2.0 * slope]
     shapes = {"upper": [left, right, [2, 4], [-2, 4]], "lower": [[-2, -4], [2, -4], right, left]}
+    bodies = {
+        name: {"shape": {"polygon": shapes[name]}, "material": {"young": young, "poisson": 0.3}}
+        for name, young in (("upper", 2e6), ("lower", 2e5))
+    }
+    pulled = [{"on": {"body": name, "edge": edge}, "traction": [0, t]}
+              for name, edge, t in (("upper", 2, 100), ("lower", 0, -100))]  # fmt: skip
+    law = {"friction": 0, "cohesion": 0}
     scene = {
         "title": "a crack on an interface",
         "units": {"length": "mm", "stress": "MPa"},
         "plane": "stress",
-        "bodies": {
-            name: {"shape": {"polygon": shapes[name]}, "material": {"young": young, "poisson": 0.3}}
-            for name, young in (("upper", 2e6), ("lower", 2e5))
-        },
-        "interfaces": [
-            {
-                "between": ["upper", "lower"],
-                "contact": {"friction": 0, "cohesion": 0},
-                "cracked": [[-tip[0], -tip[1]], tip],
-            }
-        ],
+        "bodies": bodies,
+        "interfaces": [{"between": [*bodies], "contact": law, "cracked": [[-tip[0], -tip[1]], tip]}],
         "supports": "minimal",
-        "loads": [
-            {"on": {"body": "upper", "edge": 2}, "traction": [0, 100]},
-            {"on": {"body": "lower", "edge": 0}, "traction": [0, -100]},
-        ],
+        "loads": pulled,
         "numerics": {"accuracy": "standard"},
     }
     return solve_case(case_of(scene)).result
 
 
+def interface_G(degrees: int, end: int) -> float:
+    """G (J/m^2) of a tip there."""
+    return joined_plate(degrees).interface_tips[end].G
+
+
 def _on_interfaces() -> Iterator[Row]:
     """G of cracks between two materials."""
+    source = "sslp311_interface_crack_G.csv: code_aster SSLP311"
     for reference in rows("sslp311_interface_crack_G.csv"):
         degrees = int(reference["theta_deg"])
-        found = cache(partial(joined_plate, degrees))
-        for at_end, side in ((True, "right"), (False, "left")):
-            yield Row(
-                f"crack on an interface at {degrees} degrees",
-                f"G at the {side} tip [J/m^2]",
-                lambda found=found, at_end=at_end: found().interface_tips[at_end].G,  # type: ignore[misc]
-                float(reference[f"G_{side}"]),
-                "sslp311_interface_crack_G.csv: code_aster SSLP311",
-                5e-3,
-            )
+        for end, side in ((1, "right"), (0, "left")):
+            name, wanted = f"crack on an interface at {degrees} degrees", float(reference[f"G_{side}"])
+            yield Row(name, f"G at the {side} tip [J/m^2]", partial(interface_G, degrees, end), wanted, source, 5e-3)
 
 
 @pytest.mark.parametrize(
