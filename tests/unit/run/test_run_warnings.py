@@ -64,7 +64,8 @@ def stressed(pressure: float) -> list[str]:
     return [f"loads=[{{body: rock, stress: [-{pressure}, -{pressure}, 0]}}]", f"supports=[{edges}]"]
 
 
-FLAW, BLOCKS = "compression30", "interface_friction01"
+FLAW, BLOCKS, CAST = "compression30", "interface_friction01", "17_interface"
+GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: anywhere}"
 POINTS = ["numerics.spacing=3"]
 SHORTENED = "7.75e+05 N/m at supports.{}"
 EDGE = "{on: {body: rock, edge: bottom}, displacement: {x: 0, y: '0.1*x'}}"
@@ -127,6 +128,14 @@ TOLD = {
     WarningCause.NO_TIPS: [
         (FLAW, [*POINTS, "cracks.flaw.tips=none"], ["but no crack has a tip"]),
         (FLAW, [*starting("{at: outlines, spacing: 5}", 2.0), "cracks.flaw.tips=none"], []),
+    ],
+    WarningCause.BONDED_TIPS: [
+        (CAST, [], []),
+        (CAST, ["bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40}", GROWS], ["do not grow"]),
+    ],
+    WarningCause.UNKNOWN_G: [
+        (CAST, ["loads=[{body: rock, stress: [-1, -1, 0]}]"], []),
+        (CAST, ["loads=[{body: rock, stress: [-1-x/100, -1, 0]}]"], ["a formula of the place"]),
     ],
     WarningCause.SHORT_START: [
         (FLAW, starting("cracks", 0.9), ["below the averaging radius"]),
