@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 def do_run(case: Path, overrides: list[str], out: Path | None, resume: bool, quiet: bool, again: str) -> int:
     """`crackgrow run`: load, grow, write; what was solved is kept whatever ends the run, and can be gone on from."""
     from crackgrow.results.resume import find_resumption  # only now: they load numpy
-    from crackgrow.results.writer import RunWriter, complete_run
+    from crackgrow.results.writer import RunWriter, complete_output
 
     model = load_case_file(case, overrides)
     folder = out or Path("outputs") / model.name
@@ -42,7 +42,7 @@ def do_run(case: Path, overrides: list[str], out: Path | None, resume: bool, qui
             _spare_case_file(case, folder)
         if found is None or found.finished is None:
             return _run(writer, found, quiet, again)
-        complete_run(model, folder)
+        complete_output(model, folder)
     if not quiet:
         say(f"{found.finished}\nnothing is left to do, results in {folder}")
     return EXIT_DONE

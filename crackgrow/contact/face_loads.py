@@ -59,7 +59,7 @@ def volumes(cover: Cover, modulus: float, loads: Sequence[Load]) -> list[Constra
     found, none, compliance = [], np.full(1, -1), np.array([STORAGE / modulus])
     for number, load in enumerate(loads):
         if isinstance(load, FluidVolume):
-            length = wetted_length(cover, load)
+            length = filled_length(cover, load)
             pressed = FluidPressure(surface=load.surface, beyond=load.beyond, pressure=1.0)
             row = csr_array((face_load_vector(cover, [], [pressed]) / length)[None])
             given = np.array([load.volume / length])
@@ -67,7 +67,7 @@ def volumes(cover: Cover, modulus: float, loads: Sequence[Load]) -> list[Constra
     return found
 
 
-def wetted_length(cover: Cover, load: FluidVolume) -> float:
+def filled_length(cover: Cover, load: FluidVolume) -> float:
     """Return the length (m) of all cracks and interfaces that a volume of fluid fills, each line once."""
     lines = [surface.line.points for surface in cover.surfaces if load.fills(surface.name)]
     return cover.lattice.spacing * sum(float(arc_lengths(points)[-1]) for points in lines)

@@ -280,7 +280,7 @@ class Increment:
         if start.solution is not None:
             rows, near = np.flatnonzero(np.tile(trial.taken, 2)), start.solution.equations
             known = np.concatenate([start.tractions[rows] - self._pulled(trial)[rows], start.solution.motion])
-        solution = solved(problem, self.contact.solver, known, near)
+        solution = solve_contact_problem(problem, self.contact.solver, known, near)
         active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
         found = self._with(trial, free, problem, (solution, active))
         return replace(found, iterations=start.iterations + solution.iterations)
@@ -396,7 +396,7 @@ class Increment:
         return np.where(slips, np.minimum(lost + law.worn(lost, moved), most), found.trial.lost)
 
 
-def solved(
+def solve_contact_problem(
     problem: ContactProblem,
     solver: Literal["newton", "lemke"],
     start: Floats | None = None,

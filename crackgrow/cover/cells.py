@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
-from crackgrow.geometry.arrangement import as_numbers
+from crackgrow.geometry.arrangement import as_complex
 from crackgrow.ragged import Ragged, by_row, distinct, spans
 
 
@@ -74,7 +74,7 @@ def tiles_of(cells: Squares, nodes: Nodes, support: float) -> Tiles:
     tiles = squares_of(low, size)
     corners = tiles.corners
     ring, following = _rings(tiles, corners)
-    return Tiles(tiles, number[order], _covering(tiles, nodes), as_numbers(corners / QUANTA), ring, following)
+    return Tiles(tiles, number[order], _covering(tiles, nodes), as_complex(corners / QUANTA), ring, following)
 
 
 def _covering(tiles: Squares, nodes: Nodes) -> Ragged:

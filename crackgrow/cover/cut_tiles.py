@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cells import along_rim
 from crackgrow.cover.lattice import Lattice
-from crackgrow.geometry.arrangement import as_numbers, faces_of
+from crackgrow.geometry.arrangement import as_complex, faces_of
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.vectors import cross
 
@@ -53,7 +53,7 @@ def cut_tiles(
     corners = shapely.get_coordinates(polygons[kept])
     around = lattice.tiles.squares.around(corners)
     on_rim = corners[(around != around[:, :1]).any(axis=1)]
-    extra = on_rim[~np.isin(as_numbers(on_rim), as_numbers(rims))]
+    extra = on_rim[~np.isin(as_complex(on_rim), as_complex(rims))]
     return CutTiles(some[owner[kept]], polygons[kept], reference[kept], body[kept]), extra
 
 

@@ -24,7 +24,7 @@ from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.pieces import Pieces, cut_in_pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.squares import QUANTA, Squares
-from crackgrow.geometry.arrangement import Edges, Rings, as_numbers, edges_between, ring_vertices
+from crackgrow.geometry.arrangement import Edges, Rings, as_complex, edges_between, ring_vertices
 from crackgrow.geometry.tolerance import ON_LINE, TOUCH
 from crackgrow.ragged import distinct, starts_of
 
@@ -107,8 +107,8 @@ def _rings(tiles: Tiles, whole: Ints, polygons: NDArray[np.object_]) -> tuple[Fl
     (n_whole,), then of these polygons.
     """
     points, ends, polygon = ring_vertices(polygons)
-    numbers = distinct(np.concatenate([tiles.corners, as_numbers(points)]))
-    corner, vertex = (np.searchsorted(numbers, some) for some in (tiles.corners, as_numbers(points)))
+    numbers = distinct(np.concatenate([tiles.corners, as_complex(points)]))
+    corner, vertex = (np.searchsorted(numbers, some) for some in (tiles.corners, as_complex(points)))
     of_whole, place = tiles.ring.places(whole)
     return np.stack([numbers.real, numbers.imag], axis=1), Rings(
         start=np.concatenate([corner[tiles.ring.values[place]], vertex]),

@@ -15,7 +15,7 @@ from crackgrow.case.regions import EdgeRegion
 from crackgrow.cover.pieces import Pieces
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.errors import GeometryError
-from crackgrow.geometry.arrangement import Edges, as_numbers
+from crackgrow.geometry.arrangement import Edges, as_complex
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.geometry.tolerance import GRID
 from crackgrow.ragged import found_in
@@ -63,7 +63,7 @@ def edges_along(pieces: Pieces, n: int, vertices: Floats, edges: Edges) -> tuple
     A piece that the extension of a tip crosses, or that passes a vertex within rounding, leads through that, and is
     several edges; -1 stands for what is none.
     """
-    number = found_in(as_numbers(vertices), as_numbers(pieces.points))
+    number = found_in(as_complex(vertices), as_complex(pieces.points))
     first = pieces.first[pieces.segment < n]
     start, end = number[first], number[first + 1]
     edge = edges.between(start, end)

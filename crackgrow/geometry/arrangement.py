@@ -48,7 +48,7 @@ class Rings:
 _COMPLEX = np.array([1.0, 1.0j])
 
 
-def as_numbers(points: Floats) -> NDArray[np.complex128]:
+def as_complex(points: Floats) -> NDArray[np.complex128]:
     """Return points (..., 2) as complex numbers x + iy (...), exactly: NumPy orders these by x, then by y."""
     return np.asarray(points @ _COMPLEX)
 
@@ -83,7 +83,7 @@ def ring_vertices(polygons: NDArray[np.object_]) -> tuple[Floats, Ints, Ints]:
 
 def vertex_ids(points: Floats) -> Ints:
     """Ids (n,) of points (n, 2) on the grid: equal for equal points, dense from 0."""
-    return np.asarray(np.unique(as_numbers(on_grid(points)), return_inverse=True)[1], dtype=np.int64)
+    return np.asarray(np.unique(as_complex(on_grid(points)), return_inverse=True)[1], dtype=np.int64)
 
 
 def connected(n: int, first: Ints, second: Ints) -> Ints:

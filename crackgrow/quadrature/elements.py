@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
-from crackgrow.geometry.arrangement import as_numbers, ring_vertices
+from crackgrow.geometry.arrangement import as_complex, ring_vertices
 from crackgrow.geometry.tolerance import SAME_PART
 from crackgrow.quadrature.rules import on_tip_triangles, on_triangles, square
 from crackgrow.ragged import Ragged, places
@@ -173,9 +173,9 @@ def _tip_first(corners: Floats, owner: Ints, tips: Floats) -> tuple[Bools, Float
 
     Those with a tip at several corners are halved between two of them.
     """
-    numbers = as_numbers(tips)
+    numbers = as_complex(tips)
     while True:
-        is_tip = np.isin(as_numbers(corners), numbers)
+        is_tip = np.isin(as_complex(corners), numbers)
         several = is_tip.sum(axis=1) > 1
         if not several.any():
             return np.asarray(is_tip.any(axis=1)), _turned(corners, np.argmax(is_tip, axis=1)), owner

@@ -27,7 +27,7 @@ RUNNING: Final = RunEnd("running", "the run goes on, or was broken off without a
 SPARE: Final = 2**23  # bytes: what the last files of a run take, and more
 
 
-def complete_run(case: Case, folder: Path) -> None:
+def complete_output(case: Case, folder: Path) -> None:
     """Delete the half-written files of a finished run, and write its report where it is missing. Raises OutputError."""
     remove_files(own.path for own in own_files(folder, case.name) if not own.whole)
     if case.output.report and not (folder / REPORT).is_file():

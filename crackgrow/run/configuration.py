@@ -121,7 +121,7 @@ class Configuration:
         most = max(float(np.abs(of).max(initial=0.0)) for of in (self.held.given, self.moves))
         return abs(float(self.shares(level)[2])) * most
 
-    def jumps(self, level: LoadLevel, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
+    def gap_and_slip(self, level: LoadLevel, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
         """Return gap, positive where open, and slip (n,) m at points of surfaces, of displacements `u` (n_dofs,) m.
 
         What foundations have moved under the load is taken off. Slip is positive where the left face moves forward.

@@ -162,7 +162,7 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
         if surface.name not in numbers:
             continue
         mine, s = _on_old_faces(faces.points, numbers[surface.name], surface)
-        jump[mine] = old.jumps(state.level, points_at(old.cover, index, s), outcome.u)[1]
+        jump[mine] = old.gap_and_slip(state.level, points_at(old.cover, index, s), outcome.u)[1]
         mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
         for values, found in (
             (elastic, old.contact.law.shear_compliance * points.tangential),

@@ -24,7 +24,7 @@ import shapely
 from crackgrow.arrays import Floats
 from crackgrow.case.model import ContactSupport, FacePoint, FluidVolume, PointPair, RockPoint
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.contact.face_loads import wetted_length
+from crackgrow.contact.face_loads import filled_length
 from crackgrow.contact.faces import joined, points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
@@ -62,7 +62,7 @@ def along_surfaces(state: LoadState) -> tuple[ContactPoints, tuple[CrackFaces, .
     for index, surface in enumerate(cover.surfaces):
         s = np.sort(np.concatenate([surface.edges.s.ravel(), faces.s[faces.surface == index]]))
         samples.append(points_at(cover, index, s[np.diff(s, prepend=-np.inf) > SAME_PLACE]))
-    jumps = np.stack(configuration.jumps(state.level, joined([faces.nodes, *samples]), outcome.u))
+    jumps = np.stack(configuration.gap_and_slip(state.level, joined([faces.nodes, *samples]), outcome.u))
     jump, *along = np.split(jumps, np.cumsum([len(part.s) for part in (faces.nodes, *samples)])[:-1], axis=1)
     contact = ContactPoints(
         crack=tuple(str(cover.surfaces[index].name) for index in faces.surface.tolist()),
@@ -118,7 +118,7 @@ def volume_pressure(state: LoadState, number: int) -> float:
     """The pressure (Pa) that the volume of fluid of a load takes: the force that holds it over the length wetted."""
     load, held = state.scene.case.loads[number], state.configuration.held
     assert isinstance(load, FluidVolume)
-    return -float(state.outcome.multipliers[held.load == number][0]) / wetted_length(state.cover, load)
+    return -float(state.outcome.multipliers[held.load == number][0]) / filled_length(state.cover, load)
 
 
 def _of_supports(state: LoadState) -> Iterator[Reaction]:

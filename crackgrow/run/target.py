@@ -198,5 +198,5 @@ def _jumps(state: LoadState) -> Floats:
         s = surface.edges.s
         places = s.min() + np.linspace(0.0, 1.0, PLACES) * (s.max() - s.min())
         points = points_at(cover, index, places)
-        found.append(np.column_stack(state.configuration.jumps(state.level, points, state.outcome.u)))
+        found.append(np.column_stack(state.configuration.gap_and_slip(state.level, points, state.outcome.u)))
     return np.concatenate(found)

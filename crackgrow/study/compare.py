@@ -164,7 +164,7 @@ def compare_paths(
     return Comparison(set_a, set_b, tuple(pairs), only_a, only_b, limit)
 
 
-def grown_pairs(a: Path, b: Path) -> list[Pair]:
+def compared_growth(a: Path, b: Path) -> list[Pair]:
     """Compare what each crack of two result folders has grown at tips that grew in one of them at least.
 
     The list is empty where a folder has no cracks. Raises CaseError where paths can't be read.

@@ -15,7 +15,7 @@ from scipy.interpolate import PchipInterpolator
 
 from crackgrow.arrays import Floats
 from crackgrow.results.folder import RunFolder
-from crackgrow.study.compare import grown_pairs
+from crackgrow.study.compare import compared_growth
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -40,7 +40,7 @@ def errors_of(run: Path, reference: Path, *, grows: bool) -> dict[str, float]:
     )
     mine, true = (float(table["strain_energy"].iloc[0]) for table in steps)
     energy = abs(mine - true) / abs(true) if true else math.nan
-    pairs = grown_pairs(run, reference)
+    pairs = compared_growth(run, reference)
     common = [pair.common for pair in pairs if pair.common is not None]
     hausdorff = max((deviation.hausdorff for deviation in common), default=math.nan)
     frechet = max((deviation.frechet for deviation in common), default=math.nan)

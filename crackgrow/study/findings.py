@@ -24,7 +24,7 @@ from scipy.optimize import brentq
 
 from crackgrow.case.model import CriticalLoad
 from crackgrow.results.folder import RunFolder
-from crackgrow.study.compare import grown_pairs
+from crackgrow.study.compare import compared_growth
 from crackgrow.study.trade_plan import TradePlan
 
 TURNED: Final = 2.0
@@ -251,7 +251,7 @@ def _paths(plan: TradePlan, folders: Mapping[str, Path]) -> dict[str, Apart]:
     pairs |= {name: (plan.own, name) for name in plan.increments}
     found = {}
     for name, (a, b) in pairs.items():
-        grown = [pair.common for pair in grown_pairs(folders[a], folders[b]) if pair.common is not None]
+        grown = [pair.common for pair in compared_growth(folders[a], folders[b]) if pair.common is not None]
         if grown:  # in both
             shares = [common.hausdorff / min(common.length_a, common.length_b) for common in grown]
             found[name] = Apart(max(common.hausdorff for common in grown), max(shares))

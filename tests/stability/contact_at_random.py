@@ -15,7 +15,7 @@ from crackgrow.arrays import Bools
 from crackgrow.contact.coulomb import complementarity_residual
 from crackgrow.contact.hold import UNBALANCED, least_unbalanced
 from crackgrow.contact.problem import CondensedPoints, ContactProblem
-from crackgrow.contact.solve import solved
+from crackgrow.contact.solve import solve_contact_problem
 from crackgrow.errors import NotSolvedError
 from tests.contact_problems import Floats
 
@@ -132,7 +132,7 @@ def held(drawn: Drawn) -> bool:
 def ended(drawn: Drawn) -> tuple[str, int]:
     """How it ended: solved, no state and none possible, not solved; and the iterations."""
     try:
-        found = solved(drawn.problem, "newton")
+        found = solve_contact_problem(drawn.problem, "newton")
     except NotSolvedError:
         return ("not solved" if held(drawn) else "limit state"), 0
     if complementarity_residual(drawn.problem, found.unknowns) > EXACT:

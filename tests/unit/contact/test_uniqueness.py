@@ -10,7 +10,7 @@ import pytest
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem
-from crackgrow.contact.solve import solved
+from crackgrow.contact.solve import solve_contact_problem
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
 from crackgrow.run.uniqueness import (
@@ -59,7 +59,7 @@ def test_one_point_has_the_solutions_found_by_hand(friction: float) -> None:
     for free_n, free_t in itertools.product((-1.0, 1.0), (-7.3, -2.1, -0.4, 0.3, 1.9, 4.7, 5.3, 11.0, 23.0)):
         problem, known = one_point(friction, free_n, free_t), by_hand(friction, free_n, free_t)
         numbers.add(len(known))
-        found = solved(problem, "newton")
+        found = solve_contact_problem(problem, "newton")
         assert close(found.traction, known)
         others = list(other_solutions(problem, found.traction))
         assert all(close(p, known) for p in others)
@@ -110,7 +110,7 @@ def test_no_solution_is_an_error_that_names_the_friction(solver: str) -> None:
     assert by_hand(3.0, -1.0, 0.0, 2.0) == []
     assert every_solution(one_point(3.0, -1.0, 0.0, 2.0)) == []
     with pytest.raises(SolveError, match=rf"{solver}: status.*less friction: of 3 it may leave several solutions"):
-        solved(one_point(3.0, -1.0, 0.0, 2.0), solver)
+        solve_contact_problem(one_point(3.0, -1.0, 0.0, 2.0), solver)
 
 
 def in_rock(problem: ContactProblem) -> tuple[ContactSystem, np.ndarray]:
