@@ -154,7 +154,7 @@ def next_piece(
             break
     else:
         assert states is not None  # of the least share
-        return Piece(states, share, "jump")
+        return _parted_piece(path) or Piece(states, share, "jump")
     if share == 1.0:
         return Piece(states, 1.0, "straight")
     end = path.on_branch(states, 1.0)
@@ -176,6 +176,26 @@ def _shares(jumps: int, before: Piece | None, open_ended: bool) -> tuple[float, 
 def starts_in_proportion(configuration: Configuration, was: ContactMemory, level: LoadLevel) -> bool:
     """Whether nothing has happened yet, and states will be in proportion to the loads from here on."""
     return was.at_rest and not (configuration.sized or configuration.shares(level).any())
+
+
+def _parted_piece(path: _LoadPath) -> Piece | None:
+    """The piece up to the load at which faces touch again that carry nothing at its beginning; None where they do.
+
+    Rock between them may lie anywhere, and no branches lead back; the energies of all its places are the same.
+    """
+    if path.was.tractions.any():
+        return None
+    low, high, parted = 0.0, 2.0, None
+    while high - low > AT_EVENT:
+        share = 0.5 * (low + high)
+        states = path.if_borne(share)
+        if states is not None and not states.tractions.any():
+            low, parted = share, states
+            if share == 1.0:
+                break
+        else:
+            high = share
+    return None if parted is None else Piece(parted, low, "straight")
 
 
 def _bent_piece(path: _LoadPath, start: PointStates, least: float) -> Piece | None:

@@ -106,6 +106,19 @@ def test_a_platen_that_rubs_along_pulls_by_friction_times_its_force() -> None:
     assert step.energy.error < 1e-9
 
 
+def test_platens_that_part_and_press_again_do_the_same_work_once_more() -> None:
+    """In between the block lies anywhere, and carries nothing."""
+    history, law = "loading={history: [1, -1, 1]}", "friction: 0.1, cohesion: 0"
+    first, parted, again = (
+        step.energy for step in whole_run(case_of(BLOCK, history, LAW=law, ABOVE=-CLOSES, BELOW=0))[0]
+    )
+    assert first.dissipated > 0.0
+    assert (parted.strain, parted.work) == pytest.approx((0.0, parted.dissipated), abs=1e-9 * first.work)
+    assert again.strain == pytest.approx(first.strain, rel=1e-9)
+    assert again.work == pytest.approx(first.work + parted.work, rel=1e-8)
+    assert abs(again.released) < 1e-9 * first.work
+
+
 def test_growth_between_platens_goes_on_from_the_state_before() -> None:
     """A flaw grows under load: what is released is the work of none, for the platens stand still meanwhile."""
     flaw = "cracks={flaw: {path: {center: [0, 0], length: 0.012, angle: 45}, contact: {friction: 0.2, cohesion: 0}}}"
