@@ -15,7 +15,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.functionals import Functional
 from crackgrow.fracture.interaction import FIELDS, of_body_force, weights_of
-from crackgrow.fracture.tip_disc import Disc, disc_round, first_corner
+from crackgrow.fracture.tip_disc import NOWHERE, Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.vectors import across
@@ -53,8 +53,9 @@ class InteractionFunctional:
 class Integrals:
     """The integrals of K of the tips of a cover: what each disc reads off is found once."""
 
-    def __init__(self, cover: Cover) -> None:
-        self._cover = cover
+    def __init__(self, cover: Cover, singular: Floats = NOWHERE) -> None:
+        """`singular` (k, 2) are points at which forces act."""
+        self._cover, self._singular = cover, singular
         self._known: dict[tuple[int, bool], InteractionFunctional] = {}
 
     def intensities(
@@ -82,7 +83,7 @@ class Integrals:
     ) -> list[InteractionFunctional]:
         """What the integrals of some tips read off, whose faces are pressed or not."""
         cover, new = self._cover, [each for each in dict.fromkeys(wanted) if each not in self._known]
-        discs = [disc_round(cover, cover.tips[tip], pressed=pressed) for tip, pressed in new]
+        discs = [disc_round(cover, cover.tips[tip], self._singular, pressed=pressed) for tip, pressed in new]
         found = iter(_functionals(cover, materials, [disc for disc in discs if not np.isnan(disc.radius)]))
         for each, disc in zip(new, discs, strict=True):
             self._known[each] = InteractionFunctional(disc, None if np.isnan(disc.radius) else next(found))

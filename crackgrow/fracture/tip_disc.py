@@ -12,6 +12,9 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import Tip
 from crackgrow.geometry.polyline import kink_angles
 
+NOWHERE = np.zeros((0, 2))
+"""No points."""
+
 KEPT_CLEAR = 0.85
 """Part of the clearance that a disc takes: with 0.9 a point load beside it puts K off by 2e-4. In one of n cells
 ripples of the stress put K of straight cracks off by 1e-3 at n = 1.5, 2e-4 at 5, 5e-5 at 10: K converges with the
@@ -49,13 +52,13 @@ class Disc:
         return self.radius * PARTS
 
 
-def disc_round(cover: Cover, tip: Tip, *, pressed: bool = False) -> Disc:
-    """The disc of a tip; of one whose faces are `pressed` it ends before the first sharp kink.
+def disc_round(cover: Cover, tip: Tip, singular: Floats = NOWHERE, *, pressed: bool = False) -> Disc:
+    """The disc of a tip, clear of `singular` points; where faces are `pressed` it ends before the first sharp kink.
 
     There tractions are as singular as the stress, and what they do not resolve puts K off by up to 5 %, the more at
     random the smaller the cells are.
     """
-    room, obstacle = clearance(cover, tip)
+    room, obstacle = clearance(cover, tip, singular)
     if pressed:
         corner = first_corner(tip)
         if BEFORE_KINK * tip.size < KEPT_CLEAR * corner < KEPT_CLEAR * room:
@@ -72,13 +75,18 @@ def first_corner(tip: Tip) -> float:
     return float(np.hypot(*(corners[0] - tip.point))) if len(corners) else np.inf
 
 
-def clearance(cover: Cover, tip: Tip) -> tuple[float, str]:
-    """Largest radius (spacings) of a disc round a tip that holds one stretch of its own crack alone; what limits it."""
+def clearance(cover: Cover, tip: Tip, singular: Floats = NOWHERE) -> tuple[float, str]:
+    """Largest radius (spacings) of a disc round a tip that holds one stretch of its own crack alone; what limits it.
+
+    No disc holds one of the points `singular` (k, 2), either, at which forces act.
+    """
     place = shapely.Point(tip.point)
     obstacles = {"the crack's other end": shapely.distance(place, shapely.Point(tip.points[-1]))}
     if len(tip.path) < len(tip.points):  # the crack turns back towards its tip
         bend = shapely.LineString(tip.points[len(tip.path) - 1 :])
         obstacles["the crack's own bend"] = shapely.distance(place, bend)
+    if len(singular):
+        obstacles["what acts on a point"] = float(np.hypot(*(singular - tip.point).T).min())
     reach = min(obstacles.values())  # what lies farther away does not count
     for number in cover.crack_tree.query(place, predicate="dwithin", distance=reach):
         if number != tip.crack:

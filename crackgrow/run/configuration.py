@@ -13,6 +13,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.case.model import PointForce, PointSupport
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, FacePoints
@@ -294,7 +295,14 @@ class Configuration:
     @cached_property
     def integrals(self) -> Integrals:
         """The integrals of K of all tips."""
-        return Integrals(self.cover)
+        return Integrals(self.cover, self.singular)
+
+    @property
+    def singular(self) -> Floats:
+        """The points (k, 2), lattice coordinates, at which forces act or supports hold."""
+        case = self.scene.case
+        points = [at.point for at in (*case.loads, *case.supports) if isinstance(at, PointForce | PointSupport)]
+        return self.cover.lattice.to_lattice(np.array(points).reshape(-1, 2))
 
     @cached_property
     def stress_functionals(self) -> dict[int, StressFunctional]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
-from crackgrow.case.model import CriticalLoad, FluidVolume, PointForce, PointSupport
+from crackgrow.case.model import CriticalLoad, FluidVolume
 from crackgrow.case.toughness import averaging_radius
 from crackgrow.contact.faces import ContactFaces, points_at
 from crackgrow.contact.solve import ContactOutcome
@@ -219,9 +219,7 @@ def interface_releases(state: LoadState) -> Iterator[tuple[InterfaceTip, Release
     """The tips of cracked interfaces, with the energy that they release."""
     cover, materials, u = state.cover, state.materials, state.outcome.u
     forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
-    case = state.scene.case
-    points = [at.point for at in (*case.loads, *case.supports) if isinstance(at, PointForce | PointSupport)]
-    for tip in interface_tips(cover, cover.lattice.to_lattice(np.array(points).reshape(-1, 2))):
+    for tip in interface_tips(cover, state.configuration.singular):
         yield tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces)
 
 

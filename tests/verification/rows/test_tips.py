@@ -283,6 +283,22 @@ def collinear() -> float:
     return float(np.abs(found / (MPA * np.array([outer, inner, inner, outer])) - 1.0).max())
 
 
+def between_forces(height: float) -> float:
+    """Error of K_I of an open crack |x| < a between forces P on points at y = +-height that pull apart, over K_I.
+
+    By reciprocity with the displacement of Westergaard's crack K_I = P / sqrt(pi a) (1 + b s) sqrt(1 - s), where
+    s = y^2 / (a^2 + y^2) and b = 1 / (2 (1 - nu)) (as in Tada, Paris, Irwin).
+    """
+    a, force, y = 0.02, 1e6, 1e-3 * height
+    scene = plate([[-20.0, 0.0], [20.0, 0.0]], 6400.0, 0.0, 0.0, 0.0)
+    scene["cracks"]["flaw"]["contact"] = "none"
+    scene["loads"] = [{"at": [0, sign * height], "force": ["0 N/m", f"{sign * force} N/m"]} for sign in (1, -1)]
+    scene |= {"supports": "minimal", "numerics": {"accuracy": "standard"}}
+    s, b = y**2 / (a**2 + y**2), 1.0 / (2.0 * (1.0 - 0.25))
+    exact = force / np.sqrt(np.pi * a) * (1.0 + b * s) * np.sqrt(1.0 - s)
+    return off(solve_case(case_of(scene)).result, (exact, 0.0))
+
+
 def _many() -> Iterator[Row]:
     for number, accuracy, tolerance in ((1, "standard", 4e-3), (9, "fine", 2e-3), (17, "standard", 4e-3),
                                         (25, "fine", 2e-3), (33, "standard", 4e-3)):  # fmt: skip
@@ -292,6 +308,9 @@ def _many() -> Iterator[Row]:
         name, value = f"2 mm in 1 m, cells of {spacing:g} mm, {law[0]:g} degrees", partial(small_crack, *law, spacing)
         yield Row(name, "K of a small crack", value, 0.0, INFINITE, 1e-3)
     yield Row("1 um beside 2 mm", "K of a small crack", of_two_sizes, 0.0, "singular integral equations", 5e-3)
+    for height in (4, 10, 20):
+        value = partial(between_forces, height)
+        yield Row(f"forces {height} mm off a crack of 40", "K of an open crack", value, 0.0, "closed form", 1e-3)
     yield Row("two collinear cracks", "K of many cracks", collinear, 0.0, "Erdogan 1962", 5e-3)
     for share, tolerance in ((0.9, 0.01), (1.0, 0.02)):
         name, value = f"random_flaws, {share:.0%} of the tips", partial(fifty_flaws, share)
