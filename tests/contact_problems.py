@@ -107,11 +107,3 @@ def rock_of(stiffness: Floats, law: ContactLaw, solver: str = "newton", weights:
     system = dense_system(stiffness, csr_array((0, 2 * n)))
     gap_of, slip_of = csr_array(np.eye(2 * n)[:n]), csr_array(np.eye(2 * n)[n:])
     return ContactSystem(system, gap_of, slip_of, np.ones(n) if weights is None else weights, law, solver)
-
-
-def smooth(compliance: Floats, free: Floats) -> ContactProblem:
-    """Points without friction: gaps of compliance (n, n) and free gaps (n,), and slips that nothing resists."""
-    n = len(free)
-    zero = np.zeros((n, n))
-    A = np.block([[compliance, zero], [zero, np.diag(np.diag(compliance))]])
-    return ContactProblem(CondensedPoints(A), np.append(free, np.zeros(n)), np.zeros(n))

@@ -54,10 +54,3 @@ def gradient_rows(basis: Basis) -> tuple[csr_array, csr_array]:
     shape = basis.rows.shape
     by_x, by_y = (csr_array((values, basis.functions, basis.start), shape=shape) for values in basis.values[1:])
     return by_x, by_y
-
-
-def regular_window(support: float) -> np.ndarray:
-    """Nodes ((2 reach)^2, 2) that can cover a cell, from its lower left corner, x by x."""
-    reach = math.ceil(support)
-    steps = np.arange(1 - reach, reach + 1, dtype=float)
-    return np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)

@@ -38,8 +38,7 @@ def errors_and_estimates(build: type[Build], support: float) -> tuple[np.ndarray
 @pytest.mark.physics
 @pytest.mark.parametrize("support", [1.5, 1.75, 2.0, 2.5])
 def test_the_estimate_of_a_smooth_field_is_its_error_or_a_bound(build: type[Build], support: float) -> None:
-    """Linear functions: both fall at a rate of one. At a support of two they are cubic B-splines: the error falls at a
-    rate of three, as that of a quadratic fit does, which is larger."""
+    """Rates are one; at a support of two (cubic splines) it falls as that of a quadratic fit, which is larger."""
     errors, estimates = errors_and_estimates(build, support)
     for values in (errors, estimates):
         np.testing.assert_allclose(np.log2(values[0] / values[1]), 3.0 if support == 2.0 else 1.0, atol=0.1)
@@ -94,8 +93,7 @@ def test_from_an_edge_it_is_the_field_of_williams(build: type[Build], kink: floa
 
 @pytest.mark.parametrize("angle", [0.0, 0.6])
 def test_both_tips_of_a_straight_crack_make_the_field_of_griffith(build: type[Build], angle: float) -> None:
-    """The field of an infinite plate under a stress at infinity, less that stress (Muskhelishvili 1953, section 120):
-    with Z = z / sqrt(z^2 - a^2) - 1 and K = S sqrt(pi a) in both modes."""
+    """The field of an infinite plate less the stress at infinity, Z = z / sqrt(z^2 - a^2) - 1 (Muskhelishvili 1953)."""
     half, along = 0.75, np.array([np.cos(angle), np.sin(angle)])
     middle, rotation = np.array([3.0, 2.5]), np.array([along, [-along[1], along[0]]])
     crack = build.crack([middle - half * along, middle + half * along])

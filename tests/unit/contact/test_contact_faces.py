@@ -195,10 +195,7 @@ def test_nodes_are_as_far_apart_as_the_cells_beside_them_are_large(build, side: 
 
 @pytest.mark.parametrize("line", [-3.0, 0.2, 4.0, 16.0])
 def test_functions_from_rim_to_rim_keep_force_and_moment(build, line: float) -> None:
-    """Cells of two sizes, and of one: a linear pressure has its force, nodes on rims act there.
-
-    A hat on a rim would act a third of a piece inside of the body.
-    """
+    """A linear pressure has its force and nodes on rims act there, where a hat would act a third of a piece inside."""
     cover = plate(build, THROUGH, tips=(False, False)).cover
     faces = mortar_faces(with_smaller_cells(cover, line, 0.25), [0], 1.25)
     np.testing.assert_allclose(shape_sum(faces), 1.0, rtol=1e-13)

@@ -20,10 +20,7 @@ WEIGHT, LENGTH = 3.0, 2.0
 
 
 def block_on_slope(angle: float, height: float, friction: float, cohesion: float = 0.0) -> tuple[float, np.ndarray]:
-    """A block with its base of length 2 at two points; motions: up and along the slope, and rotation about the middle.
-
-    Its weight acts at `height` over the base; `angle` (degrees) is that of the slope, down along the motion.
-    """
+    """A block on a slope (degrees), its base of length 2 at two points, its weight at `height`: up, along, rotation."""
     a = np.deg2rad(angle)
     gap = np.array([[1.0, 0.0, -1.0], [1.0, 0.0, 1.0]])
     slip = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
@@ -102,10 +99,7 @@ def test_a_block_that_contact_alone_holds_is_balanced(friction: float, pull: tup
 def test_how_supports_hold_a_block_once_does_not_matter(
     friction: float, pull: tuple, cohesion: float, softness: float
 ) -> None:
-    """Their compliance, of any stiffness anywhere, adds a rigid motion to what each traction does.
-
-    Where they let it turn far that costs no digits of a block that is settled first.
-    """
+    """They add rigid motions to what tractions do; a settled block loses no digits however far it turns."""
     problem = block_on_points(friction, pull, cohesion)
     points, known = problem.points, solve_by_newton(problem)
     turned = np.random.default_rng(4).normal(size=(3, 3))

@@ -143,11 +143,7 @@ def test_how_hard_others_are_pressed_does_not_open_a_point(solver: str, pressure
 
 
 def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -> None:
-    """Slip of the first point opens it by d s, and a lever presses the second one the more, K_nn = [[2, 1], [1, 2]].
-
-    With p_1 = -(P_1 + 2 d s), p_2 = -(P_2 + d s) the second sticks, which without dilation would slip and break. For
-    the first p_t = mu |p_1| and s + p_t = T.
-    """
+    """Slip opens the first by d s, and a lever presses the second the more, K_nn = [[2, 1], [1, 2]]: it sticks."""
     d, mu, T, P = 0.5, 0.5, np.array([4.0, 0.9]), np.array([1.0, 1.0])
     K, loads = block_diag([[[2.0, 1.0], [1.0, 2.0]], np.eye(2)]).toarray(), np.concatenate([-P, T])
     law = uniform_law(2, mu, residual_friction=[mu, 0.1], dilation=d)
@@ -160,10 +156,7 @@ def test_dilation_that_presses_a_neighbour_keeps_it_from_breaking(solver: str) -
 
 
 def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None:
-    """kt (s + e p_t) + p_t = T: stuck after sliding to s, the traction follows the shear by 1 / (1 + kt e).
-
-    The pressure is P / (1 + kn e): the springs of the points carry the rest.
-    """
+    """kt (s + e p_t) + p_t = T: stuck after sliding to s, the traction follows the shear by 1 / (1 + kt e)."""
     e = 1.0 / 25.0
     limit = FRICTION * PRESSURE / (1.0 + KN * e)
     sliding, stuck = Springs(solver, compliance=e).follow(1.5, 1.4)
@@ -176,13 +169,7 @@ def test_elastic_contact_remembers_its_inelastic_slip_alone(solver: str) -> None
 
 
 def test_only_closed_points_begin_an_increment_bonded(solver: str) -> None:
-    """One point on a lever: its slip opens it, and only the bond keeps it from slipping.
-
-        gap = -P + T/2 - p_n - p_t/2,    slip = T - P/2 - p_t - p_n/2,    |p_t| <= 0.4 - p_n/2, kept
-
-    With P = 0.1 and T = 0.5 it slips by 0.05 under p_n = -1/15, with T = 0.45 it sticks there under p_t = 0.75 - 11/30;
-    without p it would be open by 0.15 and 0.125, and so it stays once tension has opened it.
-    """
+    """Slip opens a point on a lever: gap = -P + T/2 - p_n - p_t/2, slip = T - P/2 - p_t - p_n/2; its bond holds it."""
     K, law = np.linalg.inv([[1.0, 0.5], [0.5, 1.0]]), uniform_law(1, 0.5, 0.4, kept=True)
     outcomes: list[ContactOutcome] = []
     for pressure, shear in ((0.1, 0.35), (0.1, 0.5), (0.1, 0.45), (-1.0, 0.0), (0.1, 0.5)):

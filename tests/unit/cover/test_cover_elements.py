@@ -11,9 +11,9 @@ import shapely
 from crackgrow.case.surface import crack_name
 from crackgrow.cover.elements import Elements, cut_elements, locate
 from crackgrow.cover.lattice import Lattice, place_lattice
-from crackgrow.cover.refinement import MOST_LEVELS, SizeField, refined
+from crackgrow.cover.refinement import MOST_LEVELS, SizeField, balanced, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.cover.squares import QUANTA, Squares
+from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.tolerance import GRID
 from tests.unit.cover_tables import areas, tile_boxes
@@ -53,6 +53,9 @@ def test_points_are_located_in_elements_that_hold_them_and_points_outside_in_non
     polygons = elements.polygons[found[~whole] - elements.n_whole]
     assert shapely.distance(polygons, shapely.points(points[~whole])).max() <= 1e-8  # ON_LINE
     np.testing.assert_array_equal(locate(sample.lattice, elements, elements.reference), np.arange(elements.n))
+    a, b = (elements.vertices[ends] for ends in (elements.edges.a, elements.edges.b))
+    beside = 0.5 * (a + b) + 1e-6 * (b - a) @ [[0.0, 1.0], [-1.0, 0.0]]  # on the left
+    np.testing.assert_array_equal(locate(sample.lattice, elements, beside), elements.edges.left)
     outside = np.array([[0.4, 3.0], [6.6, 3.0], [3.0, 0.49], [3.0, 5.51], [-50.0, 3.0], [3.0, 1e4]])
     np.testing.assert_array_equal(locate(sample.lattice, elements, outside + reach), [-1] * 6)
     on_the_rim = np.array([[0.5, 0.5], [6.5, 0.5], [6.5, 5.5], [0.5, 5.5], [3.0, 0.5], [6.5, 4.2]])
@@ -121,14 +124,8 @@ def test_awkward_places_cut_cleanly(build, place: str, support: float, levels: i
         assert [fault(build, points, support, levels) for points in shifted(place, offset)] == [""] * 3, offset
 
 
-def test_crack_that_leaves_the_body_is_refused(build) -> None:
-    with pytest.raises(GeometryError, match="'out'"):
-        build.block((6, 5), [build.crack([(3.0, 3.0), (8.0, 3.3)], (True, False), name="out")])
-
-
 def test_lines_that_meet_within_rounding_of_a_tile_line_cut_the_tile_beyond_it_as_well() -> None:
-    """At x = 4 two lines without a common vertex are a grid step above and below (4, 3.5), and cross left of it, nearer
-    to x = 4 than to the next point of the grid: the tiles on the right must have the vertex (4, 3.5) too."""
+    """Lines that pass a grid step above and below (4, 3.5) cross left of it: tiles on the right need that one too."""
     lattice = place_lattice(BOX[0], BOX[2], 1.0, 2.0)
     lines = []
     for name, sign in (("up", 1.0), ("down", -1.0)):
@@ -161,16 +158,6 @@ def test_a_line_and_a_rim_that_the_extension_of_a_tip_crosses_are_whole(build) -
 
 
 LEVELS = (0, 1, 3, 6)
-SIDES = 6.0
-"""Of the box that the lattices here are placed round, spacings."""
-
-
-def graded(seed: int, levels: int, support: float = 2.0, rings: float = 2.0) -> Lattice:
-    """A lattice with two random places that ask for cells of 2^-levels, and one that asks for half as many levels."""
-    lattice = place_lattice(np.zeros(2), np.full(2, SIDES), 1.0, support)
-    places = lattice.to_lattice(np.random.default_rng(seed).uniform(0.0, SIDES, (3, 2)))
-    sizes = 0.5 ** np.array([levels, levels, levels // 2])
-    return refined(lattice, SizeField(shapely.points(places), sizes, np.full(3, rings)))
 
 
 def boxes(squares: Squares) -> tuple[np.ndarray, np.ndarray]:
@@ -184,13 +171,18 @@ def area(squares: Squares) -> int:
 
 @pytest.mark.parametrize("levels", LEVELS)
 def test_cells_are_divided_until_none_is_more_than_twice_as_large_as_one_that_it_touches(levels: int) -> None:
-    for rings in (2.0, 3.0):
-        lattice = graded(levels, levels, rings=rings)
-        low, high = boxes(lattice.cells)
-        assert area(lattice.cells) == np.prod(np.array(lattice.shape) * QUANTA)
-        assert len(np.unique(lattice.cells.at(lattice.cells.low))) == lattice.cells.n
-        touching = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
-        assert not (touching & (lattice.cells.size[:, None] > 2 * lattice.cells.size)).any()
+    rng = np.random.default_rng(levels)
+    low, size = np.array([(0, 0), (QUANTA, 0), (0, QUANTA), (QUANTA, QUANTA)]), np.full(4, QUANTA)
+    for _ in range(levels):
+        one = np.arange(len(size)) == rng.choice(np.flatnonzero(size == size.min()))
+        quarters = quarters_of(low[one], size[one])
+        low, size = (np.concatenate([a[~one], b]) for a, b in zip((low, size), quarters, strict=True))
+    cells = balanced(squares_of(low, size))
+    low, high = boxes(cells)
+    assert area(cells) == np.prod(high.max(axis=0))
+    assert len(np.unique(cells.at(cells.low))) == cells.n
+    touching = ((low[:, None] <= high) & (low <= high[:, None])).all(axis=2)
+    assert not (touching & (cells.size[:, None] > 2 * cells.size)).any()
 
 
 def distances(lattice: Lattice, place: np.ndarray) -> np.ndarray:

@@ -11,7 +11,7 @@ import shapely
 
 from crackgrow.cover.gathered import RADIUS, STRAIGHT
 from crackgrow.cover.tips import crack_angle, seen_from_tip, tip_angle
-from tests.unit.cover_tables import cells_of, patch_table, regular_window
+from tests.unit.cover_tables import cells_of, patch_table
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
@@ -38,13 +38,10 @@ def layout(build, name: str, support: float):
     return build.block((6, 5), cracks, support)
 
 
-def square(sample, node: np.ndarray) -> shapely.Polygon:
-    return shapely.box(*(node - sample.lattice.support), *(node + sample.lattice.support))
-
-
 def pieces(sample, node: np.ndarray) -> list[shapely.Polygon]:
     """Connected parts of the node's square in the body without the cracks; parts of a hair's width are left out."""
-    part = sample.region.intersection(square(sample, node))
+    square = shapely.box(*(node - sample.lattice.support), *(node + sample.lattice.support))
+    part = sample.region.intersection(square)
     for crack in sample.cover.cracks:
         part = part.difference(shapely.LineString(crack.points).buffer(HAIR, cap_style="square"))
     return [piece for piece in shapely.get_parts(part) if piece.area > 1e-4]
@@ -71,7 +68,9 @@ def test_a_node_has_one_patch_for_each_connected_piece_which_elements_there_shar
         np.testing.assert_array_equal(contains.sum(axis=0), 1)
         pairs = np.unique(np.stack([contains.argmax(axis=0), owners[inside]], axis=1), axis=0)
         assert len(pairs) == len(contains) == len(np.unique(pairs[:, 1]))
-    nodes, used = cells_of(sample.cover)[:, None] + regular_window(support)[None], table >= 0
+    steps, used = np.arange(1.0 - math.ceil(support), math.ceil(support) + 1.0), table >= 0
+    window = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    nodes = cells_of(sample.cover)[:, None] + window
     np.testing.assert_array_equal(used, np.abs(nodes - elements.reference[:, None]).max(axis=2) < support)
     np.testing.assert_array_equal(patches.nodes[table[used]], nodes[used])
     np.testing.assert_array_equal(np.unique(table[used]), np.arange(len(patches.nodes)))

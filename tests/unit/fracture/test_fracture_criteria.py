@@ -64,10 +64,7 @@ def near_field(
 
 
 def largest_hoop(K_I: float, K_II: float, planes: float = 0.0, along: float = 1.0) -> tuple[float, float]:
-    """Direction (rad) of the largest hoop stress of the near field, and sqrt(2 pi r) times it.
-
-    Where planes at an angle (rad, from the tip) have but a part of the resistance, stress counts over what is left.
-    """
+    """Direction (rad) and sqrt(2 pi r) times the largest hoop stress, over what bedding leaves of resistance."""
     t = np.linspace(-LARGEST_KINK, LARGEST_KINK, 200_001)
     hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
     hoop /= along * np.cos(t - planes) ** 2 + np.sin(t - planes) ** 2

@@ -45,10 +45,7 @@ def hooke(material: PlaneElasticity, gradient: np.ndarray) -> np.ndarray:
 
 
 class ExactField:
-    """Williams' field of K plus one of constant stress (xx, yy, xy) Pa and one of a constant body force, in tip axes.
-
-    The field of the body force (b, 0) is u_x = -b x^2 / (2 c11): it has no stress intensity.
-    """
+    """Williams' field of K, a stress (xx, yy, xy) Pa, and a body force b by u_x = -b x^2 / (2 c11), in tip axes."""
 
     def __init__(
         self, tip: TipView, stress: tuple[float, float, float] = (0.0, 0.0, 0.0), force: float = 0.0, K: np.ndarray = K
@@ -105,10 +102,7 @@ def test_williams_fields_give_their_K_back_on_every_disc(path: list[list[float]]
 def test_a_uniform_stress_and_a_body_force_have_no_K_and_T_is_the_stress_along_the_crack(
     path: list[list[float]], stress: tuple[float, float, float], force: float
 ) -> None:
-    """Stress has tractions on the faces: pressure those of a fluid.
-
-    T of a kinked crack is found without K: Williams' field there has tractions that are not opposite on both faces.
-    """
+    """T of a kinked crack is found without K: tractions of Williams' field are not opposite on both faces there."""
     found = ExactField(tip_of(path), stress, force).found()
     np.testing.assert_allclose(found[:, :2], np.tile(K, (3, 1)), rtol=2e-6)
     alone = found if path == PATHS["straight"] else ExactField(tip_of(path), stress, force, np.zeros(2)).found()

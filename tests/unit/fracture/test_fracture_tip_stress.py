@@ -36,10 +36,7 @@ def at_tips(cover) -> list:
 
 
 def near_field(sample, K_I: float, K_II: float, plane: str = "strain") -> np.ndarray:
-    """Unknowns of the displacement round a tip (Williams 1957) with given K, by the tip functions alone.
-
-    2 G u = sqrt(r / 2 pi) times sums of cos t/2, sin t/2, cos 3t/2, sin 3t/2, in the axes of the tip.
-    """
+    """Unknowns of Williams' displacement with given K, 2 G u = sqrt(r / 2 pi) times sums of the four tip functions."""
     cover, k = sample.cover, KOLOSOV[plane]
     along = K_I * np.array([k - 0.5, 0.0, -0.5, 0.0]) + K_II * np.array([0.0, k + 1.5, 0.0, 0.5])
     across = K_I * np.array([0.0, k + 0.5, 0.0, -0.5]) + K_II * np.array([1.5 - k, 0.0, -0.5, 0.0])
@@ -57,9 +54,7 @@ def near_field(sample, K_I: float, K_II: float, plane: str = "strain") -> np.nda
 def test_rays_mean_and_faces_of_the_near_field(
     build, K_I: float, K_II: float, angle: float, at_end: bool, plane: str, spacing: float
 ) -> None:
-    """On a ray the weight is area / distance: the mean of r^-1/2 is 2 R^-1/2. The faces open by sqrt(r) exactly.
-
-    K_II > 0 moves the face on the left of the tip's direction outward."""
+    """On a ray the weight is area / distance: the mean of r^-1/2 is 2 R^-1/2. The faces open by sqrt(r) exactly."""
     sample = stub(build, angle, at_end, spacing)
     material, u = plane_elasticity(1.0, POISSON, plane), near_field(sample, K_I, K_II, plane)
     means = []
@@ -81,10 +76,7 @@ def test_rays_mean_and_faces_of_the_near_field(
 
 
 def test_rays_are_blind_behind_any_of_many_cracks(build) -> None:
-    """Of uniform stress a tip's rays see the part of them up to what they meet, others its root.
-
-    The disc ends on the rim alone.
-    """
+    """Of uniform stress a tip's rays see the part up to what they meet, others its root; discs end on rims alone."""
     sample = build.field_of_cracks(3)
     cover = sample.cover
     u = np.zeros((cover.n_functions, 2))

@@ -56,11 +56,6 @@ def advance(
     return advance_tips(before, start, chosen, made_up), len(solves)
 
 
-def unasked(_: Cracks) -> StepSolution:
-    """Explicit directions need no solves."""
-    raise AssertionError
-
-
 def kinks_of(found: AfterAdvance) -> list[float]:
     kinks = np.rad2deg(kink_angles(found.cracks[0].crack.points))
     return [float(-kinks[0]), float(kinks[-1])] if len(kinks) == 2 else kinks.tolist()
@@ -131,7 +126,7 @@ def test_two_tips_that_meet_in_the_same_step_join(gap: float, who: str) -> None:
     """Increments of 2 mm: b meets what a has just made, or a meets b's tip, which then stays. Both tips end there."""
     solution = facing(gap)
     before = BeforeAdvance(solution.scene, solution.configuration.cracks, 1)
-    found = advance_tips(before, solution, np.arange(4), unasked)
+    found = advance_tips(before, solution, np.arange(4), pytest.fail)  # explicit directions need no solves
     told = {"a": ("a", "end", "crack 'b'"), "b": ("b", "start", "crack 'a'")}
     first, second = ((event.crack, event.tip, event.met) for event in found.events)
     assert first == told.pop(who)

@@ -34,7 +34,6 @@ supports:
 loads:
   - {on: {body: cap, edge: top}, traction: [SHEAR, -3]}
 numerics: {spacing: 5}
-output: {figures: false, frames: none}
 """
 
 
@@ -131,7 +130,6 @@ loads:
   - {on: {edge: left}, traction: [5, 0]}
   - {on: {edge: right}, traction: [-5, 0]}
 numerics: {accuracy: draft}
-output: {frames: none, figures: false}
 """
 
 
@@ -167,17 +165,11 @@ loads: [{on: {body: rock, edge: top}, traction: [3, 10]}]
 """
 
 
-def swing(cells: str) -> float:
-    """Displacement (m) of the middle of the top along it."""
-    solution = crackgrow.solve(read_case(HELD_IN_PART, "held", "held", [f"numerics.{cells}"]))
-    return float(solution.displacement_at([0.0, 0.0299])[0])
-
-
 @pytest.mark.parametrize("accuracy", ["draft", "standard"])
 def test_a_part_of_an_edge_holds_small_cells_no_tighter_than_it_does(accuracy: str) -> None:
-    """Cells outside of the rock are large: fewer functions reach the edge than there are small cells along it.
-
-    Where each of them is held, the rock round both ends is held with them: the block leans by 11 % too little.
-    """
-    swings = [swing(cells) for cells in ("spacing=1.5", f"accuracy={accuracy}")]
-    assert swings[1] == pytest.approx(swings[0], rel=0.05)
+    """Cells outside of the rock are large: where each small cell was held the block leant by 11 % too little."""
+    by_hand, found = (
+        crackgrow.solve(read_case(HELD_IN_PART, "held", "held", [f"numerics.{cells}"])).displacement_at([0.0, 0.0299])
+        for cells in ("spacing=1.5", f"accuracy={accuracy}")
+    )
+    assert found[0] == pytest.approx(by_hand[0], rel=0.05)

@@ -17,7 +17,6 @@ from tests.scenes import shipped_case, specimen
 from tests.whole_run import whole_run
 
 MM = 1e-3
-QUIET = ("output.frames=none", "output.figures=false")
 
 
 def straight(center: tuple[float, float], length: float, angle: float, **more: Any) -> dict[str, Any]:
@@ -164,7 +163,7 @@ def test_a_tip_that_has_met_a_crack_stays_and_the_other_goes_on(tips: str) -> No
 
 def test_a_history_is_gone_through_on_one_factorization() -> None:
     """Without growth; it slips back only below a factor of 1/3."""
-    case = shipped_case("cyclic_friction", [*QUIET, "numerics.spacing=4", "loading.history=[0.5, 1.0, 0.2]"])
+    case = shipped_case("cyclic_friction", ["numerics.spacing=4", "loading.history=[0.5, 1.0, 0.2]"])
     results, end = whole_run(case)
     assert [result.load_factor for result in results] == [0.5, 1.0, 0.2]
     assert [result.factorizations for result in results] == [1, 0, 0]
@@ -176,7 +175,7 @@ def test_a_history_is_gone_through_on_one_factorization() -> None:
 
 def test_with_growth_every_step_goes_through_the_history_to_its_last_factor() -> None:
     """Loaded to 2 and back to 1 the stuck crack holds more slip than one that is loaded to 1."""
-    settings = (*QUIET, "numerics.spacing=3", "growth.tip_stress.radius=2", "cracks.flaw.contact.friction=0.3")
+    settings = ("numerics.spacing=3", "growth.tip_stress.radius=2", "cracks.flaw.contact.friction=0.3")
     results, _ = whole_run(shipped_case("compression30", [*settings, "growth.steps=1", "loading.history=[2, 1]"]))
     assert [result.load_factor for result in results] == [1.0, 1.0]
     direct = next(grow(shipped_case("compression30", [*settings, "loading.history=[1]"])))

@@ -106,11 +106,12 @@ WET = {"crack": "wet", "pressure": 2}
         ([[5, -20], [-5, 20]], ["crack 'joint' at crack 'wet'"]),
         ([[0, 1], [0, 20]], []),
     ],
-    ids=["T", "crossing", "apart"],
 )
 def test_a_joint_that_a_pressurised_crack_meets_stays_dry(path: list[list[float]], places: list[str]):
     cracks = joints(wet=[[-20, 0], [20, 0]], joint=path)
     assert dry(scene([WET], cracks=cracks)) == places
+    warnings = crackgrow.solve(scene([WET], cracks=cracks)).result.warnings
+    assert any("stays dry" in words for words in warnings) == bool(places)
     for load in ({**WET, "crack": "joint"}, {"crack": "joint", "pressure": 0}):
         assert dry(scene([WET, load], cracks=cracks)) == []
     assert dry(scene([{**WET, "pressure": "abs(x)"}], cracks=cracks)) == []  # none where they meet

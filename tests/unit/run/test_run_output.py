@@ -13,12 +13,12 @@ from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import OutputMesh, make_frame, output_mesh
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loop import grow, solved_steps
-from crackgrow.run.result import Frame, History
+from crackgrow.run.result import Frame
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
 from tests.solving import face_vertices, solve_case
-from tests.whole_run import steps_of, whole_run
+from tests.whole_run import seen, steps_of, whole_run
 
 NEAR = 1e-9
 """m: vertices lie on a grid of 1e-12 m; no two of them are nearer than 1e-6 m here."""
@@ -173,54 +173,36 @@ FLAW_ON_ITS_WAY = (
     "cracks.flaw.contact.friction=0.3",
     "cracks.flaw.contact.cohesion=2",
     "output.points={mouth: {crack: flaw, at: [0, 0]}}",
-    "output.figures=false",
-    "output.frames=none",
 )
 
 
-def histories(text: str, *overrides: str) -> list[History]:
-    found = [result.history for result in steps_of(text, *overrides)]
-    assert all(found)
-    return [history for history in found if history is not None]
-
-
-def column(history: History, name: str) -> np.ndarray:
-    return history.values[:, history.columns.index(name)]
-
-
 def test_points_of_a_bar_in_tension_have_its_exact_fields() -> None:
-    for history, factor in zip(histories(BAR), (0.5, -1.0), strict=True):
-        strain = factor * STRESS / YOUNG
-        assert history.load_factor.tolist() == [factor]
-        assert column(history, "corner.u_y") == pytest.approx([0.04 * strain], rel=1e-9)
-        assert column(history, "corner.u_x") == pytest.approx([-0.25 * 0.01 * strain], rel=1e-9)
-        assert column(history, "corner.stress_yy") == pytest.approx([factor * STRESS], rel=1e-9)
-        assert column(history, "corner.stress_xy") == pytest.approx([0.0], abs=1e-3)
-        assert column(history, "gauge.convergence") == pytest.approx([-0.02 * strain], rel=1e-8)
-        assert column(history, "supports.0.force_y") == pytest.approx([-0.02 * factor * STRESS], rel=1e-9)
+    steps, stress = steps_of(BAR), STRESS * np.array([0.5, -1.0])
+    strain = stress / YOUNG
+    exact = {"corner.u_x": -0.25 * 0.01 * strain, "corner.u_y": 0.04 * strain, "corner.stress_yy": stress}
+    exact |= {"supports.0.force_y": -0.02 * stress}
+    for column, values in exact.items():
+        np.testing.assert_allclose(seen(steps, column), values, rtol=1e-9, err_msg=column)
+    np.testing.assert_allclose(seen(steps, "gauge.convergence"), -0.02 * strain, rtol=1e-8)
+    assert np.abs(seen(steps, "corner.stress_xy")).max() < 1e-3
 
 
 def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:
     """A flaw that sticks up to its cohesion and slips: slip lies on the line of one increment to the same load."""
     strong = "bodies.rock.strength={tension: 60, cohesion: 100, friction_angle: 40}"
-    settings = (
-        *FLAW_ON_ITS_WAY,
-        strong,
-        "growth.criterion=max_hoop_stress",
-        "cracks.flaw.contact.cohesion_after_slip=kept",
-    )
+    kept = ("growth.criterion=max_hoop_stress", "cracks.flaw.contact.cohesion_after_slip=kept")
 
-    def under(loading: str) -> History:
-        found = next(grow(shipped_case("compression30", [*settings, f"loading={loading}"]))).history
-        assert found is not None
-        return found
+    def under(loading: str) -> tuple[np.ndarray, np.ndarray]:
+        """Load factors and slip, state by state."""
+        step = next(grow(shipped_case("compression30", [*FLAW_ON_ITS_WAY, strong, *kept, f"loading={loading}"])))
+        assert step.history is not None
+        return step.history.load_factor, seen([step], "mouth.slip")
 
-    rising = under("critical")
-    known = under(f"{{history: [{float(rising.load_factor[-1])!r}]}}")
-    assert len(rising.load_factor) > len(known.load_factor) > 1  # it makes for other loads first
-    assert np.all(np.diff(rising.load_factor) > 0.0)
-    slip = np.interp(rising.load_factor, known.load_factor, column(known, "mouth.slip"))
-    np.testing.assert_allclose(column(rising, "mouth.slip"), slip, rtol=0, atol=1e-7 * np.abs(slip).max())
+    factors, slip = under("critical")
+    known = under(f"{{history: [{float(factors[-1])!r}]}}")
+    assert len(factors) > len(known[0]) > 1  # it makes for other loads first
+    assert np.all(np.diff(factors) > 0.0)
+    np.testing.assert_allclose(slip, np.interp(factors, *known), rtol=0, atol=1e-7 * np.abs(slip).max())
 
 
 @pytest.mark.parametrize("pressed", ["whole", "loose"])

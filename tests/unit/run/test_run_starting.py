@@ -25,8 +25,6 @@ SECOND = (
     "growth.initiation.at=cracks",
     "bodies.rock.strength.cohesion=0.6",
     "growth.advance=all",
-    "output.figures=false",
-    "output.frames=none",
 )
 
 

@@ -93,10 +93,7 @@ def starting(at: str, increment: float) -> list[str]:
 
 
 def short_for_shear(share: float, criterion: str = "directional_strength") -> list[str]:
-    """A toughness in shear with a length that is a share of the flaw.
-
-    K_II is 1 / sqrt(1 + R / L) of the toughness, 2.4 % below it at the limit; where K decides flaws never shear.
-    """
+    """A toughness in shear with a length that is a share of the flaw: K_II is 1 / sqrt(1 + R / L) of it."""
     scene = make_scene(shipped_case(FLAW))
     flaw, rock = scene.case.cracks[0], scene.case.bodies[0]
     assert rock.strength is not None

@@ -1,4 +1,4 @@
-"""Elasticity, supports and loads: Hooke's law, resultants, what edges hold, motions that nothing holds."""
+"""Elasticity, supports and loads: Hooke's law, resultants, what edges hold, free motions, loads that vary."""
 
 from __future__ import annotations
 
@@ -8,16 +8,20 @@ from collections.abc import Sequence
 import numpy as np
 import pytest
 
+from crackgrow.case.formula import CoordinateFormula, parse_formula
+from crackgrow.case.load import read_case
 from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.errors import FreePieceError, GeometryError
+from crackgrow.errors import CaseError, FreePieceError, GeometryError
 from crackgrow.solid.elasticity import energy_components, plane_elasticity
+from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.recovery import displacement_at
 from crackgrow.solid.rigid_modes import free_motions
 from crackgrow.solid.supports import EdgePoints, constraints, points_along
 from tests.conftest import Build, Sample
+from tests.whole_run import seen, steps_of
 
 E, NU = 70e9, 0.3
 
@@ -40,6 +44,14 @@ def test_energy_components_square_to_the_strain_energy(plane: str) -> None:
     body = np.zeros(2, dtype=np.int64)
     expected = np.einsum("ni,ij,nj->n", stress, np.linalg.inv(material.matrix), stress)
     np.testing.assert_allclose(np.sum(energy_components([material], stress, body) ** 2, axis=1), expected)
+
+
+def test_the_divergence_of_a_stress_that_varies_is_the_force_that_it_puts_on_the_rock() -> None:
+    formulas = tuple(CoordinateFormula(parse_formula(text)) for text in ("x*x", "3*x*y", "x*y"))  # xx, yy, xy
+    places = np.random.default_rng(3).uniform(-5.0, 5.0, (20, 2))
+    x, y = places.T
+    found = InSitu(varying=((2.0, formulas),)).divergence(places, 0.1)
+    np.testing.assert_allclose(found, 2.0 * np.stack([3.0 * x, y + 3.0 * x], axis=1), atol=1e-7)
 
 
 SIDES = {"bottom": 6.0, "right": 5.0, "top": 6.0, "left": 5.0}
@@ -107,6 +119,17 @@ def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
     assert np.all(steps > 1.0 - 1e-9)
     assert np.all(steps < 8.0 + 1e-9)
     assert found.cells.max() < n_cells  # no jumps where cells of two sizes meet
+
+
+def test_a_stretch_between_edge_supports_is_uniform(build) -> None:
+    """Of 0.01 m from left to right, on rollers: free sides contract by Poisson's ratio."""
+    sample, held = build.block((6, 5), support=2.0), {"left": (0.0, None), "right": (0.01, None), "bottom": (None, 0.0)}
+    u = sample.solve([EdgeSupport(build.edge(edge), given) for edge, given in held.items()], {}, 8)
+    metres = np.random.default_rng(50).uniform((0.5, 0.5), (6.5, 5.5), (200, 2))
+    points = sample.lattice.to_lattice(metres)
+    found = displacement_at(sample.cover, u, points, locate(sample.lattice, sample.cover.elements, points))
+    exact = (metres - 0.5) * (1.0, -sample.material.c12 / sample.material.c11) * 0.01 / 6.0
+    assert np.abs(found - exact).max() < 3e-6 * 0.01
 
 
 def test_constraint_rows_average_the_displacement_of_the_edge(build) -> None:
@@ -181,3 +204,91 @@ def test_loads_that_balance_by_themselves_pull_at_no_motion(build: type[Build]) 
     assert not pull(tractions).any()
     tractions["top"] = (0.3, -1.0 - 1e-9)
     assert pull(tractions).any()
+
+
+BEAM = """
+title: pure bending
+plane: stress
+units: {length: mm, stress: MPa}
+bodies: {beam: {shape: {rectangle: {center: [0, 0], width: 80, height: 20}}, material: {young: 1000, poisson: 0.25}}}
+supports:
+  - {at: [0, 0], displacement: {x: 0, y: 0}}
+  - {at: [30, 0], displacement: {y: 0}}
+loads:
+  - {on: {body: beam, edge: right}, traction: ["0.1*y", 0]}
+  - {on: {body: beam, edge: left}, traction: ["-0.1*y", 0]}
+numerics: {spacing: 2}
+output: {frames: none, figures: false, points: {lower: {at: [10, -10]}, upper: {at: [-7, 6]}}}
+"""
+
+CRACKED = """
+title: a crack under a pressure that varies along it
+plane: strain
+bodies: {rock: {shape: {rectangle: {center: [0, 0], width: 0.4, height: 0.4}}, material: {young: 1e10, poisson: 0.2}}}
+cracks: {flaw: {path: {center: [0, 0], length: 0.04, angle: 0}, contact: none}}
+supports:
+  - {at: [-0.2, -0.2], displacement: {x: 0, y: 0}}
+  - {at: [0.2, -0.2], displacement: {y: 0}}
+loads: [{crack: flaw, pressure: "1e6*(1 + x/0.02)"}]
+numerics: {spacing: 0.005, refine: {tips: 1}}
+output: {frames: none, figures: false}
+"""
+
+PUSHED = """
+title: a block that a point pushes
+plane: strain
+bodies: {rock: {shape: {rectangle: {center: [0, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0.2}}}
+supports: [{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]
+loads: [{at: [0.1, 1], force: [2 kN/m, -5000 N/m]}]
+numerics: {spacing: 0.1}
+output: {frames: none, figures: false, points: {side: {at: [-0.5, 0.5]}}}
+"""
+
+
+@pytest.mark.physics
+def test_tractions_that_vary_along_an_edge_bend_a_beam() -> None:
+    """sigma_xx = 0.1 MPa/mm y everywhere, in a case in mm and MPa."""
+    steps = steps_of(BEAM)
+    assert seen(steps, "lower.stress_xx") == pytest.approx(-1e6, rel=0.01)
+    assert seen(steps, "upper.stress_xx") == pytest.approx(0.6e6, rel=0.01)
+    assert np.abs(seen(steps, "upper.stress_xy")).max() < 1e4
+    for reaction in steps[0].reactions:
+        assert np.hypot(*reaction.force) < 1e-3
+
+
+@pytest.mark.physics
+def test_pressure_that_varies_along_a_crack_has_the_K_of_the_closed_form() -> None:
+    """p (1 + x/a): K_I = p sqrt(pi a) (F +- 1/2) at the two tips; F = 1.014 in a square plate ten times as wide."""
+    (result,) = steps_of(CRACKED)
+    K = 1e6 * np.sqrt(np.pi * 0.02)
+    by_tip = {tip.tip: tip.K_I for tip in result.tips}
+    assert by_tip["end"] == pytest.approx(1.514 * K, rel=0.003)
+    assert by_tip["start"] == pytest.approx(0.514 * K, rel=0.003)
+
+
+@pytest.mark.physics
+def test_force_at_a_point_is_from_afar_a_traction_on_a_short_edge() -> None:
+    edge = "{on: {body: rock, edge: top, from: 0.05, to: 0.15}, traction: [20 kPa, -50 kPa]}"
+    point = PUSHED.split("loads: [")[1].split("]\nnum")[0]
+    steps, other = steps_of(PUSHED), steps_of(PUSHED.replace(point, edge))
+    assert steps[0].reactions[0].force == pytest.approx((-2000.0, 5000.0), rel=1e-9)
+    assert any("acts on a point" in text for text in steps[0].warnings)
+    for column in ("side.u_x", "side.u_y", "side.stress_yy"):
+        np.testing.assert_allclose(seen(steps, column), seen(other, column), rtol=0.02)
+
+
+@pytest.mark.parametrize(
+    ("text", "old", "new", "key", "words"),
+    [
+        (BEAM, '["0.1*y", 0]', '["1/y", 0]', "loads.0.traction.0", "no finite value at"),
+        (BEAM, '["0.1*y", 0]', '["0.1 mm", 0]', "loads.0.traction.0", "has a unit of length"),
+        (CRACKED, '"1e6*(1 + x/0.02)"', '"log(x)"', "loads.0.pressure", "no finite value at"),
+        (PUSHED, "at: [0.1, 1]", "at: [0.1, 1.2]", "loads.0.at", "outside of body 'rock', 0.2 m from it"),
+        (PUSHED, "2 kN/m", "2 kPa", "loads.0.force.0", "has a unit of stress"),
+    ],
+)
+def test_faults(text: str, old: str, new: str, key: str, words: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        read_case(text.replace(old, new), "scene", "scene")
+    fault = next(fault for fault in caught.value.faults if fault.key == key)
+    assert words in fault.message
