@@ -11,10 +11,8 @@ import pytest
 
 from crackgrow.case import dump_case, load_case
 from crackgrow.case.json_schema import case_schema
-from crackgrow.errors import CaseError
-from crackgrow.study.sweep_file import read_sweep_file
 from tests.scenes import fault_of
-from tests.unit.case.scenes import CASES, FILE, held, rectangle, text_of, with_body
+from tests.unit.case.scenes import FILE, held, rectangle, text_of, with_body
 
 COMPRESSION = FILE.read_bytes()
 
@@ -90,15 +88,6 @@ def test_aliases_stand_for_values_of_their_own(tmp_path: Path):
     shared = COMPRESSION.replace(b"contact:   ", b"contact: &law  ").replace(b"supports:", other)
     cracks = load_case(written(tmp_path, shared), ["cracks.other.contact.friction=0.3"]).cracks
     assert [crack.contact.friction for crack in cracks] == [0.0, 0.3]
-
-
-def test_a_file_of_the_other_kind_is_told_in_a_line():
-    assert fault_of(CASES / "sweeps" / "angle_friction.yaml").message.startswith("this is a sweep file, not a case:")
-    assert fault_of(CASES / "fits" / "rough_joint.yaml").message.startswith(
-        "this is a fit file, not a case: `crackgrow fit"
-    )
-    with pytest.raises(CaseError, match="this is a case, not a sweep file"):
-        read_sweep_file(FILE)
 
 
 # --- `base` and `set` ------------------------------------------------------------------------------------------------
