@@ -1,13 +1,12 @@
 """Stated errors against truths: scenes x accuracies -> error, expected, bound, unknowns, CPU, of every quantity.
 
-    python -m tests.benchmarks.errors [--accuracy standard ...] [--wings SEED ...] [--growing N] [--write] [SCENE ...]
+    python -m tests.benchmarks.errors [--accuracy standard ...] [--wings SEED ...] [--write] [SCENE ...]
 
 With --write tests/benchmarks/errors.md is made anew, else all is printed.
 
-Scenes are those of `target_scenes`, whose K is exact or from references, shipped cases, cracks with random wings, and
-the growing scenes at random of tests/stability: holes, disks, blocks, fluid, friction, cohesion, dilation. Other truths
-are of cells three levels finer at features and one in theta, for the cracks and the load of the step, and good to what
-they differ by from two levels. The first and the last step of a run count, the tenth at most.
+Scenes are those of `target_scenes`, whose K is exact or from references, shipped cases, and cracks with random wings.
+Other truths are of cells three levels finer at features and one in theta, for the cracks and the load of the step, and
+good to what they differ by from two levels. The first and the last step of a run count, the tenth at most.
 """
 
 from __future__ import annotations
@@ -35,7 +34,6 @@ from crackgrow.run.target import quantities
 from tests.benchmarks.tables import HERE, table
 from tests.benchmarks.target_scenes import SCENES, Known
 from tests.scenes import plate
-from tests.stability.growing_scenes import growing_scene
 from tests.verification.solutions import CASES
 
 MOST_STEPS = 10
@@ -118,14 +116,13 @@ def wings(seed: int, count: int = 40) -> Iterator[tuple[str, dict[str, Any]]]:
         yield f"wings {seed}.{number}: friction {friction:g}, lateral {lateral:g}", case
 
 
-def all_scenes(seeds: Sequence[int], n_growing: int) -> Iterator[tuple[str, Callable[[], Entry]]]:
+def all_scenes(seeds: Sequence[int]) -> Iterator[tuple[str, Callable[[], Entry]]]:
     """All scenes by name."""
     for name, make in SCENES.items():
         yield name, partial(_known, make)
     for name in SHIPPED:
         yield name, partial(Entry, partial(_shipped, name))
-    made = [each for seed in seeds for each in wings(seed)]
-    for name, scene in (*made, *((scene["title"], scene) for scene in map(growing_scene, range(n_growing)))):
+    for name, scene in (each for seed in seeds for each in wings(seed)):
         yield name, partial(Entry, partial(_case, scene))
 
 
@@ -136,8 +133,6 @@ def _known(make: Callable[[], Known]) -> Entry:
 
 
 def _case(scene: dict[str, Any], accuracy: str) -> Case:
-    if "growth" in scene:
-        scene = {**scene, "growth": {**scene["growth"], "steps": min(scene["growth"]["steps"], MOST_STEPS)}}
     return Case.from_dict({**scene, "numerics": {"accuracy": accuracy}})
 
 
@@ -265,11 +260,10 @@ def main(given: Sequence[str] | None = None) -> None:
     parser.add_argument("only", nargs="*", metavar="SCENE", help="scenes whose names contain one of these")
     parser.add_argument("--accuracy", nargs="+", default=["standard"])
     parser.add_argument("--wings", nargs="*", type=int, default=[], metavar="SEED", help="of cracks with random wings")
-    parser.add_argument("--growing", type=int, default=0, metavar="N", help="random growing scenes")
     parser.add_argument("--write", action="store_true", help="write errors.md")
     asked: Any = parser.parse_args(given)
     found: list[Row] = []
-    for name, make in all_scenes(asked.wings, asked.growing):
+    for name, make in all_scenes(asked.wings):
         if asked.only and not any(part in name for part in asked.only):
             continue
         for accuracy in asked.accuracy:

@@ -12,7 +12,7 @@ import pytest
 from crackgrow import solve
 from crackgrow.case import Case, dump_case
 from crackgrow.case.load import read_case
-from crackgrow.case.model import Body, FarField
+from crackgrow.case.model import FarField
 from crackgrow.errors import CaseError
 from tests.unit.case.scenes import (
     EVERYTHING,
@@ -29,38 +29,15 @@ from tests.unit.case.scenes import (
     with_body,
 )
 
-SQUARE = [[0, 0], [4, 0], [4, 3], [0, 3]]
-DISK = {"disk": {"center": [1, 2], "radius": 3}}
 
-
-def held_at(scene: dict[str, Any], x: float, y: float) -> dict[str, Any]:
-    """The scene with its body held at two points near one in it."""
-    given = ((x, {"x": 0, "y": 0}), (x + 0.1, {"y": 0}))
-    return changed(scene, supports=[{"at": [along, y], "displacement": components} for along, components in given])
-
-
-def body_of(tmp_path: Path, scene: dict[str, Any], x: float = 2, y: float = 1) -> Body:
-    return load(tmp_path, held_at(scene, x, y)).bodies[0]
-
-
-def test_disk(tmp_path: Path):
-    body = body_of(tmp_path, with_body(DISK), 1, 2)
-    rays = np.deg2rad(np.arange(360))
-    expected = np.column_stack([1 + 3 * np.cos(rays), 2 + 3 * np.sin(rays)])
-    np.testing.assert_allclose(body.outline, expected, atol=1e-15 * 6)  # cos, product and sum round
-    assert set(body.rings[0].edge_names) == {"arc"}
-
-
-def test_holes_run_clockwise(tmp_path: Path):
-    holes = [rectangle(1, 1, 1, 0.5), {"polygon": [[3, 1], [3.5, 1.5], [3.5, 1]]}]
-    holes.append({"disk": {"center": [1, 2.5], "radius": 0.25}})
-    _, first, second, third = body_of(tmp_path, with_body({"polygon": SQUARE, "holes": holes}), 2.5, 1).rings
-    assert first.points.tolist() == [[1, 1], [1, 1.5], [2, 1.5], [2, 1]]
-    assert second.points.tolist() == [[3, 1], [3.5, 1.5], [3.5, 1]]
-    assert (first.edge_names, second.edge_names) == (("hole0",) * 4, ("hole1",) * 3)
-    assert third.edge_names == ("hole2",) * 360
-    rays = np.deg2rad(-np.arange(360))
-    np.testing.assert_allclose(third.points, [1, 2.5] + 0.25 * np.stack([np.cos(rays), np.sin(rays)], 1), atol=1e-15)
+def test_disks_run_counter_clockwise_and_as_holes_clockwise(tmp_path: Path):
+    shape = {"disk": {"center": [1, 2], "radius": 3}, "holes": [{"disk": {"center": [1, 2.5], "radius": 0.25}}]}
+    outline, hole = load(tmp_path, {**with_body(shape), "supports": "minimal"}).bodies[0].rings
+    for ring, name, middle, radius, way in ((outline, "arc", [1, 2], 3.0, 1), (hole, "hole0", [1, 2.5], 0.25, -1)):
+        rays = np.deg2rad(way * np.arange(360))
+        expected = middle + radius * np.stack([np.cos(rays), np.sin(rays)], axis=1)
+        np.testing.assert_allclose(ring.points, expected, atol=1e-15 * 6)  # cos, product and sum round
+        assert set(ring.edge_names) == {name}
 
 
 def test_names_of_what_is_no_file_of_an_outline(tmp_path: Path):

@@ -1,4 +1,4 @@
-"""Cracks: in which body they lie, where they meet and end, and what nearly touches, which is brought together."""
+"""Cracks: where they meet and end, what nearly touches, which is brought together, arcs and splines."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ import crackgrow
 from crackgrow.case.segments import meeting_places
 from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
-    EVERYTHING,
     blocks,
     changed,
     compression,
@@ -23,31 +22,13 @@ from tests.unit.case.scenes import (
     load,
     rectangle,
     reread,
-    two_blocks,
     with_body,
 )
-
-# --- the body of a crack ---------------------------------------------------------------------------------------------
-
-
-def cracked(scene: dict[str, Any], points: list[list[float]], tips: str = "none") -> dict[str, Any]:
-    return changed(scene, cracks={"flaw": {"path": {"points": points}, "tips": tips, "contact": "none"}})
-
-
-def test_only_bodies_whose_cracks_can_grow_need_a_strength(tmp_path: Path):
-    growth = {key: value for key, value in EVERYTHING["growth"].items() if key != "direction"}
-    scene = changed(two_blocks(), growth={**growth, "tip_stress": {"radius": 0.1}})
-    assert fault(tmp_path, cracked(scene, [[1, 3], [2, 3]], "start"))[0] == "bodies.top.strength"
-    assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "none")).bodies[1].strength is None
-    scene["bodies"]["top"]["strength"] = {"tension": 1, "cohesion": 9, "friction_angle": 30}
-    assert load(tmp_path, cracked(scene, [[1, 3], [2, 3]], "start")).bodies[0].strength is None
-
 
 # --- cracks that meet ------------------------------------------------------------------------------------------------
 
 SIZE = 10.0 * np.sqrt(2.0)  # m, diagonal of the plate
 TOLERANCE = 1e-9 * SIZE  # m; rounding: places no farther apart are one
-REACH = 1e-5 * SIZE  # m; what comes nearer is moved together
 Line = tuple[list[list[float]], str]
 
 
@@ -57,9 +38,6 @@ def plate(**cracks: Line) -> dict[str, Any]:
         name: {"path": {"points": points}, "tips": tips, "contact": "none"} for name, (points, tips) in cracks.items()
     }
     return {**with_body(rectangle(-5, -5, 10, 10)), "supports": held("rock"), "units": {"length": "m"}, "cracks": named}
-
-
-MAIN: Line = ([[-2, 0], [2, 0]], "both")
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.3, 1.5])

@@ -11,10 +11,8 @@ import pytest
 
 from crackgrow.case import dump_case, load_case
 from crackgrow.case.json_schema import case_schema
-from crackgrow.errors import CaseError
-from crackgrow.study.sweep_file import read_sweep_file
 from tests.scenes import fault_of
-from tests.unit.case.scenes import CASES, FILE, held, rectangle, text_of, with_body
+from tests.unit.case.scenes import FILE, held, rectangle, text_of, with_body
 
 COMPRESSION = FILE.read_bytes()
 
@@ -43,15 +41,8 @@ DEEP = b"".join(b"a%d: &a%d [*a%d]\n" % (n, n, n - 1) for n in range(1, 60))
 
 
 @pytest.mark.parametrize(("data", "line", "words"), [
-    (b"", 1, "the file is empty"),
     (b"\xff\xfe\x00", 1, "not a text in UTF-8"),
     (b"a: 1\nb: \xe9\n", 2, "not a text in UTF-8"),
-    (b"a: 1\nb: \x00\n", 2, "'\\x00' is not allowed"),
-    (b"a: 'open\n", 2, "not valid YAML"),
-    (b'a: "\\U00ffffff"\n', 1, "not valid YAML"),
-    (b"%YAML 9.9\n---\na: 1\n", 1, "not valid YAML"),
-    (b"plain words\n", 1, "holds no mapping"),
-    (b"*me\n", 1, "alias *me: no value before it has the anchor &me"),
     (b"!!python/object/apply:os.system ['exit 3']\n", 1, "is not allowed"),
     (b"\n" + b"[" * 10_000, 2, "nested deeper than"),
     (b"a0: &a0 [x, x]\n" + PAIRS, None, "more than 100,000 values"),
@@ -90,15 +81,6 @@ def test_aliases_stand_for_values_of_their_own(tmp_path: Path):
     shared = COMPRESSION.replace(b"contact:   ", b"contact: &law  ").replace(b"supports:", other)
     cracks = load_case(written(tmp_path, shared), ["cracks.other.contact.friction=0.3"]).cracks
     assert [crack.contact.friction for crack in cracks] == [0.0, 0.3]
-
-
-def test_a_file_of_the_other_kind_is_told_in_a_line():
-    assert fault_of(CASES / "sweeps" / "angle_friction.yaml").message.startswith("this is a sweep file, not a case:")
-    assert fault_of(CASES / "fits" / "rough_joint.yaml").message.startswith(
-        "this is a fit file, not a case: `crackgrow fit"
-    )
-    with pytest.raises(CaseError, match="this is a case, not a sweep file"):
-        read_sweep_file(FILE)
 
 
 # --- `base` and `set` ------------------------------------------------------------------------------------------------

@@ -111,36 +111,6 @@ def test_a_case_is_not_changed_from_outside():
     assert dump_case(case) == text
 
 
-# --- short forms -----------------------------------------------------------------------------------------------------
-
-AT, SPACING = "growth.initiation.at", "growth.initiation.spacing"
-OUTLINES = [f"{AT}=outlines", f"{SPACING}=5"]
-HELD = "supports=[{{on: {}, displacement: {}}}]"
-
-
-@pytest.mark.parametrize(("short", "long"), [
-    (["cracks.flaw.path=[[0, 0], [5, 5]]"], ["cracks.flaw.path={points: [[0, 0], [5, 5]]}"]),
-    (["loading=[0.5, 1]"], ["loading={history: [0.5, 1]}"]),
-    (["growth.tip_stress=2"], ["growth.tip_stress={radius: 2}"]),
-    # other units
-    (["cracks.flaw.path.length=0.5 in"], ["cracks.flaw.path.length=12.7"]),
-    (["cracks.flaw.path.length=0.04 ft"], ["cracks.flaw.path.length=12.192"]),
-    (["loads.0.traction=[0, -1000 psi]"], ["loads.0.traction=[0, -6.894757293168361]"]),
-    (["loads.0.traction=[0, -1 ksi]"], ["loads.0.traction=[0, -6.894757293168361]"]),
-    # vectors as lists and as mappings; the only body need not be named
-    ([HELD.format("{edge: bottom}", "[0, 0.1*x]")], [HELD.format("{body: rock, edge: bottom}", "{x: 0, y: 0.1*x}")]),
-    (["loads.0={on: {edge: top}, traction: {y: -1, x: 2*x}}"],
-     ["loads.0={on: {body: rock, edge: top}, traction: [2*x, -1]}"]),
-    (["loads.0={stress: [-1, -2, 0]}"], ["loads.0={body: rock, stress: [-1, -2, 0]}"]),
-    # a word alone says where cracks start, and takes an override of a key inside
-    *(([f"growth.initiation={at}"], [f"{AT}={at}"]) for at in ("tips", "ends", "cracks", "outlines", "anywhere")),
-    (["growth.initiation=outlines", f"{SPACING}=5"], OUTLINES),
-    (["growth.initiation=ends", *OUTLINES], OUTLINES),
-])  # fmt: skip
-def test_short_forms_mean_what_the_long_ones_do(short: list[str], long: list[str]):
-    assert dump_case(compression(*short)) == dump_case(compression(*long))
-
-
 # --- cases from mappings ---------------------------------------------------------------------------------------------
 
 PLATE = {**with_body(rectangle(0, 0, 4, 6)), "supports": held("rock"), "numerics": {"spacing": "auto"}}

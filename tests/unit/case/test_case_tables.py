@@ -113,7 +113,7 @@ def assert_alike(found: Any, wanted: Any, within: float) -> None:
         for one, other in zip(found, wanted, strict=True):
             assert_alike(one, other, within)
     elif isinstance(wanted, int | float) and not isinstance(wanted, bool):
-        assert found == pytest.approx(wanted, rel=0.0, abs=within)
+        assert found == pytest.approx(wanted, rel=1e-15, abs=within)
     else:
         assert found == wanted
 
@@ -131,8 +131,9 @@ def test_read(group: dict[str, Any], row: list[Any], tmp_path: Path):
     settings, _ = written(group, row[0], tmp_path)
     case = load_case(tmp_path / "scene.yaml", settings)
     for name, wanted in (dict(zip(group.get("wanted", ()), row[1:], strict=True)) | group.get("are", {})).items():
-        met = name == "meetings" and meeting_places([crack.points for crack in case.cracks], 1e-8)
-        assert_alike(met if name == "meetings" else at(case, name), wanted, group.get("within", 1e-15))
+        meetings = meeting_places([crack.points for crack in case.cracks], 1e-8)
+        found = meetings.tolist() if name == "meetings" else at(case, name)
+        assert_alike(found, wanted, 1.4e-8 if name == "meetings" else group.get("within", 1e-15))
     (tmp_path / "elsewhere").mkdir()
     told: dict[str, Any] = {"moved": (), "cut": ()}  # of what was brought together when it was read first
     assert same(replace(reread(case, tmp_path / "elsewhere"), **told), replace(case, **told))

@@ -175,10 +175,3 @@ def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(
     assert cli.main([*run, "--resume"]) == 0
     for name in ("tips.csv", "paths.csv", "events.csv", "contact.csv"):
         assert (files[1].parent / "out" / name).read_text() == (tmp_path / name).read_text()
-
-
-def test_a_map_far_away_without_an_origin_names_the_key(tmp_path: Path) -> None:
-    with pytest.raises(crackgrow.CaseError) as caught:
-        load_case(write(tmp_path / "far", *ORIGIN))
-    (fault,) = [fault for fault in caught.value.faults if "too far" in fault.message]
-    assert "give the map an origin near it, such as `units: {origin: [466000, 6700000]}`" in fault.message

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -51,22 +50,19 @@ def test_a_straight_line_is_that_of_linear_regression_with_its_intervals(unit: f
     assert (told.n_runs, told.at_end) == (7, ())
 
 
-def test_keys_that_a_curve_does_not_tell_apart_are_told_and_so_is_the_end_of_a_range() -> None:
+def test_what_a_fit_cannot_tell_is_told(recwarn: pytest.WarningsRecorder) -> None:
+    """Keys that a curve does not tell apart or depend on, and the end of a range; without misfit nothing correlates."""
     one = Range(0.0, 1.0, "mm", None, log=False)
-    plan = plan_of(np.zeros((9, 2)), a=one, b=one)
+    plan, half, ones = plan_of(np.zeros((9, 2)), a=one, b=one), np.full(2, 0.5), np.ones(9)
     with pytest.raises(SolveError, match="does not tell the keys apart a, b"):
-        _fit_of(plan, np.full(2, 0.5), np.ones(9), np.ones((9, 2)), 1, True)
-    alone = replace(plan, file=replace(plan.file, parameters={"a": one}))
+        _fit_of(plan, half, ones, np.ones((9, 2)), 1, True)
+    told = str(_fit_of(plan, half, np.zeros(9), np.eye(9, 2), 1, True))
+    assert told == "a = 0.5 +- 0 mm (95 %)\nb = 0.5 +- 0 mm (95 %)\nresiduals of 0, 1 run"
+    alone = plan_of(np.zeros((9, 2)), a=one)
     with pytest.raises(SolveError, match="does not depend on the key a"):
-        _fit_of(alone, np.full(1, 0.5), np.ones(9), np.zeros((9, 1)), 1, True)
-    words = str(_fit_of(alone, np.zeros(1), np.ones(9), np.ones((9, 1)), 1, True))
+        _fit_of(alone, half[:1], ones, np.zeros((9, 1)), 1, True)
+    words = str(_fit_of(alone, np.zeros(1), ones, np.ones((9, 1)), 1, True))
     assert words.startswith("a = 0 +- 0.82 mm (95 %)\na is at an end of its range")  # t(8) sqrt(9/8) / 3
-
-
-def test_points_without_misfit_have_no_correlation(recwarn: pytest.WarningsRecorder) -> None:
-    one = Range(0.0, 1.0, "", None, log=False)
-    found = _fit_of(plan_of(np.zeros((9, 2)), a=one, b=one), np.full(2, 0.5), np.zeros(9), np.eye(9, 2), 1, True)
-    assert str(found) == "a = 0.5 +- 0 (95 %)\nb = 0.5 +- 0 (95 %)\nresiduals of 0, 1 run"
     assert not recwarn.list
 
 

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from crackgrow.errors import CaseError
 from crackgrow.study.plan import folder_names
 from crackgrow.study.sweep import combinations, plan_sweep
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
@@ -25,13 +24,6 @@ def written(folder: Path, text: str, base: Path = FLAW) -> Path:
 
 def read(folder: Path, text: str) -> SweepFile:
     return read_sweep_file(written(folder, text))
-
-
-def faults(folder: Path, text: str) -> list[str]:
-    """What is said of a file, without its folder."""
-    with pytest.raises(CaseError) as caught:
-        plan_sweep(written(folder, text))
-    return [str(fault).removeprefix(f"{folder}/") for fault in caught.value.faults]
 
 
 @pytest.mark.parametrize(("text", "expected"), [
@@ -70,32 +62,6 @@ parameters:
     assert advance.count("all") == advance.count("most_critical") == n // 2
     assert combinations(file) == combinations(read(tmp_path, text))
     assert combinations(file) != combinations(read(tmp_path, text.replace("seed: 3", "seed: 4")))
-
-
-def test_all_faults_of_a_file_are_told_at_once_with_their_lines(tmp_path: Path):
-    text = f"""parametres: {{}}
-parameters:
-  {ANGLE}: []
-  {FRICTION}: {{from: 0, to: 0.5, m: 3}}
-  numerics.spacing: {{from: 1 mm, to: 2, n: 2}}
-  numerics.support: {{from: 0, to: 2, n: 2, scale: log}}
-desing: zip
-output: {{frames: never}}
-"""
-    told = faults(tmp_path, text)
-    starts = [
-        "study.yaml:2: parametres: unknown key",
-        f"study.yaml:4: parameters.{ANGLE}: an empty list given",
-        f"study.yaml:5: parameters.{FRICTION}.m: unknown key",
-        "study.yaml:6: parameters.numerics.spacing: from has the unit 'mm', to has ''",
-        "study.yaml:7: parameters.numerics.support: scale: log needs",
-        "study.yaml:8: desing: unknown key",
-        "study.yaml:9: output.frames: 'never' given; wanted:",
-    ]
-    assert len(told) == len(starts)
-    for line, start in zip(told, starts, strict=True):
-        assert line.startswith(start)
-    assert told[5].endswith("did you mean 'design'?")
 
 
 def test_refused_combinations_are_part_of_the_plan_with_their_reason(tmp_path: Path):
