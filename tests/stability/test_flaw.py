@@ -13,7 +13,9 @@ import pytest
 from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats
+from crackgrow.case import load_case
 from crackgrow.case.model import Case
+from crackgrow.contact.coulomb import STICK
 from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.scene import make_scene
@@ -21,6 +23,8 @@ from tests.one_size import one_size
 from tests.scenes import shipped_case
 from tests.solving import solve_case
 from tests.verification.slit_body import closed_plate
+from tests.verification.solutions import REFERENCES
+from tests.whole_run import whole_run
 
 QUIET = ("output.frames=none", "output.figures=false", "growth.steps=0")
 HALF_LENGTH, WIDTH, HEIGHT = 5e-3, 31e-3, 55e-3  # m
@@ -211,3 +215,19 @@ def test_repeated_vertices_and_segments_of_no_length_are_left_out_and_told() -> 
     np.testing.assert_array_equal(K(solve_case(scene)), K(solve_case(case("numerics.spacing=3", clean))))
     assert "crack 'flaw': 3 of its vertices repeat the one before them" in warnings(scene)
     assert "repeat" not in warnings(case("numerics.spacing=3", clean))
+
+
+def stuck(spacing: float) -> Case:
+    """A flaw that sticks everywhere under a pressure that varies along it: K_I = K_II = 0."""
+    return load_case(REFERENCES / "stuck_flaw.yaml", [f"numerics.spacing={spacing}"])
+
+
+def test_a_flaw_that_sticks_everywhere_does_not_grow_and_its_K_falls_with_the_spacing() -> None:
+    """Contact holds on average along the faces: what is left of K is zero in the limit."""
+    results, end = whole_run(stuck(3.0))
+    assert (end.status, len(results)) == ("arrested", 1)
+    assert (results[0].contact.state == STICK).all()
+    found = [float(np.hypot(*K(solve_case(stuck(spacing))).T).max()) for spacing in (3.0, 1.5, 1.0)]
+    assert found[1] < 0.7 * found[0]
+    assert found[2] < 0.7 * found[1]
+    assert found[2] < 0.005 * 97e6 * np.sqrt(np.pi * 7.5e-3)  # of the open crack under the mean pressure

@@ -125,9 +125,10 @@ def test_a_cut_in_stressed_rock_has_the_K_of_pressure_on_its_faces(path: str, ac
 
 
 def test_weight_and_the_stress_that_carries_it_leave_K_of_the_faces() -> None:
-    """sigma_yy = w y + 3e6: its divergence cancels the weight inside of the disc of the integral as well."""
+    """Its divergence cancels the weight w inside of the disc of the integral as well; shear is zero on the faces."""
     weight = 40.0 * WEIGHT  # heavy, so that what is forgotten shows
-    stress = f'{{body: rock, stress: ["{weight!r}*y/2 + 6e6", "{weight!r}*y + 3e6", 0]}}'
+    w = repr(weight)
+    stress = f'{{body: rock, stress: ["{w}*y/2 + 6e6", "{w}*y/2 + 3e6", "{w}*(x - 1)/2"]}}'
     found = K_of(STEEP, stress, "{body: rock, gravity: [0, -392.4]}")
     expected = K_of(STEEP, f'{{crack: flaw, pressure: "{weight!r}*y/2 + 6e6"}}')
     np.testing.assert_allclose(found, expected, rtol=0, atol=2e-4 * np.abs(expected).max())

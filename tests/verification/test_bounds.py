@@ -63,13 +63,12 @@ def is_missed(step: StepResult) -> bool:
     return any(warning.cause is WarningCause.TARGET for warning in step.step_warnings)
 
 
-@pytest.mark.parametrize("number", [4, 22])
-def test_faces_that_touch_next_to_a_tip_are_seen(number: int) -> None:
-    """Wings whose tips are closed over less than a cell: K_I was below zero there, and K_II 1.4 to 2.5 % off.
+def test_faces_that_touch_next_to_a_tip_are_seen() -> None:
+    """Wings whose tips are closed over less than a cell: K_I was below zero there, and K_II 1.4 % off.
 
     Both meshes miss that alike. The truth is that of cells three levels finer.
     """
-    _, scene = [*wings(2)][number]
+    _, scene = [*wings(2)][4]
     ((step, solution),) = solved_steps(Case.from_dict({**scene, "numerics": {"accuracy": "standard"}}))
     levels = tuple(level + 3 for level in solution.scene.grading.cracks or (0,))
     finer = load(solution.scene.with_grading(replace(solution.scene.grading, cracks=levels)), solution.cracks)
@@ -234,8 +233,7 @@ def parting(slope: float, zero: float, accuracy: str, cohesion: float) -> tuple[
     return step, 1e9 * slope * half * np.sqrt(np.pi * half), (5e6 - cohesion) * ROOT + missing
 
 
-@pytest.mark.parametrize("accuracy", ["draft", "1 %", "0.3 %"])
-@pytest.mark.parametrize(("slope", "zero"), [(0.5, 9.8), (0.5, 9.0), (0.2, 9.5)])
+@pytest.mark.parametrize(("slope", "zero", "accuracy"), [(0.2, 9.5, "draft"), (0.5, 9.8, "1 %"), (0.5, 9.0, "0.3 %")])
 def test_cohesion_is_lost_where_faces_part_next_to_a_tip(slope: float, zero: float, accuracy: str) -> None:
     step, K_I, K_II = parting(slope, zero, accuracy, 3e6)
     tip = step.tips[1]

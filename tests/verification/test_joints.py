@@ -268,7 +268,7 @@ def test_a_vein_opens_at_its_tensile_strength_and_then_has_none() -> None:
 #
 # with c and mu at the slip that has been, and the energies by quadrature over that slip.
 
-HEIGHT, CLOSURE, LATERAL = 0.2, 1e-3, 2e6  # m, m, Pa
+HEIGHT, CLOSES, LATERAL = 0.2, 1e-3, 2e6  # m, m, Pa
 SIN, COS = np.sin(np.deg2rad(55.0)), np.cos(np.deg2rad(55.0))
 REACH = 0.05 * SIN / COS  # m: of the joint above and below the middle
 A, B = (1.0 - 0.25**2) / 20e9, 0.25 * 1.25 / 20e9
@@ -367,7 +367,7 @@ def test_it_slides_forth_and_back_as_the_closed_form_does(weakening: float, dila
     found = steps(joint, FORTH_AND_BACK)
     assert len(found) == len(FORTH_AND_BACK)
     for before, factor, result in zip((0.0, *FORTH_AND_BACK), FORTH_AND_BACK, found, strict=False):
-        for d in CLOSURE * np.linspace(before, factor, 50)[1:]:
+        for d in CLOSES * np.linspace(before, factor, 50)[1:]:
             q = joint.press(d)
         assert axial(result) == pytest.approx(q, rel=2e-4)
         np.testing.assert_allclose(np.abs(result.contact.mean_slip), joint.slip, atol=1e-9)
@@ -384,7 +384,7 @@ def test_a_sudden_slip_releases_what_the_weakening_joint_does_not_take(weakening
     (end_step,) = steps(joint, (0.3,))
     peak, residual = joint.sliding(1, 0.0), joint.sliding(1, 1.0)
     onset = joint.closure(peak, 0.0)
-    jump, end = ((d - joint.closure(residual, 0.0)) / (SIN - dilation * COS) for d in (onset, 0.3 * CLOSURE))
+    jump, end = ((d - joint.closure(residual, 0.0)) / (SIN - dilation * COS) for d in (onset, 0.3 * CLOSES))
     slip = np.concatenate([np.linspace(0.0, min(weakening, jump), 2001), np.linspace(min(weakening, jump), jump, 2001)])
     lost = np.minimum(1.0, slip / weakening)
     pressure = (peak + (residual - peak) * slip / jump) * COS**2 + LATERAL * SIN**2
