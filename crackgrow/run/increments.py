@@ -22,7 +22,7 @@ from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.emissions import Course, Moves, released_by, told
 from crackgrow.run.energies import dissipated_on, strain_energy
-from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
+from crackgrow.run.path import MOST_JUMPS, Piece, least_share, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import along_surfaces
@@ -232,9 +232,11 @@ def follow(
         at = from_state(state)
     pieces, jumps = number, 0
     before: Piece | None = None
+    largest = max(abs(start.level.factor), abs(end.factor))
     while not pieces or at.level != end:
         if pieces < MOST_PIECES:
-            piece = next_piece(configuration, at.memory, (at.level, end), jumps, before, open_ended)
+            way, in_part = (at.level, end), open_ended or jumps > 0
+            piece = next_piece(configuration, at.memory, way, least_share(way, largest, jumps), before, in_part)
             state = _stated(configuration, at, piece.states, at.level.towards(end, piece.share), piece.middle)
             before, is_jump = piece if piece.kind == "straight" else None, piece.kind == "jump"
         else:

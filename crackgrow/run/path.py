@@ -28,7 +28,8 @@ Where even the shortest does not lead back points jump at this load: bonds break
 """
 
 RESOLVED = 1e-10
-"""Of the load: pieces are no shorter, as a critical load is found to ten times as much."""
+"""Of the largest load: pieces are no shorter, as a critical load is found to ten times as much. Where a load goes faces
+that have lost their bonds stick, part and slide in turn, at a hundredth of the load each time."""
 
 AT_EVENT = 1e-10
 """Of the share of the way to an event: what its place is good to where strength falls on the way."""
@@ -81,12 +82,6 @@ class _LoadPath:
         """The load after a share of the way."""
         return self.first.towards(self.last, share)
 
-    @property
-    def resolved(self) -> float:
-        """The share of the way below which load factors are one."""
-        low, high = self.first.factor, self.last.factor
-        return RESOLVED * max(abs(low), abs(high)) / abs(high - low) if high != low else 0.0
-
     def at(self, share: float) -> PointStates:
         """The states after one increment to there."""
         return self.configuration.states(self.level(share), self.was, self.near)
@@ -121,19 +116,18 @@ def next_piece(
     configuration: Configuration,
     was: ContactMemory,
     ends: tuple[LoadLevel, LoadLevel],
-    jumps: int,
+    least: float,
     before: Piece | None,
-    open_ended: bool,
+    in_part: bool,
 ) -> Piece:
     """The next piece of a way between two loads.
 
-    It sets out from what `was` at the first load; `jumps` are those in turn that have led there. A straight piece
+    It sets out from what `was` at the first load, and takes the `least` share of the way or more. A straight piece
     `before` ended at an event there: few points have other branches beyond, and where one event was the next is mostly
-    near. Raises SolveError where there are no states at the last load; of a way that is `open_ended`, which nothing may
-    bear up to there, where no branch goes on.
+    near. Raises SolveError where there are no states at the last load; of a way that is gone `in_part`, where no branch
+    goes on: nothing may bear up to its end.
     """
     path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
-    least = min(1.0, max(SHARES[-1] * 10.0**jumps, path.resolved)) if jumps < MOST_JUMPS else 1.0
     law = configuration.contact.law
     if starts_in_proportion(configuration, was, path.first):
         return Piece(path.at(1.0), 1.0, "straight")
@@ -145,7 +139,7 @@ def next_piece(
             path.wear(start) > 0.0 and ((there := path.if_borne(probe)) is None or path.wear(there) > 0.0)
         ):
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
-    for share in (*(share for share in _shares(jumps, before, open_ended) if share > least), least):
+    for share in (*(share for share in _shares(before, in_part) if share > least), least):
         states = path.at(share) if share in (1.0, least) else path.if_borne(share)
         if states is None or path.wear(states) > 0.0 or _breaks(path, states):
             continue  # on the way
@@ -162,14 +156,23 @@ def next_piece(
     return Piece(end if event == 1.0 else path.on_branch(begin, event), event, "straight")
 
 
-def _shares(jumps: int, before: Piece | None, open_ended: bool) -> tuple[float, ...]:
+def least_share(way: tuple[LoadLevel, LoadLevel], largest: float, jumps: int) -> float:
+    """The least share of a way that a piece takes, after `jumps` in turn, where the `largest` load factor has acted."""
+    if jumps >= MOST_JUMPS:
+        return 1.0
+    length = abs(way[1].factor - way[0].factor)
+    resolved = RESOLVED * largest / length if length > 0.0 else 0.0
+    return min(1.0, max(SHARES[-1] * 10.0**jumps, resolved))
+
+
+def _shares(before: Piece | None, in_part: bool) -> tuple[float, ...]:
     """The increments that are looked at for the branches of the next piece, in turn.
 
     After a piece that ended early the next event is mostly near, too. Where it ended as soon as it had been looked at
     that is the round-off of points which hardly change, and a longer look passes them.
     """
     if before is None:
-        return SHARES[1:] if jumps or open_ended else SHARES
+        return SHARES[1:] if in_part else SHARES
     return SHARES[2:] if 2.0 * SHARES[2] < before.share < SHARES[1] else SHARES[1:]
 
 

@@ -4,6 +4,7 @@ written as CSV, and of each quantity the worst is printed."""
 from __future__ import annotations
 
 import csv
+import json
 from pathlib import Path
 from typing import Any
 
@@ -20,7 +21,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
             recorded = dict(getattr(report, "user_properties", ()))
             if "row" in recorded:
                 judged = {"pass": "yes" if report.passed else "NO", "seconds": f"{report.duration:.2f}"}
-                rows.append(recorded["row"] | judged)
+                rows.append(json.loads(recorded["row"]) | judged)
     if not rows:
         return
     TABLE.parent.mkdir(parents=True, exist_ok=True)

@@ -19,6 +19,7 @@ from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.increments import INCREMENTS, LoadState, held_loads, increment, mapped, unloaded
+from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import Scene
 from tests.scenes import shipped_case
 from tests.solving import ready, solve_step, through
@@ -252,3 +253,14 @@ def test_how_often_a_load_pauses_changes_nothing() -> None:
     )
     np.testing.assert_allclose(often.states.tractions, once.states.tractions, rtol=1e-7)
     assert often.energy.dissipated == pytest.approx(once.energy.dissipated, rel=1e-7)
+
+
+def test_a_load_that_goes_to_nothing_ends_in_few_pieces() -> None:
+    """Faces that have lost their bonds stick, part and slide in turn, at a hundredth of the load each time."""
+    law = "cracks.flaw.contact={friction: 0.3, cohesion: 5, cohesion_after_slip: kept}"
+    settings = ("growth.steps=0", "numerics={spacing: 1.5}", "loading={history: [1, 0]}", "output.frames=none", law)
+    *_, (result, solution) = solved_steps(shipped_case("compression30", settings))
+    assert 20 < len(solution.state.via) < 100
+    assert np.abs(result.contact.normal_traction).max() < 1e-8 * 100e6
+    assert result.energy.error < 1e-9
+    assert result.energy.released > 0.0  # of bonds that pressure and shear have locked
