@@ -22,6 +22,8 @@ TURNED = 0.11
 def judge_paths(court: Court) -> None:
     """The paths at the end, and the lengths in between."""
     run = court.run
+    if run.tables["paths"].empty:
+        return
     spacing, last = run.spacing, int(run.tables["paths"]["step"].max())
     names = list(run.tables["paths"]["crack"].unique())
     lines = {name: shapely.LineString(run.path(name, last)[0]) for name in names}
