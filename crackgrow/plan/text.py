@@ -273,7 +273,8 @@ def _model(case: Case, sizes: Sizes) -> Iterator[str]:
     dofs = [f"{2 * sizes.n_patches} of {sizes.n_patches} physical patches", *([singular] if sizes.n_singular else [])]
     yield f"  {sizes.n_dofs} dofs: {', '.join(dofs)}; {sizes.n_elements} manifold elements"
     yield f"  {counted(sizes.n_multipliers, 'multiplier')} for supports and bonds"
-    if case.numerics.measured and (sizes.n_tips or case.numerics.goal != "K"):
+    starts = case.growth is not None and case.growth.initiation.at != "tips"
+    if case.numerics.measured and (sizes.n_tips or starts or case.numerics.goal != "K"):
         name = name_of(case.numerics.target, case.numerics.goal)
         yield f"  {name}: cells are refined where that is missed, and coarsened again; these are the first"
     if len(sizes.cells) > 1:

@@ -301,7 +301,8 @@ class Configuration:
     def singular(self) -> Floats:
         """The points (k, 2), lattice coordinates, at which forces act or supports hold."""
         case = self.scene.case
-        points = [at.point for at in (*case.loads, *case.supports) if isinstance(at, PointForce | PointSupport)]
+        points = [load.point for load in case.loads if isinstance(load, PointForce) and any(load.force)]
+        points += [support.point for support in case.supports if isinstance(support, PointSupport)]
         return self.cover.lattice.to_lattice(np.array(points).reshape(-1, 2))
 
     @cached_property

@@ -28,8 +28,8 @@ Where even the shortest does not lead back points jump at this load: bonds break
 """
 
 RESOLVED = 1e-10
-"""Of the largest load: pieces are no shorter, as a critical load is found to ten times as much. Where a load goes faces
-that have lost their bonds stick, part and slide in turn, at a hundredth of the load each time."""
+"""Of the largest load: events are looked for no nearer; a critical load is found to ten times as much. Where a load goes
+faces that have lost their bonds stick, part and slide in turn, at a hundredth of the load each time."""
 
 AT_EVENT = 1e-10
 """Of the share of the way to an event: what its place is good to where strength falls on the way."""
@@ -148,7 +148,7 @@ def next_piece(
             break
     else:
         assert states is not None  # of the least share
-        return _parted_piece(path) or Piece(states, share, "jump")
+        return _parted_piece(path, states) or Piece(states, share, "jump")
     if share == 1.0:
         return Piece(states, 1.0, "straight")
     end = path.on_branch(states, 1.0)
@@ -181,19 +181,22 @@ def starts_in_proportion(configuration: Configuration, was: ContactMemory, level
     return was.at_rest and not (configuration.sized or configuration.shares(level).any())
 
 
-def _parted_piece(path: _LoadPath) -> Piece | None:
+def _parted_piece(path: _LoadPath, states: PointStates) -> Piece | None:
     """The piece up to the load at which faces touch again that carry nothing at its beginning; None where they do.
 
-    Rock between them may lie anywhere, and no branches lead back; the energies of all its places are the same.
+    Rock between them may lie anywhere, and no branches lead back; the energies of all its places are the same. `states`
+    are some on the way. Tractions are round-off that give way by little beside the jumps of these.
     """
-    if path.was.tractions.any():
+    length = max(float(np.abs(states.gap).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
+    small = ON_PATH * length / float(path.configuration.contact.rock.diagonal().max())
+    if np.abs(path.was.tractions).max(initial=0.0) > small:
         return None
     low, high, parted = 0.0, 2.0, None
     while high - low > AT_EVENT:
         share = 0.5 * (low + high)
-        states = path.if_borne(share)
-        if states is not None and not states.tractions.any():
-            low, parted = share, states
+        there = path.if_borne(share)
+        if there is not None and np.abs(there.tractions).max(initial=0.0) <= small:
+            low, parted = share, there
             if share == 1.0:
                 break
         else:

@@ -74,6 +74,16 @@ def test_each_violation_alone_is_detected(free_n, free_t, p_n, p_t, violation) -
     assert complementarity_residual(one_point(free_n, free_t, 0.5), np.array([p_n, p_t])) > 0.1, violation
 
 
+@pytest.mark.parametrize(("length", "traction"), [(1e-9, 1.0), (1e6, 1e-9), (1.0, 1e8)])
+def test_the_residual_does_not_depend_on_units(length: float, traction: float) -> None:
+    A, free, p = np.array([[2.0, 0.5], [0.5, 4.0]]), np.array([-2.0, 8.0]), np.array([-0.7, 0.9])
+    friction, cohesion = np.array([0.5]), np.array([0.1])
+    plain = complementarity_residual(ContactProblem(CondensedPoints(A), free, friction, cohesion), p)
+    compliance = CondensedPoints(A * length / traction)
+    scaled = ContactProblem(compliance, free * length, friction, cohesion * traction)
+    assert complementarity_residual(scaled, p * traction) == pytest.approx(plain, rel=1e-12)
+
+
 def test_singular_active_set_gets_the_least_tractions() -> None:
     compliance = np.kron(np.eye(2), np.ones((3, 3))) + np.kron(np.diag([0.0, 1.0]), np.eye(3))
     problem = ContactProblem(CondensedPoints(compliance), np.repeat([-1.0, 0.0], 3), np.zeros(3))

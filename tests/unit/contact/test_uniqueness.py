@@ -164,6 +164,11 @@ def test_every_load_factor_of_a_case_is_told_of() -> None:
     assert "only where friction is below" in beyond
 
 
+def test_a_scene_that_asks_for_its_safety_is_examined_with_the_strength_that_it_has() -> None:
+    (told,) = unique_text(shipped_case("slope_safety", ["numerics.spacing=2"]))
+    assert told.startswith("  at load factor 1: ")
+
+
 @pytest.mark.physics
 def test_a_second_solution_is_told_with_its_place(monkeypatch: pytest.MonkeyPatch) -> None:
     found = SecondSolution(0.25, np.array([2, 0]), np.array([3e-5, 1e-6]), np.array([STICK, STICK]))

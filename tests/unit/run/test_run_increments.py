@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -17,7 +18,7 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
-from crackgrow.run.configuration import Configuration, assemble
+from crackgrow.run.configuration import Configuration, LoadLevel, assemble
 from crackgrow.run.increments import INCREMENTS, LoadState, held_loads, increment, mapped, unloaded
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import Scene
@@ -187,6 +188,20 @@ def test_old_faces_remember_and_new_ones_know_nothing(kink: float, settings: tup
         assert not values[faces.s > length + 2.0].any()
 
 
+@pytest.mark.parametrize("name", ["tension0", "compression30"])
+def test_growth_releases_the_energy_that_K_says(name: str) -> None:
+    """G da = (K_I^2 + K_II^2) / E' da straight ahead, by Simpson's rule over the increment; no friction."""
+    configuration = laid_out(name, "numerics.spacing=1.5")
+    scene, (growing,), G = configuration.scene, configuration.cracks, []
+    for cracks in ((growing,), *((longer(scene, growing, da),) for da in (1e-3, 2e-3))):
+        K = solve_step(scene, cracks, 1.0).tips[1].K
+        G.append(np.dot(K, K) / scene.materials[0].young_prime)
+    grown = assemble(scene, (longer(scene, growing, 2e-3),))
+    after = increment(grown, mapped(through(configuration, 1.0)[0], grown), 1.0)
+    assert after.energy.released == pytest.approx(2e-3 * np.dot([1, 4, 1], G) / 6.0, rel=0.03)
+    assert after.energy.error < 1e-9
+
+
 def test_faces_that_growth_has_made_have_no_cohesion() -> None:
     """The new part goes straight on and is pressed as the old one: only the old one is bonded."""
     configuration = laid_out("compression30", f"{LAW}.cohesion=130")  # three times the shear on the flaw's plane
@@ -244,6 +259,19 @@ def test_energies_that_do_not_add_up_are_a_warning(monkeypatch: pytest.MonkeyPat
 
     monkeypatch.setattr(increments, "dissipated_on", wrong)
     assert any(words in warning for warning in next(grow(case)).warnings)
+
+
+@pytest.mark.parametrize("law", ["friction", "cohesion that is kept", "elastic contact"])
+def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
+    """Half way between them an increment of its own finds the mean of their tractions."""
+    states, compared = events(of_law(law)), 0
+    for one, other in pairwise(states):
+        if abs(other.factor - one.factor) > 1e-3:
+            middle = one.configuration.states(LoadLevel(0.5 * (one.factor + other.factor)), one.memory)
+            mean = 0.5 * (one.states.tractions + other.states.tractions)
+            np.testing.assert_allclose(middle.tractions, mean, atol=1e-8 * np.abs(one.states.tractions).max())
+            compared += 1
+    assert compared > 2
 
 
 def test_how_often_a_load_pauses_changes_nothing() -> None:
