@@ -28,7 +28,7 @@ Where even the shortest does not lead back points jump at this load: bonds break
 """
 
 RESOLVED = 1e-10
-"""Of the largest load: events are looked for no nearer; a critical load is found to ten times as much. Where a load goes
+"""Of the largest load: events are sought no nearer; a critical load is found to ten times as much. Where a load goes
 faces that have lost their bonds stick, part and slide in turn, at a hundredth of the load each time."""
 
 AT_EVENT = 1e-10
