@@ -191,7 +191,7 @@ def _parted_piece(path: _LoadPath, states: PointStates) -> Piece | None:
     small = ON_PATH * length / float(path.configuration.contact.rock.diagonal().max())
     if np.abs(path.was.tractions).max(initial=0.0) > small:
         return None
-    low, high, parted = 0.0, 2.0, None
+    low, high, parted = 0.0, 2.0, None  # so that the end of the way is looked at first
     while high - low > AT_EVENT:
         share = 0.5 * (low + high)
         there = path.if_borne(share)
