@@ -112,7 +112,7 @@ def arrays_of(cover: Cover) -> tuple[Any, ...]:
         enrichment.place.start,
         enrichment.place.values,
         enrichment.share,
-        tip_table(cover.tips),
+        tip_table(cover.tips, [cover.bodies[tip.body].roots for tip in cover.tips]),
     )
 
 

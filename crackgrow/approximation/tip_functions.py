@@ -1,6 +1,12 @@
-"""The four tip functions sqrt(r) {cos t/2, sin t/2, cos 3t/2, sin 3t/2}, paper eq. (1), on kinked cracks.
+"""The four tip functions on kinked cracks, which span the displacement of all modes near a tip.
 
-Where the crack is no longer one line as seen from the tip they fade out with chi = (1 - (r/L)^2)^2, L = `TipView.fade`.
+With z_j = x + s_j y in the tip's axes and the two roots s_j of the rock they are the real and imaginary parts of
+
+    sqrt(z_1),    (sqrt(z_2) - sqrt(z_1)) / (s_2 - s_1) = y / (sqrt(z_1) + sqrt(z_2)),
+
+of which Sih, Paris, Irwin 1965 have the sqrt(z_j) alone: those are alike where the roots are, as in isotropic rock, and
+there these span sqrt(r) {cos t/2, sin t/2, cos 3t/2, sin 3t/2}, paper eq. (1). Where the crack is no longer one line as
+seen from the tip they fade out with chi = (1 - (r/L)^2)^2, L = `TipView.fade`.
 """
 
 from __future__ import annotations
@@ -12,12 +18,20 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.compiled import kernel
+from crackgrow.cover.shapes import Roots, turned_roots
 from crackgrow.cover.tips import TipView
 
 
-def tip_table(tips: Sequence[TipView]) -> Floats:
-    """What the kernels need of tips (t, 7): the point, the rotation row by row, the length L."""
-    return np.array([[*tip.point, *tip.rotation.ravel(), tip.fade] for tip in tips]).reshape(-1, 7)
+def tip_table(tips: Sequence[TipView], roots: Sequence[Roots]) -> Floats:
+    """What the kernels need of tips (t, 11): the point, the rotation row by row, the length L, and the two roots.
+
+    `roots` are, tip by tip, in the axes of the lattice.
+    """
+    rows = []
+    for tip, of_rock in zip(tips, roots, strict=True):
+        first, last = turned_roots(of_rock, tip.rotation)
+        rows.append([*tip.point, *tip.rotation.ravel(), tip.fade, first.real, first.imag, last.real, last.imag])
+    return np.array(rows).reshape(-1, 11)
 
 
 @kernel
@@ -31,22 +45,30 @@ def tip_functions(x: float, y: float, tip: Floats, side: float, f: Floats) -> No
     p, q = tip[2] * u + tip[3] * v, tip[4] * u + tip[5] * v
     r, t = math.hypot(p, q), math.atan2(q, p)
     t += 2.0 * math.pi * np.round((side - t) / (2.0 * math.pi))
-    root = math.sqrt(r)
-    per_root = 1.0 / root if r > 0.0 else 0.0
+    if r == 0.0:
+        f[:] = 0.0
+        return
     chi, slope_of_chi = 1.0, 0.0
     if tip[6] < np.inf:
         rest = max(1.0 - (r / tip[6]) ** 2, 0.0)
-        chi, slope_of_chi = rest * rest, -4.0 * rest * r / tip[6] ** 2
-    cosine, sine = math.cos(t), math.sin(t)
-    away_x, away_y = (
-        cosine * tip[2] - sine * tip[3],
-        cosine * tip[3] + sine * tip[2],
-    )  # from the tip; along: turned left
+        chi, slope_of_chi = rest * rest, -4.0 * rest / tip[6] ** 2  # the slope over r
+    s_1, s_2, half = complex(tip[7], tip[8]), complex(tip[9], tip[10]), complex(math.cos(0.5 * t), -math.sin(0.5 * t))
+    root_1, root_2 = np.sqrt(p + s_1 * q), np.sqrt(p + s_2 * q)
+    # the angle of z_j is within pi of t, on whatever turn that is
+    if (root_1 * half).real < 0.0:
+        root_1 = -root_1
+    if (root_2 * half).real < 0.0:
+        root_2 = -root_2
+    both = root_1 + root_2
     for pair in range(2):
-        m = 0.5 + pair
-        c, s = math.cos(m * t), math.sin(m * t)
-        for k, angular, slope in ((2 * pair, c, -m * s), (2 * pair + 1, s, m * c)):
-            by_r = angular * (0.5 * per_root * chi + root * slope_of_chi)
-            by_t = per_root * slope * chi  # (1/r) d/dt
-            f[0, k] = root * angular * chi
-            f[1, k], f[2, k] = away_x * by_r - away_y * by_t, away_y * by_r + away_x * by_t
+        if pair == 0:
+            value, by_p, by_q = root_1, 0.5 / root_1, 0.5 * s_1 / root_1
+        else:
+            value, by_p = q / both, -0.5 * q / (both * root_1 * root_2)
+            by_q = (1.0 - 0.5 * value * (s_1 / root_1 + s_2 / root_2)) / both
+        a, a_p, a_q = value.real, by_p.real, by_q.real
+        for k in (2 * pair, 2 * pair + 1):
+            d_p, d_q = chi * a_p + slope_of_chi * p * a, chi * a_q + slope_of_chi * q * a
+            f[0, k] = chi * a
+            f[1, k], f[2, k] = tip[2] * d_p + tip[4] * d_q, tip[3] * d_p + tip[5] * d_q
+            a, a_p, a_q = value.imag, by_p.imag, by_q.imag

@@ -29,10 +29,24 @@ def check_material(scene: Scene) -> Faults:
         if scene.get("plane") == "strain" and poisson is not None and poisson > LARGEST_POISSON:
             wanted = f"wanted in plane strain: > -1 and <= {LARGEST_POISSON} (0.5: incompressible)"
             yield ("bodies", name, "material", "poisson"), f"{poisson:g} given; {wanted}"
+        yield from _elastic_bedding(scene, name)
     for index, load in scene.items("loads", "gravity"):
         key = ("bodies", load["body"], "material", "density")
         if load["body"] in named(scene.resolved, "bodies") and sound(*key) and scene.get(*key) is None:
             yield key, f"missing: loads.{index} is gravity, so the body needs a density"
+
+
+def _elastic_bedding(scene: Scene, name: str) -> Faults:
+    """Every stress stores energy: 1 - nu - 2 nu'^2 E / E' > 0 (Pickering 1970), by as much as without bedding."""
+    key = ("bodies", name, "material")
+    bedding, young, poisson = (*key, "bedding"), scene.get(*key, "young"), scene.get(*key, "poisson")
+    across, softer = scene.get(*bedding, "poisson"), scene.get(*bedding, "young")
+    if None in (across, young, poisson, softer):
+        return
+    largest = math.sqrt(max(1.0 - poisson - (1.0 - 2.0 * LARGEST_POISSON), 0.0) * softer / (2.0 * young))
+    if abs(across) > largest:
+        wanted = f"wanted with these moduli: from {-largest:.6g} to {largest:.6g}, for the energy to be positive"
+        yield (*bedding, "poisson"), f"{across:g} given; {wanted}"
 
 
 def check_numerics(scene: Scene) -> Faults:

@@ -25,13 +25,29 @@ STEEPEST: Final = 70.0
 """Degrees: friction of rough faces under little pressure (Barton, Choubey 1977)."""
 
 
+@dataclass(frozen=True, slots=True)
+class ElasticBedding:
+    """What planes of bedding or foliation make of elasticity: transversely isotropic about their normal."""
+
+    angle: float  # degrees, of the planes
+    young: float  # Pa, across them
+    poisson: float  # strain along them over that across, of stress across
+    shear: float | None = None  # Pa; None: Saint-Venant's
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class Material:
-    """Isotropic linear elasticity."""
+    """Linear elasticity: isotropic, or with bedding, along whose planes `young` and `poisson` then are."""
 
     young: float  # Pa
     poisson: float
     density: float | None = None  # kg/m^3
+    bedding: ElasticBedding | None = None
+
+    @property
+    def softest(self) -> float:
+        """The least Young's modulus (Pa) of all directions along and across planes."""
+        return self.young if self.bedding is None else min(self.young, self.bedding.young)
 
 
 @dataclass(frozen=True, slots=True)

@@ -120,7 +120,7 @@ def build_cover(
 
     Raises GeometryError where the cover cannot represent a crack.
     """
-    bodies = [BodyGeometry(tuple(on_grid(ring) for ring in body.rings), body.name) for body in bodies]
+    bodies = [replace(body, rings=tuple(on_grid(ring) for ring in body.rings)) for body in bodies]
     lines = with_junctions(_on_grid(cracks), _on_grid(interfaces))
     cracks = lines[: len(cracks)]
     elements = cut_elements(lattice, bodies, lines)

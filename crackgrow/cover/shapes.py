@@ -70,12 +70,33 @@ def body_index(bodies: Sequence[BodyGeometry | Body], name: str) -> int:
     return next(index for index, body in enumerate(bodies) if body.name == name)
 
 
+Roots = tuple[complex, complex]
+"""Of the characteristic equation of plane elasticity, with positive imaginary parts: Lekhnitskii 1963, section 7."""
+
+
+SAME_ROOT = 1e-7
+"""Roots that differ by less are equal: of a double root round-off leaves as much."""
+
+
+def is_isotropic(roots: Roots) -> bool:
+    """Whether rock with these roots is isotropic in the plane."""
+    return max(abs(root - 1j) for root in roots) < SAME_ROOT
+
+
+def turned_roots(roots: Roots, axes: Floats) -> Roots:
+    """The roots in other axes, whose directions are the rows of (2, 2)."""
+    c, s = axes[0].tolist()
+    first, last = ((root * c - s) / (c + root * s) for root in roots)
+    return first, last
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class BodyGeometry:
     """A body in lattice coordinates: its outline counter-clockwise, its holes clockwise."""
 
     rings: tuple[Floats, ...]  # each (n, 2), not closed
     name: str = ""
+    roots: Roots = (1j, 1j)  # of its rock: isotropic
 
     @property
     def sides(self) -> Floats:

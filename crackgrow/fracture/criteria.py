@@ -21,18 +21,18 @@ Cracks that have started in shear go on by `shear_growth`, whatever the criterio
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Strength
+from crackgrow.cover.shapes import Roots
 from crackgrow.fracture.opening import (
     KINKS,
     Resisting,
-    hoop_K,
-    hoop_stress_kink,
+    hoop_and_shear_at,
     opening,
     peak_of,
     peaks_of,
@@ -83,23 +83,25 @@ class TipLoading:
     K_I: float  # Pa sqrt(m), nan where it is not known
     K_II: float  # Pa sqrt(m)
     radius: float  # m, material length of the criterion
+    roots: Roots = (1j, 1j)  # of the rock, in the axes of the tip
 
     @property
     def K_eq(self) -> float:
         """The K_I (Pa sqrt(m)) that alone has the largest hoop stress of K_I and K_II, which is at the kink."""
-        return float(hoop_K(self.K_I, self.K_II, hoop_stress_kink(self.K_I, self.K_II)))
+        return opening((self.K_I, self.K_II), self.roots)[0]
 
     @property
     def none(self) -> TipLoading:
         """The same tip without any load."""
-        return TipLoading(self.field.mapped(lambda stress: 0.0 * stress), 0.0 * self.K_I, 0.0 * self.K_II, self.radius)
+        field = self.field.mapped(lambda stress: 0.0 * stress)
+        return replace(self, field=field, K_I=0.0 * self.K_I, K_II=0.0 * self.K_II)
 
-    @classmethod
-    def between(cls, first: TipLoading, last: TipLoading, share: float) -> TipLoading:
+    @staticmethod
+    def between(first: TipLoading, last: TipLoading, share: float) -> TipLoading:
         """The loading at a share of the way from one load to another where everything is linear in the load."""
         field = first.field.mapped(lambda a, b: a + share * (b - a), last.field)
         K_I, K_II = (a + share * (b - a) for a, b in ((first.K_I, last.K_I), (first.K_II, last.K_II)))
-        return cls(field, K_I, K_II, first.radius)
+        return replace(first, field=field, K_I=K_I, K_II=K_II)
 
 
 def without_K(field: TipField, radius: float) -> TipLoading:
@@ -142,7 +144,7 @@ def strength(loading: TipLoading, limits: Strength) -> Verdict:
     pulled, across = s1, _forward(compression_axis)  # perpendicular to sigma_1
     if limits.bedding is not None:
         # every axis is among the KINKS, and not at their end
-        hoop, _ = _turned(field.direction + KINKS, field.mean)
+        hoop, _ = hoop_and_shear_at(field.direction + KINKS, field.mean)
         pulled, across = peak_of(KINKS, hoop / share_across(limits, _known(loading, limits), field.direction + KINKS))
         across = _forward(across)
     tension = _tension(pulled, loading, limits)
@@ -239,7 +241,7 @@ def max_hoop_stress(loading: TipLoading, limits: Strength) -> Verdict:
     A tip under compression alone does not grow.
     """
     s1, s3, _ = (float(v[0]) for v in principal(loading.field.mean[None]))
-    K, kink = opening((loading.K_I, loading.K_II), limits, loading.field.direction)
+    K, kink = opening((loading.K_I, loading.K_II), loading.roots, limits, loading.field.direction)
     return Verdict(s1, s3, "tension", float(K / (limits.tension * np.sqrt(2.0 * np.pi * loading.radius))), kink)
 
 
@@ -252,7 +254,8 @@ def _tension(stress: float, loading: TipLoading, limits: Strength) -> float:
     """Tension over strength: K over the toughness where both are known, else a stress (Pa) over T0; across bedding."""
     if limits.toughness is None or _known(loading, limits) == "tension":
         return stress / limits.tension
-    return opening((loading.K_I, loading.K_II), limits, loading.field.direction)[0] / limits.toughness
+    K, _ = opening((loading.K_I, loading.K_II), loading.roots, limits, loading.field.direction)
+    return K / limits.toughness
 
 
 CRITERIA = {
@@ -267,14 +270,7 @@ CRITERIA = {
 
 def hoop_and_shear(field: TipField, stress: Floats) -> tuple[Floats, Floats]:
     """Hoop stress and shear stress (n,) Pa on the rays of a field, from stress (n, 3) there."""
-    return _turned(field.direction + field.angles, stress)
-
-
-def _turned(t: Floats, stress: Floats) -> tuple[Floats, Floats]:
-    """Hoop stress and shear stress (...) Pa on rays at angles t (...) rad from +x, from stress (..., 3) there."""
-    c, s = np.cos(t), np.sin(t)
-    xx, yy, xy = stress[..., 0], stress[..., 1], stress[..., 2]
-    return xx * s * s + yy * c * c - 2.0 * xy * s * c, (yy - xx) * s * c + xy * (c * c - s * s)
+    return hoop_and_shear_at(field.direction + field.angles, stress)
 
 
 def _ahead(field: TipField) -> tuple[Floats, Floats, Floats]:
@@ -295,7 +291,9 @@ def _ahead_together(fields: Sequence[TipField]) -> Iterator[tuple[Ints, Floats, 
     for numbers in alike.values():
         angles = fields[numbers[0]].angles
         direction, width = np.array([(fields[number].direction, fields[number].half_width) for number in numbers]).T
-        hoop, shear = _turned(direction[:, None] + angles, np.stack([fields[number].rays for number in numbers]))
+        hoop, shear = hoop_and_shear_at(
+            direction[:, None] + angles, np.stack([fields[number].rays for number in numbers])
+        )
         ahead = (np.abs(angles) <= width[:, None]) & np.isfinite(hoop)
         see_the_same: dict[bytes, list[int]] = {}
         for row, rays in enumerate(ahead):

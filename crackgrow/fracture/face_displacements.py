@@ -1,7 +1,7 @@
 """Stress intensity factors from the displacement of the crack faces.
 
-Near a tip the opening is 8 K_I / E' sqrt(r / 2 pi) (1 + c r / L + ...), the slip likewise with K_II; K is the limit of
-a least-squares fit over the last straight stretch.
+Near a tip slip and opening are 8 H k sqrt(r / 2 pi) (1 + c r / L + ...), k = (K_II, K_I), with H that is 1/E' in
+isotropic rock (`PlaneElasticity.release`); K is the limit of a least-squares fit over the last straight stretch.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.faces import FacePoints, joined, points_at, stretch_ends
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
+from crackgrow.solid.elasticity import PlaneElasticity
 
 FIT_CELLS = 3.0
 """The fit reaches this many cells back from the tip, to the end of the last stretch, or to half of the crack."""
@@ -27,9 +28,9 @@ FIT_POINTS = 24
 
 
 def from_face_displacements(
-    cover: Cover, young_prime: Sequence[float], u: Floats, tips: Sequence[int]
+    cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, tips: Sequence[int]
 ) -> list[tuple[float, float]]:
-    """K_I and K_II (Pa sqrt(m)) of `tips` of the cover; `young_prime` are their E' (Pa), `u` (n_dofs,) m.
+    """K_I and K_II (Pa sqrt(m)) of `tips` of the cover; `u` (n_dofs,) m.
 
     K_II is positive where the face on the left of the tip's outward direction moves outward: a positive slip at both
     ends of a crack. A negative K_II turns the crack counter-clockwise.
@@ -41,9 +42,11 @@ def from_face_displacements(
     lengths, samples = zip(*(_samples(cover, tip, ends[cover.tips[tip].crack], x) for tip in tips), strict=True)
     jumps = np.split(np.stack(gap_and_slip(cover, joined(samples), u), axis=1), len(tips))
     found = []
-    for modulus, length, jump in zip(young_prime, lengths, jumps, strict=True):
-        fit = weights @ jump * modulus / 8.0 * np.sqrt(2.0 * np.pi / (length * cover.lattice.spacing))
-        found.append((float(fit[0]), float(fit[1])))
+    for number, length, jump in zip(tips, lengths, jumps, strict=True):
+        tip = cover.tips[number]
+        fit = weights @ jump[:, ::-1] / 8.0 * np.sqrt(2.0 * np.pi / (length * cover.lattice.spacing))
+        K_II, K_I = np.linalg.solve(materials[tip.body].turned(tip.rotation).release, fit).tolist()
+        found.append((K_I, K_II))
     return found
 
 

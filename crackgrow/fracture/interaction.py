@@ -4,17 +4,19 @@ With an auxiliary field a of known K, P_j = sigma_ij u^a_i,1 + sigma^a_ij u_i,1 
 divergence -b_i u^a_i,1 under a body force b, and with q falling from 1 at the tip to 0 on the rim of a disc A, smoothly
 at both so that what the stress ripples by averages out,
 
-    M = int_A P_j q_,j dA - int_A q b_i u^a_i,1 dA - int_faces P_j n_j q ds,    K = E'/2 M.
+    M = int_A P_j q_,j dA - int_A q b_i u^a_i,1 dA - int_faces P_j n_j q ds.
 
-The auxiliary fields are Williams' with their angle counted so that it jumps on the crack itself, kinks included: exact
-in the slit body, so that M does not depend on the disc. On a face with unit tangent s, s_1 n_2 - n_1 s_2 = +-1 leaves
-P_j n_j = t_i u^a_i,1 +- sigma^a_i2 u_i,s: of the body's own field it needs the tractions t, which are known, and the
-derivative along the face. On the last straight segment sigma^a_i2 vanishes and the tractions alone are left.
+Since G = k . H k, k = (K_II, K_I), with the tensor H that is 1/E' in isotropic rock, M of K_II = 1 and of K_I = 1 are
+2 H k. The auxiliary fields are those of `near_tip` with their angle counted so that it jumps on the crack itself, kinks
+included: exact in the slit body, so that M does not depend on the disc. On a face with unit tangent s,
+s_1 n_2 - n_1 s_2 = +-1 leaves P_j n_j = t_i u^a_i,1 +- sigma^a_i2 u_i,s: of the body's own field it needs the
+tractions t, which are known, and the derivative along the face. On the last straight segment sigma^a_i2 vanishes and
+the tractions alone are left.
 
-A third auxiliary field, of a force E' on the tip along x (Kfouri 1986), has no traction on lines through the tip, and
-opens faces by the same amount everywhere: M = T - sigma_22, T = sigma_11 of what is not singular, and sigma_22 the
-traction across the faces at the tip. The gradient of this field is the same on both faces, so that the tractions on
-them, which are opposite, fall out.
+A third auxiliary field, of a force on the tip along x (Kfouri 1986), has no traction on lines through the tip, and
+opens faces by the same amount everywhere: its M is that of the uniform stress at the tip, T = sigma_11 of what is not
+singular, and the tractions on the faces there (`of_uniform_stress`). In isotropic rock M = T - sigma_22. The gradient
+of this field is the same on both faces, so that the tractions on them, which are opposite, fall out.
 
 Arrays inside run over the points last, so that every operation is one long loop.
 """
@@ -26,8 +28,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.fracture.near_tip import EVERY_ANGLE, near_tip_gradient, point_force_gradient
 from crackgrow.fracture.tip_rule import TipRule, weighted_by_fall, weighted_by_step
-from crackgrow.fracture.williams import point_force_gradient, williams_gradient
 from crackgrow.solid.elasticity import PlaneElasticity
 
 UNIT_GRADIENTS = np.eye(4).reshape(2, 2, 2, 2, 1)
@@ -51,7 +53,7 @@ class Weights:
 
 
 def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
-    """The weights of a rule."""
+    """The weights of a rule, for a material in the axes of the tip."""
     circles, faces, radii = rule.circles, rule.faces, rule.radii
     around, beside = _auxiliary(material, rule)
     _, t = circles.polar
@@ -83,11 +85,22 @@ def of_body_force(material: PlaneElasticity, rule: TipRule, body_force: Floats) 
     return -weighted_by_step(circles.r, circles.weight * circles.r, work, rule.radii)
 
 
+def of_uniform_stress(material: PlaneElasticity) -> Floats:
+    """What M of the third field has (3,) 1/Pa of a uniform stress xx, yy, xy."""
+    t = EVERY_ANGLE
+    auxiliary = point_force_gradient(material, np.ones_like(t), t).transpose(1, 2, 0)[None]
+    away, found = np.stack([np.cos(t), np.sin(t)]), np.empty(3)
+    for n, (xx, yy, xy) in enumerate(np.linalg.inv(material.matrix)):
+        uniform = np.array([[[xx], [0.5 * xy]], [[0.5 * xy], [yy]]])
+        found[n] = -2.0 * np.pi * _radial_flux(material, away, auxiliary, uniform).mean()
+    return found
+
+
 def _auxiliary(material: PlaneElasticity, rule: TipRule) -> tuple[Floats, Floats]:
     """Gradients (FIELDS, 2, 2, points) of the auxiliary fields on the circles, and on the left face."""
     r, t = rule.circles.polar
     points = (np.append(r, rule.faces.r), np.append(t, rule.faces.alpha))
-    fields = [williams_gradient(material, *points), point_force_gradient(material, *points)[:, None]]
+    fields = [near_tip_gradient(material, *points), point_force_gradient(material, *points)[:, None]]
     auxiliary = np.concatenate(fields, axis=1).transpose(1, 2, 3, 0)
     return auxiliary[..., : len(r)], auxiliary[..., len(r) :]
 
@@ -118,8 +131,6 @@ def _face_flux(
 def _stress(material: PlaneElasticity, gradient: Floats) -> tuple[Floats, Floats, Floats]:
     """Stress xx, yy, xy (...) Pa of displacement gradients (2, 2, ...)."""
     (ux_x, ux_y), (uy_x, uy_y) = gradient
-    return (
-        material.c11 * ux_x + material.c12 * uy_y,
-        material.c12 * ux_x + material.c11 * uy_y,
-        material.c33 * (ux_y + uy_x),
-    )
+    strain = (ux_x, uy_y, ux_y + uy_x)
+    xx, yy, xy = (sum(c * e for c, e in zip(row, strain, strict=True)) for row in material.matrix.tolist())
+    return xx, yy, xy

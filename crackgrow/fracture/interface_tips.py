@@ -27,7 +27,7 @@ from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.cover.shapes import ends_at_bonds
+from crackgrow.cover.shapes import ends_at_bonds, is_isotropic
 from crackgrow.fracture.stress_intensity import BodyForce, FaceTraction
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS
 from crackgrow.fracture.tip_rule import (
@@ -181,8 +181,10 @@ def _turned(gradient: Floats, tip: InterfaceTip) -> Floats:
 
 
 def _stiffness(one: PlaneElasticity, other: PlaneElasticity) -> float:
-    """E* / (1 - beta^2) (Pa) of two bodies."""
+    """E* / (1 - beta^2) (Pa) of two bodies; nan where one has bedding, for which there is no such K."""
+    if not is_isotropic(one.roots) or not is_isotropic(other.roots):
+        return float("nan")
     harmonic = 2.0 / (1.0 / one.young_prime + 1.0 / other.young_prime)
-    (m1, k1), (m2, k2) = ((m.c33, 8.0 * m.c33 / m.young_prime - 1.0) for m in (one, other))
+    (m1, k1), (m2, k2) = ((m.matrix[2, 2], 8.0 * m.matrix[2, 2] / m.young_prime - 1.0) for m in (one, other))
     beta = (m1 * (k2 - 1.0) - m2 * (k1 - 1.0)) / (m1 * (k2 + 1.0) + m2 * (k1 + 1.0))
-    return harmonic / (1.0 - beta**2)
+    return float(harmonic / (1.0 - beta**2))

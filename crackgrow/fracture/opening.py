@@ -8,7 +8,10 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Strength
+from crackgrow.cover.shapes import Roots, is_isotropic
+from crackgrow.fracture.near_tip import near_tip_stress
 from crackgrow.fracture.sites import LARGEST_KINK
+from crackgrow.solid.elasticity import PlaneElasticity
 
 UNEVEN = 1e-5
 """rad: samples whose distances differ by more are not evenly spaced."""
@@ -20,17 +23,23 @@ Resisting = Literal["tension", "toughness"]
 """What bedding gives a direction."""
 
 
-def opening(K: tuple[float, float], limits: Strength, direction: float) -> tuple[float, float]:
+def opening(
+    K: tuple[float, float], roots: Roots, limits: Strength | None = None, direction: float = 0.0
+) -> tuple[float, float]:
     """The K_I (Pa sqrt(m)) that is as critical across bedding as K_I, K_II of a tip; the kink (rad) by which it opens.
 
-    There the hoop stress of K_I and K_II is largest; with bedding that stress over the resistance in the `direction`
-    (rad from x) of the tip and beside it.
+    There the hoop stress of K_I and K_II is largest in rock with these `roots` in the tip's axes; with bedding in the
+    `limits` that stress over the resistance in the `direction` (rad from x) of the tip and beside it.
     """
-    if limits.bedding is None:
+    bedded = limits is not None and limits.bedding is not None
+    if not bedded and is_isotropic(roots):
         kink = hoop_stress_kink(*K)
-        return float(hoop_K(*K, kink)), kink
-    of: Resisting = "tension" if limits.toughness is None else "toughness"
-    return peak_of(KINKS, hoop_K(*K, KINKS) / share_across(limits, of, direction + KINKS))
+        return float(ahead(K, kink, roots)[0]), kink
+    resistance: Floats | float = 1.0
+    if limits is not None:
+        of: Resisting = "tension" if limits.toughness is None else "toughness"
+        resistance = share_across(limits, of, direction + KINKS)
+    return peak_of(KINKS, ahead(K, KINKS, roots)[0] / resistance)
 
 
 def share_across(limits: Strength, of: Resisting, t: Floats | float) -> Floats:
@@ -61,13 +70,25 @@ def hoop_stress_kink(K_I: float, K_II: float) -> float:
     return float(np.clip(kink, -LARGEST_KINK, LARGEST_KINK))
 
 
-def hoop_K(K_I: float, K_II: float, t: Floats | float) -> Floats:
-    """The K_I (Pa sqrt(m)) that alone has, straight ahead, the hoop stress of K_I and K_II at an angle t (rad).
+def ahead(K: tuple[float, float], t: Floats | float, roots: Roots) -> Floats:
+    """The K_I and K_II (2, ...) Pa sqrt(m) that alone have, straight ahead, what K has at an angle t (rad).
 
-    cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t), Erdogan, Sih 1963.
+    That is hoop stress and shear stress: in isotropic rock cos(t/2) (K_I cos^2(t/2) - 3/2 K_II sin t) and
+    cos(t/2) (K_I sin t + K_II (3 cos t - 1)) / 2, Erdogan, Sih 1963.
     """
-    half = np.cos(0.5 * t)
-    return np.asarray(half * (K_I * half**2 - 1.5 * K_II * np.sin(t)))
+    if is_isotropic(roots):
+        half, (K_I, K_II) = np.cos(0.5 * t), K
+        opens, shears = K_I * half**2 - 1.5 * K_II * np.sin(t), 0.5 * (K_I * np.sin(t) + K_II * (3.0 * np.cos(t) - 1.0))
+        return half * np.stack([opens, shears])
+    stress = near_tip_stress(roots, np.atleast_1d(t)) @ K
+    return np.stack(hoop_and_shear_at(t, stress if np.ndim(t) else stress[0]))
+
+
+def hoop_and_shear_at(t: Floats | float, stress: Floats) -> tuple[Floats, Floats]:
+    """Hoop stress and shear stress (...) Pa on rays at angles t (...) rad from +x, from stress (..., 3) there."""
+    c, s = np.cos(t), np.sin(t)
+    xx, yy, xy = stress[..., 0], stress[..., 1], stress[..., 2]
+    return xx * s * s + yy * c * c - 2.0 * xy * s * c, (yy - xx) * s * c + xy * (c * c - s * s)
 
 
 def peak_of(angles: Floats, values: Floats) -> tuple[float, float]:
@@ -94,13 +115,13 @@ def peaks_of(angles: Floats, values: Floats) -> tuple[Floats, Floats]:
     return at - 0.25 * (before - after) * shift, angles[i] + shift * (angles[i] - angles[below])
 
 
-def kinked_release(K: tuple[float, float], kink: float, young_prime: float) -> float:
+def kinked_release(K: tuple[float, float], kink: float, material: PlaneElasticity) -> float:
     """Energy (J/m^2) that a tip with K_I, K_II (Pa sqrt(m)) releases as it begins to grow along a kink (rad).
 
-    (k_1^2 + k_2^2) / E' of the K right behind the kink, Cotterell, Rice 1980: to first order in the kink, which is 2 %
-    low at 20 degrees and 12 % at 72. Faces that would overlap release nothing by that.
+    It is that of the K right behind the kink, Cotterell, Rice 1980, with the material in the axes of the tip: to first
+    order in the kink, which is 2 % low at 20 degrees and 12 % at 72. Faces that would overlap release nothing by that.
     """
-    K_I, K_II = K
-    opens = max(float(hoop_K(K_I, K_II, kink)), 0.0)
-    shears = 0.5 * np.cos(0.5 * kink) * (K_I * np.sin(kink) + K_II * (3.0 * np.cos(kink) - 1.0))
-    return float((opens**2 + shears**2) / young_prime)
+    opens, shears = ahead(K, kink, material.roots)
+    c, s = np.cos(kink), np.sin(kink)
+    behind = np.array([shears, max(opens, 0.0)])
+    return float(behind @ material.turned(np.array([[c, s], [-s, c]])).release @ behind)

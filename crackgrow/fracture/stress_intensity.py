@@ -14,7 +14,7 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
 from crackgrow.fracture.functionals import Functional
-from crackgrow.fracture.interaction import FIELDS, of_body_force, weights_of
+from crackgrow.fracture.interaction import FIELDS, of_body_force, of_uniform_stress, weights_of
 from crackgrow.fracture.tip_disc import NOWHERE, Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -117,7 +117,7 @@ def _in_disc(
     disc, tip, spacing = known.disc, known.disc.tip, cover.lattice.spacing
     if known.functional is None:
         return _no_room(disc)
-    material = materials[tip.body]
+    material, in_tip_axes = materials[tip.body], materials[tip.body].turned(tip.rotation)
     arc, toward_tip, of_uniform, of_vectors = known.functional.more
     normal, tangential = _less_varying(material, cover, tip, arc, traction)
     along_x, along_y = toward_tip.T
@@ -129,12 +129,12 @@ def _in_disc(
     if body_force is not None:
         rule = tip_rule(tip, tip.size, disc.radii)
         force = spacing * tip.rotation @ body_force(cover.lattice.to_metres(rule.circles.points(tip))).T
-        M = M + of_body_force(material, rule, force)
-    of_K = 0.5 * material.young_prime * np.sqrt(spacing)
-    found = np.array([of_K, of_K, 1.0]) * M
-    (K_I, K_II, beyond), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
-    across_faces, _ = traction(tip.from_start(np.zeros(1)))
-    T = beyond + float(across_faces[0])
+        M = M + of_body_force(in_tip_axes, rule, force)
+    of_stress, (across, along) = of_uniform_stress(in_tip_axes), traction(tip.from_start(np.zeros(1)))
+    K_II, K_I = 0.5 * np.sqrt(spacing) * np.linalg.solve(in_tip_axes.release, M[:, 1::-1].T)
+    of_T = (M[:, 2] - of_stress[1] * float(across[0]) - of_stress[2] * float(along[0])) / of_stress[0]
+    found = np.stack([K_I, K_II, of_T], axis=1)
+    (K_I, K_II, T), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
     return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, disc.radius * spacing, disc.small, note)
 
@@ -166,7 +166,8 @@ def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: In
     These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
     derivative along the faces does not matter.
     """
-    weights, turn = weights_of(material, rule), disc.tip.rotation
+    turn = disc.tip.rotation
+    weights = weights_of(material.turned(turn), rule)
     at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
     turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
     functions, sums = basis.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))

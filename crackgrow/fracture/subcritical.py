@@ -16,8 +16,9 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Fatigue, Subcritical
+from crackgrow.cover.shapes import Roots
 from crackgrow.fracture.advance import CLEARANCE
-from crackgrow.fracture.opening import hoop_K
+from crackgrow.fracture.opening import ahead
 
 WAITS = CLEARANCE
 """Increments: a tip that has gathered less waits. A path is not known more finely than that."""
@@ -39,9 +40,9 @@ def velocities(driving: Floats, law: Subcritical | Fatigue) -> Floats:
     return np.where((driving > law.threshold) & (found > SLOWEST), found, 0.0)
 
 
-def range_of_K(first: tuple[float, float], last: tuple[float, float], kink: float) -> float:
+def range_of_K(first: tuple[float, float], last: tuple[float, float], kink: float, roots: Roots) -> float:
     """Range dK (Pa sqrt(m)) of the K that opens a tip along a kink (rad), between (K_I, K_II) at two loads."""
-    opens = [max(float(hoop_K(*K, kink)), 0.0) for K in (first, last)]
+    opens = [max(float(ahead(K, kink, roots)[0]), 0.0) for K in (first, last)]
     return abs(opens[1] - opens[0])
 
 

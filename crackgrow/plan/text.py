@@ -105,6 +105,11 @@ def _body_line(body: model.Body, scale: float, show: Shown) -> str:
         f"E = {stress_text(body.material.young)}",
         f"nu = {body.material.poisson:g}" + ("" if density is None else f", density {density:g} kg/m^3"),
     ]
+    if (across := body.material.bedding) is not None:
+        shear = "" if across.shear is None else f", G = {stress_text(across.shear)}"
+        words.append(
+            f"across bedding at {across.angle:g} deg E = {stress_text(across.young)}, nu = {across.poisson:g}{shear}"
+        )
     strength = "no strength given" if body.strength is None else (
         f"tension {stress_text(body.strength.tension)}, cohesion {stress_text(body.strength.cohesion)}, "
         f"friction angle {body.strength.friction_angle:g} deg"

@@ -17,6 +17,7 @@ from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
+from crackgrow.cover.shapes import turned_roots
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.face_displacements import from_face_displacements
@@ -144,7 +145,7 @@ def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
         if now.loading is not None and now.verdict is not None:
             kink, (_, strength) = now.verdict.kink, solution.scene.growing_in(site.body)
             share = float(share_across(strength, "toughness", now.loading.field.direction + kink))
-            tips[n] = replace(now, K_range=range_of_K(was.K, now.K, kink) / share)
+            tips[n] = replace(now, K_range=range_of_K(was.K, now.K, kink, now.loading.roots) / share)
     return replace(solution, tips=tuple(tips))
 
 
@@ -169,7 +170,7 @@ def _intensities(state: LoadState) -> list[TipState]:
     scene, cover, materials, u = state.scene, state.cover, state.materials, state.outcome.u
     tips = range(len(cover.tips))
     bodies = [scene.crack_bodies[crack] for crack, _ in cover.tip_ends]
-    K_faces = from_face_displacements(cover, [materials[body].young_prime for body in bodies], u, tips)
+    K_faces = from_face_displacements(cover, materials, u, tips)
     tractions = [_tractions(state, crack) for crack, _ in cover.tip_ends]
     forces = [scene.body_force(body, state.factor) for body in bodies]
     intensities = state.configuration.integrals.intensities(materials, u, tips, tractions, forces)
@@ -181,7 +182,8 @@ def _tip_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[TipSt
     scene, sites, found = state.scene, state.configuration.sites, _intensities(state)
     strong = [tip for tip in range(len(found)) if tip in fields]
     radii = [averaging_radius(*scene.growing_in(sites[tip].body)) for tip in strong]
-    loadings = [TipLoading(fields[tip], *found[tip].K, radius) for tip, radius in zip(strong, radii, strict=True)]
+    roots = [turned_roots(state.cover.bodies[tip.body].roots, tip.rotation) for tip in state.cover.tips]
+    loadings = [TipLoading(fields[n], *found[n].K, radius, roots[n]) for n, radius in zip(strong, radii, strict=True)]
     said = verdicts(scene, [sites[tip] for tip in strong], loadings)
     for tip, loading, verdict in zip(strong, loadings, said, strict=True):
         found[tip] = replace(found[tip], loading=loading, verdict=verdict)

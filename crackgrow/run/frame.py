@@ -46,7 +46,7 @@ def make_frame(
     places, bodies = cover.lattice.to_metres(at), elements.body[element]
     stress = stress_of(materials, np.stack(slopes, axis=2), bodies, places)
     _away_from_tips(cover, mesh, stress[:n])
-    zz = np.array([material.zz for material in materials])[bodies] * (stress[:, 0] + stress[:, 1])
+    zz = np.sum(np.array([material.zz for material in materials])[bodies] * stress, axis=1)
     return Frame(
         points=places[:n],
         triangles=mesh.triangles,

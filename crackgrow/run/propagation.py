@@ -228,7 +228,7 @@ def _shear(advance: AfterAdvance, solution: StepSolution, turns: Mapping[End, bo
         tip, (_, strength) = solution.tips[site], solution.scene.growing_in(solution.configuration.sites[site].body)
         if (size := float(np.hypot(*tip.K))) and tip.loading is not None:  # else nothing turns it
             # the kink of the largest hoop stress is -2 K_II / K_I where that is small, and bounded everywhere
-            shear[number] = -0.5 * opening(tip.K, strength, tip.loading.field.direction)[1]
+            shear[number] = -0.5 * opening(tip.K, tip.loading.roots, strength, tip.loading.field.direction)[1]
             nothing[number] = np.clip(np.nan_to_num(tip.intensity.K_II_spread) / size, SMALL_SHEAR, WORST_ERROR)
     return shear, nothing
 

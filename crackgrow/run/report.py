@@ -15,6 +15,7 @@ from crackgrow.accuracy.energy_norm import ErrorEstimate, error_estimate
 from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.surface import end_word
+from crackgrow.cover.shapes import is_isotropic
 from crackgrow.fracture.advance import STARTS, advancing_sites
 from crackgrow.fracture.interface_tips import InterfaceTip, Release
 from crackgrow.fracture.opening import kinked_release
@@ -120,8 +121,9 @@ def _interface_tip(solution: StepSolution, tip: InterfaceTip, release: Release) 
 
 def estimate_maker(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
-    singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
-    return partial(error_estimate, solution.cover, solution.state.materials, solution.outcome.u, singular)
+    cover, isotropic = solution.cover, [is_isotropic(body.roots) for body in solution.cover.bodies]
+    near = [SingularStress(cover, n, tip.K) for n, tip in enumerate(solution.tips) if isotropic[cover.tips[n].body]]
+    return partial(error_estimate, cover, solution.state.materials, solution.outcome.u, near)
 
 
 def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:
@@ -215,9 +217,9 @@ def _growing(step: int, solution: StepSolution, advances: Advances) -> Iterator[
         state, (index, at_end) = solution.tips[tip], cover.tip_ends[tip]
         assert growth is not None
         assert state.verdict is not None  # it was chosen by it
-        modulus = solution.state.materials[solution.scene.crack_bodies[index]].young_prime
+        material = solution.state.materials[solution.scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
         length = advances.lengths.get((index, at_end), growth.increment)
-        energy = length * kinked_release(state.K, state.verdict.kink, modulus)
+        energy = length * kinked_release(state.K, state.verdict.kink, material)
         place, name = cover.lattice.to_metres(cover.tips[tip].point), str(cover.cracks[index].name)
         yield Event(step, "growth", name, end_word(at_end), place, "", solution.state.factor, energy)
 

@@ -272,7 +272,9 @@ def without(case: model.Case, gone: set[str]) -> model.Case:
 
 def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
     """The scene of a case on a lattice."""
-    materials = tuple(plane_elasticity(body.material.young, body.material.poisson, case.plane) for body in case.bodies)
+    materials = tuple(
+        plane_elasticity(m.young, m.poisson, case.plane, m.bedding) for m in (body.material for body in case.bodies)
+    )
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
     lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
     interfaces = (
@@ -291,7 +293,10 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
         lattice=lattice,
         materials=materials,
         regions=tuple(shapely.Polygon(b.rings[0].points, [r.points for r in b.rings[1:]]) for b in case.bodies),
-        bodies=tuple(BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name) for b in case.bodies),
+        bodies=tuple(
+            BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name, m.roots)
+            for b, m in zip(case.bodies, materials, strict=True)
+        ),
         interfaces=tuple(interfaces),
         foundations=tuple(
             Foundation(name, each.region, each.moves) for name, each in zip(names, supports, strict=True)

@@ -27,7 +27,7 @@ def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> Sym
     """The stiffness (n_dofs, n_dofs) Pa, per metre of thickness, with `n` Gauss points per direction."""
     spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
     inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
-    moduli = np.array([(m.c11, m.c12, m.c33) for m in materials])[cover.elements.body]
+    moduli = np.array([m.matrix for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
     start, column = _pattern(on.start, on.values, cover.n_functions)
@@ -79,7 +79,7 @@ def _integrate(
     """Add the integrals over elements to the blocks of a matrix.
 
     on: starts and functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
-    times length (m); moduli: (elements, 3) c11, c12, c33; scale: lattice spacings in a metre; matrix: starts of rows,
+    times length (m); moduli: (elements, 3, 3) Pa; scale: lattice spacings in a metre; matrix: starts of rows,
     columns, and blocks (q, 2, 2) of the lower triangle
     """
     (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
@@ -112,14 +112,14 @@ def _integrate(
                 gradients[q, i] = root * (gradients[q, i] + shift[i] / area)
         products = s[: 4 * m * m].reshape(2 * m, 2 * m)  # the lower triangle: of derivatives by x, then by y
         syrk(gradients, products)
-        c11, c12, c33 = moduli[e]
+        c = moduli[e]
         for i in range(m):
             row = start[function[at[e] + i]]
             for j in range(i + 1):
                 while column[row] < function[at[e] + j]:
                     row += 1
                 xx, xy, yx, yy = products[i, j], products[m + j, i], products[m + i, j], products[m + i, m + j]
-                block[row, 0, 0] += c11 * xx + c33 * yy
-                block[row, 0, 1] += c12 * xy + c33 * yx
-                block[row, 1, 0] += c12 * yx + c33 * xy
-                block[row, 1, 1] += c11 * yy + c33 * xx
+                block[row, 0, 0] += c[0, 0] * xx + c[0, 2] * (xy + yx) + c[2, 2] * yy
+                block[row, 0, 1] += c[0, 1] * xy + c[0, 2] * xx + c[1, 2] * yy + c[2, 2] * yx
+                block[row, 1, 0] += c[0, 1] * yx + c[0, 2] * xx + c[1, 2] * yy + c[2, 2] * xy
+                block[row, 1, 1] += c[1, 1] * yy + c[1, 2] * (xy + yx) + c[2, 2] * xx

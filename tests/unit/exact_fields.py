@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 Field = Callable[[Floats], Floats]
 """Stress (n, 3): xx, yy, xy at points (n, 2) in metres."""
 
+PAPER = np.array([[1, 0, 0, 0], [0, 1, 0, 0], [1, 0, 0, 4], [0, -1, 4, 0]])
+"""What sqrt(r) {cos t/2, sin t/2, cos 3t/2, sin 3t/2} are of the four tip functions in isotropic rock."""
+
 
 def solved_under(sample: Sample, field: Field) -> Floats:
     """Displacement unknowns under the tractions of a field on the outline, which balance each other."""

@@ -9,8 +9,8 @@ from crackgrow.accuracy.energy_norm import error_estimate
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import tip_angle
+from crackgrow.fracture.near_tip import near_tip_gradient
 from crackgrow.fracture.singular_stress import SingularStress
-from crackgrow.fracture.williams import williams_gradient
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.recovery import stress_of
 from tests.conftest import Build
@@ -70,7 +70,7 @@ def williams(cover: Cover, points: np.ndarray, elements: np.ndarray) -> np.ndarr
     """Stress (n, 3) of K at the first tip."""
     tip = cover.tips[0]
     r, t = tip_angle(tip, points, cover.elements.reference[elements])
-    gradient = np.einsum("nmcd,m->ncd", williams_gradient(MATERIAL, r * cover.lattice.spacing, t), K)
+    gradient = np.einsum("nmcd,m->ncd", near_tip_gradient(MATERIAL, r * cover.lattice.spacing, t), K)
     turned = tip.rotation.T @ gradient @ tip.rotation
     return stress_of([MATERIAL], turned, np.zeros(len(r), dtype=np.int64), np.zeros((len(r), 2)))
 

@@ -11,9 +11,11 @@ from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls
 from crackgrow.approximation.tip_functions import tip_functions, tip_table
 from crackgrow.cover.elements import locate
+from crackgrow.cover.shapes import Roots
 from crackgrow.cover.tips import TipView, seen_from_tip
 from tests.conftest import Sample
 from tests.unit.cover_tables import gradient_rows
+from tests.unit.exact_fields import PAPER
 
 CRACK = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 PLACES = [CRACK[0], CRACK[2], (5.6, 4.9)]
@@ -153,10 +155,23 @@ def test_tip_functions_follow_the_closed_form_and_those_with_sines_jump_across_t
     r, t = np.array([0.25, 1.0, 4.0, 1.0, 1.0]), np.array([0.0, np.pi, -np.pi, np.pi / 2, -np.pi / 3])
     s = np.sqrt(0.5)
     expected = [[0.5, 0, 0.5, 0], [0, 1, 0, -1], [0, -2, 0, 2], [s, s, -s, s], [np.sqrt(3) / 2, -0.5, 0, -1]]
-    np.testing.assert_allclose(at_polar(tip_with(np.inf), r, t)[0], expected, atol=1e-15)
+    np.testing.assert_allclose(at_polar(tip_with(np.inf), r, t)[0] @ PAPER.T, expected, atol=1e-15)
     values, gradients = at_polar(tip_with(np.inf), np.zeros(1), np.zeros(1))
     assert np.all(values == 0.0)
     assert np.isfinite(gradients).all()
+
+
+@pytest.mark.parametrize("roots", [(1j, 1j), (0.3 + 0.6j, -0.4 + 1.7j)], ids=["isotropic", "bedded"])
+def test_tip_functions_have_their_derivatives_and_their_jump_on_whatever_turn_the_crack_is(roots: Roots) -> None:
+    tip, (r, t) = tip_with(2.0), np.random.default_rng(5).uniform((0.1, -5.0), (1.9, 5.0), (40, 2)).T
+    places = (r * np.array([np.cos(t), np.sin(t)])).T
+    values, slopes = at_polar(tip, r, t, roots)
+    for axis in range(2):
+        ends = [places + step * tip.rotation[:, axis] for step in (-1e-6, 1e-6)]
+        angles = [t + np.angle(np.exp(-1j * t) * (end @ (1.0, 1.0j))) for end in ends]
+        before, after = (at_polar(tip, np.hypot(*end.T), a, roots)[0] for end, a in zip(ends, angles, strict=True))
+        np.testing.assert_allclose(slopes[:, :, axis], (after - before) / 2e-6, atol=1e-7)
+    np.testing.assert_allclose(at_polar(tip, r, t + 2.0 * np.pi, roots)[0], -values, atol=1e-14)
 
 
 def test_fading_multiplies_by_chi_and_leaves_nothing_beyond() -> None:
@@ -168,10 +183,10 @@ def test_fading_multiplies_by_chi_and_leaves_nothing_beyond() -> None:
     assert not slopes[r >= 2.0].any()
 
 
-def at_polar(tip: TipView, r: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def at_polar(tip: TipView, r: np.ndarray, t: np.ndarray, roots: Roots = (1j, 1j)) -> tuple[np.ndarray, np.ndarray]:
     """Values (n, 4) and gradients (n, 4, 2) at polar coordinates (n,) round a tip, on the side that the angles say."""
     points = (r * np.array([np.cos(t), np.sin(t)])).T @ tip.rotation
-    (row,), found = tip_table([replace(tip, point=np.zeros(2))]), np.empty((len(r), 3, 4))
+    (row,), found = tip_table([replace(tip, point=np.zeros(2))], [roots]), np.empty((len(r), 3, 4))
     for point, side, f in zip(points, t, found, strict=True):
         tip_functions(*point, row, side, f)
     return found[:, 0], found[:, 1:].transpose(0, 2, 1)

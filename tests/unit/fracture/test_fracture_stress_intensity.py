@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 
 from crackgrow.case.formula import CoordinateFormula, parse_formula
+from crackgrow.case.model import ElasticBedding
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.tips import TipView, crack_angle, seen_from_tip
-from crackgrow.fracture.interaction import of_body_force, weights_of
+from crackgrow.fracture.interaction import of_body_force, of_uniform_stress, weights_of
+from crackgrow.fracture.near_tip import near_tip_displacement, near_tip_gradient, near_tip_stress
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance, disc_round
 from crackgrow.fracture.tip_rule import tip_rule
-from crackgrow.fracture.williams import williams_displacement, williams_gradient
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
@@ -23,6 +24,8 @@ from tests.solving import solve_case
 
 YOUNG = 1e10
 MATERIAL = plane_elasticity(YOUNG, 0.25, "strain")
+BEDDED = plane_elasticity(YOUNG, 0.25, "strain", ElasticBedding(35.0, 0.4 * YOUNG, 0.2, 0.3 * YOUNG))
+ROCKS = pytest.mark.parametrize("rock", [MATERIAL, BEDDED], ids=["isotropic", "bedded"])
 K = np.array([2.0, -1.0])
 
 PATHS = {
@@ -45,19 +48,24 @@ def hooke(material: PlaneElasticity, gradient: np.ndarray) -> np.ndarray:
 
 
 class ExactField:
-    """Williams' field of K, a stress (xx, yy, xy) Pa, and a body force b by u_x = -b x^2 / (2 c11), in tip axes."""
+    """The field of K, a stress (xx, yy, xy) Pa, and a force by u_x = -b x^2 / (2 c_11), rock and all in tip axes."""
 
     def __init__(
-        self, tip: TipView, stress: tuple[float, float, float] = (0.0, 0.0, 0.0), force: float = 0.0, K: np.ndarray = K
+        self,
+        rock: PlaneElasticity,
+        tip: TipView,
+        stress: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        force: float = 0.0,
+        K: np.ndarray = K,
     ) -> None:
-        self.tip, self.K = tip, K
-        xx, yy, xy2 = np.linalg.solve(MATERIAL.matrix, stress)
+        self.rock, self.tip, self.K = rock, tip, K
+        xx, yy, xy2 = np.linalg.solve(rock.matrix, stress)
         self.uniform = np.array([[xx, 0.5 * xy2], [0.5 * xy2, yy]])
-        self.force = np.array([force, 0.0])
+        self.force = force * rock.matrix[0, ::2] / rock.matrix[0, 0]
 
     def gradient(self, r: np.ndarray, t: np.ndarray) -> np.ndarray:
-        gradient = np.einsum("m,nmij->nij", self.K, williams_gradient(MATERIAL, r, t)) + self.uniform
-        gradient[:, 0, 0] -= self.force[0] * r * np.cos(t) / MATERIAL.c11
+        gradient = np.einsum("m,nmij->nij", self.K, near_tip_gradient(self.rock, r, t)) + self.uniform
+        gradient[:, 0, 0] -= self.force[0] * r * np.cos(t) / self.rock.matrix[0, 0]
         return gradient
 
     def faces(self, arc: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -69,27 +77,31 @@ class ExactField:
         r = np.hypot(place[:, 0], place[:, 1])
         alpha = crack_angle(self.tip, r)
         both = [self.gradient(r, t) for t in (alpha, alpha - 2.0 * np.pi)]
-        vectors = sum(np.einsum("nij,nj->ni", hooke(MATERIAL, gradient), normal) for gradient in both)
+        vectors = sum(np.einsum("nij,nj->ni", hooke(self.rock, gradient), normal) for gradient in both)
         return vectors, *both
 
     def found(self, radius: float = 2.5, size: float = 1.0) -> np.ndarray:
-        """K_I, K_II and T less sigma_yy, disc by disc."""
+        """K_I, K_II and M of the third field, disc by disc."""
         rule = tip_rule(self.tip, size, radius * PARTS)
         vectors, left, right = self.faces(rule.faces.arc)
         gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
-        weights = weights_of(MATERIAL, rule)
+        weights = weights_of(self.rock, rule)
         M = np.einsum("rmcdn,cdn->rm", weights.around, gradients)
         M += np.einsum("rmcdn,ncd->rm", weights.left, left) + np.einsum("rmcdn,ncd->rm", weights.right, right)
         M += np.einsum("rmcn,nc->rm", weights.vectors, 0.5 * vectors)
-        M += of_body_force(MATERIAL, rule, self.force[:, None])
-        return M * [0.5 * MATERIAL.young_prime, 0.5 * MATERIAL.young_prime, 1.0]
+        M += of_body_force(self.rock, rule, self.force[:, None])
+        K_II, K_I = 0.5 * np.linalg.solve(self.rock.release, M[:, 1::-1].T)
+        return np.stack([K_I, K_II, M[:, 2]], axis=1)
 
 
 @pytest.mark.parametrize("path", PATHS.values(), ids=PATHS.keys())
 @pytest.mark.parametrize("size", [1.0, 0.02])
 @pytest.mark.parametrize("radius", [0.5, 2.5, 4.0, 8.0])
-def test_williams_fields_give_their_K_back_on_every_disc(path: list[list[float]], radius: float, size: float) -> None:
-    found = ExactField(tip_of(path)).found(radius, size)[:, :2]
+@ROCKS
+def test_singular_fields_give_their_K_back_on_every_disc(
+    rock: PlaneElasticity, path: list[list[float]], radius: float, size: float
+) -> None:
+    found = ExactField(rock, tip_of(path)).found(radius, size)[:, :2]
     np.testing.assert_allclose(found, np.tile(K, (3, 1)), rtol=1e-6)
 
 
@@ -99,28 +111,29 @@ def test_williams_fields_give_their_K_back_on_every_disc(path: list[list[float]]
     [((-5.0, -5.0, 0.0), 0.0), ((3.0, 0.0, 0.0), 0.0), ((1.0, -4.0, 2.0), 0.0), ((2.0, 0.0, 0.0), 3.0)],
     ids=["pressure", "along", "pressed and sheared", "body force"],
 )
+@ROCKS
 def test_a_uniform_stress_and_a_body_force_have_no_K_and_T_is_the_stress_along_the_crack(
-    path: list[list[float]], stress: tuple[float, float, float], force: float
+    rock: PlaneElasticity, path: list[list[float]], stress: tuple[float, float, float], force: float
 ) -> None:
-    """T of a kinked crack is found without K: tractions of Williams' field are not opposite on both faces there."""
-    found = ExactField(tip_of(path), stress, force).found()
+    """T of a kinked crack is found without K: tractions of the singular field are not opposite on both faces there."""
+    found = ExactField(rock, tip_of(path), stress, force).found()
     np.testing.assert_allclose(found[:, :2], np.tile(K, (3, 1)), rtol=2e-6)
-    alone = found if path == PATHS["straight"] else ExactField(tip_of(path), stress, force, np.zeros(2)).found()
-    np.testing.assert_allclose(alone[:, 2] + stress[1], stress[0], rtol=1e-9)
+    alone = found if path == PATHS["straight"] else ExactField(rock, tip_of(path), stress, force, np.zeros(2)).found()
+    along, across, shear = of_uniform_stress(rock)
+    np.testing.assert_allclose((alone[:, 2] - across * stress[1] - shear * stress[2]) / along, stress[0], rtol=1e-9)
 
 
-@pytest.mark.parametrize("plane", ["strain", "stress"])
-def test_williams_gradient_is_that_of_the_displacement_and_in_equilibrium(plane: str) -> None:
-    material = plane_elasticity(YOUNG, 0.25, plane)
+@pytest.mark.parametrize("material", [MATERIAL, plane_elasticity(YOUNG, 0.25, "stress"), BEDDED])
+def test_the_gradient_is_that_of_the_displacement_in_equilibrium_and_of_the_stress(material: PlaneElasticity) -> None:
     rng = np.random.default_rng(3)
     r, t = rng.uniform(0.2, 3.0, 40), rng.uniform(-3.1, 3.1, 40)
     x, step = np.stack([r * np.cos(t), r * np.sin(t)], axis=1), 1e-5
 
     def displacement(x: np.ndarray) -> np.ndarray:
-        return williams_displacement(material, np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0]))
+        return near_tip_displacement(material, np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0]))
 
     def gradient(x: np.ndarray) -> np.ndarray:
-        return williams_gradient(material, np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0]))
+        return near_tip_gradient(material, np.hypot(*x.T), np.arctan2(x[:, 1], x[:, 0]))
 
     for axis in range(2):
         e = step * np.eye(2)[axis]
@@ -132,16 +145,23 @@ def test_williams_gradient_is_that_of_the_displacement_and_in_equilibrium(plane:
         for mode in range(2)
     ) / (2.0 * step)
     assert np.abs(force).max() < 1e-7
+    stress = np.stack([hooke(material, gradient(x)[:, mode]) for mode in (0, 1)], axis=-1)
+    scaled = np.sqrt(2.0 * np.pi * r)[:, None, None] * stress.reshape(40, 4, 2)[:, [0, 3, 1]]
+    np.testing.assert_allclose(near_tip_stress(material.roots, t), scaled, atol=1e-12)
 
 
-@pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_signs_of_K(sign: float) -> None:
-    """K_I opens; K_II moves the face on the left outward; both faces are free of traction."""
-    left, right = (williams_displacement(MATERIAL, np.ones(1), np.array([t]))[0] for t in (np.pi, -np.pi))
+@ROCKS
+def test_signs_of_K_and_the_work_that_closes_a_crack(rock: PlaneElasticity) -> None:
+    """K_I opens; K_II moves the face on the left outward; faces are free; Irwin's integral is the release of K."""
+    left, right = (near_tip_displacement(rock, np.ones(1), np.array([t]))[0] for t in (np.pi, -np.pi))
     assert left[0, 1] > 0.0 > right[0, 1]
     assert left[1, 0] > 0.0 > right[1, 0]
-    stress = [hooke(MATERIAL, williams_gradient(MATERIAL, np.ones(1), np.array([sign * np.pi]))[:, m]) for m in (0, 1)]
-    np.testing.assert_allclose(np.array(stress)[:, 0, :, 1], 0.0, atol=1e-15)
+    np.testing.assert_allclose(near_tip_stress(rock.roots, np.array([-np.pi, np.pi]))[:, 1:], 0.0, atol=1e-15)
+    # 1 / (2 l) int_0^l sqrt((l - x) / x) dx = pi / 4, with the stress ahead over sqrt(2 pi x)
+    closing = np.sqrt(0.5 * np.pi) / 4.0 * (left - right)[::-1, ::-1]
+    ahead = near_tip_stress(rock.roots, np.zeros(1))[0, 1:]
+    np.testing.assert_allclose(ahead, np.eye(2), atol=1e-15)
+    np.testing.assert_allclose(0.5 * (closing + closing.T), rock.release, rtol=1e-12)
 
 
 def no_traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -27,10 +27,10 @@ def test_growth_in_a_cycle_is_the_power_of_the_range_above_its_threshold() -> No
 def test_the_range_of_K_is_along_the_kink_and_of_open_cracks() -> None:
     """Shear to and fro has no more range than in one sense: a ray that one sense opens is closed by the other."""
     kink = -np.arccos(1.0 / 3.0)  # of the largest hoop stress in mode II, 2/sqrt(3) K_II
-    assert range_of_K((0.0, 0.0), (0.0, 1.0), kink) == pytest.approx(2.0 / np.sqrt(3.0))
-    assert range_of_K((0.0, -1.0), (0.0, 1.0), kink) == pytest.approx(2.0 / np.sqrt(3.0))
-    assert range_of_K((-3.0, 0.0), (2.0, 0.0), 0.0) == 2.0
-    assert range_of_K((2.0, 0.0), (1.0, 0.0), 0.0) == 1.0
+    assert range_of_K((0.0, 0.0), (0.0, 1.0), kink, (1j, 1j)) == pytest.approx(2.0 / np.sqrt(3.0))
+    assert range_of_K((0.0, -1.0), (0.0, 1.0), kink, (1j, 1j)) == pytest.approx(2.0 / np.sqrt(3.0))
+    assert range_of_K((-3.0, 0.0), (2.0, 0.0), 0.0, (1j, 1j)) == 2.0
+    assert range_of_K((2.0, 0.0), (1.0, 0.0), 0.0, (1j, 1j)) == 1.0
 
 
 def test_tips_advance_in_proportion_to_their_velocities() -> None:

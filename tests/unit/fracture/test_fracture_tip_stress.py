@@ -41,7 +41,7 @@ def near_field(sample, K_I: float, K_II: float, plane: str = "strain") -> np.nda
     along = K_I * np.array([k - 0.5, 0.0, -0.5, 0.0]) + K_II * np.array([0.0, k + 1.5, 0.0, 0.5])
     across = K_I * np.array([0.0, k + 0.5, 0.0, -0.5]) + K_II * np.array([1.5 - k, 0.0, -0.5, 0.0])
     factor = np.sqrt(sample.lattice.spacing / (2.0 * np.pi)) / (2.0 * SHEAR_MODULUS)
-    coefficients = factor * np.stack([along, across], axis=1) @ cover.tips[0].rotation
+    coefficients = factor * exact_fields.PAPER.T @ np.stack([along, across], axis=1) @ cover.tips[0].rotation
     u = np.zeros((cover.n_functions, 2))
     for number in cover.tips[0].functions:
         u[number : number + 4] = coefficients
@@ -71,7 +71,7 @@ def test_rays_mean_and_faces_of_the_near_field(
         means.append(root * exact_fields.turned(field.mean[None], -field.direction)[0])
         assert tuple(means[-1][1:]) == pytest.approx((1.5279 * K_I, 1.0186 * K_II), abs=2 * RAYS)
     np.testing.assert_allclose(*means, atol=1e-6)
-    found = from_face_displacements(sample.cover, [material.young_prime], u, [0])[0]
+    found = from_face_displacements(sample.cover, [material], u, [0])[0]
     assert found == pytest.approx((K_I, K_II), abs=1e-6)
 
 

@@ -30,11 +30,12 @@ def test_elasticity_inverts_the_flexibility_of_either_plane() -> None:
     strain, stress = (plane_elasticity(E, NU, plane) for plane in ("strain", "stress"))
     flexibility = np.array([[1, -NU, 0], [-NU, 1, 0], [0, 0, 2 * (1 + NU)]]) / E
     np.testing.assert_allclose(stress.matrix @ flexibility, np.eye(3), atol=1e-15)
-    assert (stress.young_prime, stress.zz) == (E, 0.0)
+    assert stress.young_prime == pytest.approx(E, rel=1e-15)
+    assert not stress.zz.any()
     flexibility = (1 + NU) / E * np.array([[1 - NU, -NU, 0], [-NU, 1 - NU, 0], [0, 0, 2]])
     np.testing.assert_allclose(strain.matrix @ flexibility, np.eye(3), atol=1e-15)
-    assert (strain.young_prime, strain.zz) == (pytest.approx(E / 0.91, rel=1e-15), NU)  # no strain along z
-    assert strain.c11 - strain.c12 == pytest.approx(2 * strain.c33, rel=1e-14)
+    assert strain.young_prime == pytest.approx(E / 0.91, rel=1e-15)
+    assert strain.zz == pytest.approx([NU, NU, 0.0])  # no strain along z
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -128,7 +129,7 @@ def test_a_stretch_between_edge_supports_is_uniform(build) -> None:
     metres = np.random.default_rng(50).uniform((0.5, 0.5), (6.5, 5.5), (200, 2))
     points = sample.lattice.to_lattice(metres)
     found = displacement_at(sample.cover, u, points, locate(sample.lattice, sample.cover.elements, points))
-    exact = (metres - 0.5) * (1.0, -sample.material.c12 / sample.material.c11) * 0.01 / 6.0
+    exact = (metres - 0.5) * (1.0, -sample.material.matrix[0, 1] / sample.material.matrix[0, 0]) * 0.01 / 6.0
     assert np.abs(found - exact).max() < 3e-6 * 0.01
 
 
