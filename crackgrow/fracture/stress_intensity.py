@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
@@ -40,6 +41,7 @@ class StressIntensity:
     radius: float  # m, of the largest disc; nan where none fits
     small: bool  # whether the disc spans but few cells
     note: str  # why, in words; empty where it is not
+    opens: float = math.nan  # Pa sqrt(m): the K_I that alone opens the faces as far; below 0 these would overlap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,7 +138,9 @@ def _in_disc(
     found = np.stack([K_I, K_II, of_T], axis=1)
     (K_I, K_II, T), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
-    return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, disc.radius * spacing, disc.small, note)
+    _, (by_K_II, by_K_I) = in_tip_axes.release
+    opens, radius = K_I + float(by_K_II / by_K_I) * K_II, disc.radius * spacing
+    return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, radius, disc.small, note, opens)
 
 
 def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Functional]:

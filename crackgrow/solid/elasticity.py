@@ -35,7 +35,7 @@ class PlaneElasticity:
     def turned(self, axes: Floats) -> PlaneElasticity:
         """The same in other axes, whose directions are the rows of (2, 2), without in-situ stress."""
         strain = _strain_in(axes.T)
-        zz, release = self.zz @ strain.T, axes @ self.release @ axes.T
+        zz, release = self.zz @ _strain_in(axes).T, axes @ self.release @ axes.T
         return PlaneElasticity(strain.T @ self.matrix @ strain, zz, turned_roots(self.roots, axes), release)
 
 

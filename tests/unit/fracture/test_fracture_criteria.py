@@ -21,7 +21,7 @@ from crackgrow.fracture.criteria import (
     strength,
     without_K,
 )
-from crackgrow.fracture.opening import hoop_stress_kink
+from crackgrow.fracture.opening import ahead, hoop_stress_kink, opening
 from crackgrow.fracture.sites import LARGEST_KINK
 from crackgrow.fracture.tip_stress import TipField
 from tests.unit import exact_fields
@@ -246,6 +246,18 @@ def test_rays_outside_of_the_body_and_along_the_crack_itself_are_left_out() -> N
     verdict = by_rays(loading(replace(field, rays=rays)), ROCK)
     assert abs(np.rad2deg(verdict.kink)) < 5.0
     assert verdict.criticality == pytest.approx(2.5, rel=0.01)
+
+
+def test_in_rock_with_elastic_bedding_a_crack_turns_to_the_largest_hoop_stress_there() -> None:
+    """By the hoop stress of Saouma, Ayari, Leavell 1987, eq. 8, (cos t + s sin t)^(3/2) weighed by the roots."""
+    first, last, t = 0.35 + 0.6j, -0.2 + 1.9j, np.linspace(-LARGEST_KINK, LARGEST_KINK, 4001)
+    one, other = ((np.cos(t) + root * np.sin(t)) ** 1.5 for root in (first, last))
+    for K in ((1.0, 0.0), (1.0, -0.6), (0.2, 1.0)):
+        hoop = ((K[0] * (first * other - last * one) + K[1] * (other - one)) / (first - last)).real
+        np.testing.assert_allclose(ahead(K, t, (first, last))[0], hoop, atol=1e-13)
+        size, kink = opening(K, (first, last))
+        assert (size, kink) == pytest.approx((hoop.max(), t[hoop.argmax()]), abs=1e-3)
+        assert opening(K, (last, first)) == pytest.approx((size, kink), abs=1e-9)
 
 
 @pytest.mark.parametrize("K_I", [-2.0, -0.1, 0.0, 0.3, 1.0, 5.0])

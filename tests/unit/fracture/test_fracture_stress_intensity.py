@@ -120,7 +120,8 @@ def test_a_uniform_stress_and_a_body_force_have_no_K_and_T_is_the_stress_along_t
     np.testing.assert_allclose(found[:, :2], np.tile(K, (3, 1)), rtol=2e-6)
     alone = found if path == PATHS["straight"] else ExactField(rock, tip_of(path), stress, force, np.zeros(2)).found()
     along, across, shear = of_uniform_stress(rock)
-    np.testing.assert_allclose((alone[:, 2] - across * stress[1] - shear * stress[2]) / along, stress[0], rtol=1e-9)
+    T = (alone[:, 2] - across * stress[1] - shear * stress[2]) / along
+    np.testing.assert_allclose(T, stress[0], rtol=1e-9 if rock is MATERIAL else 1e-7)  # by the points on the circles
 
 
 @pytest.mark.parametrize("material", [MATERIAL, plane_elasticity(YOUNG, 0.25, "stress"), BEDDED])
@@ -158,10 +159,10 @@ def test_signs_of_K_and_the_work_that_closes_a_crack(rock: PlaneElasticity) -> N
     assert left[1, 0] > 0.0 > right[1, 0]
     np.testing.assert_allclose(near_tip_stress(rock.roots, np.array([-np.pi, np.pi]))[:, 1:], 0.0, atol=1e-15)
     # 1 / (2 l) int_0^l sqrt((l - x) / x) dx = pi / 4, with the stress ahead over sqrt(2 pi x)
-    closing = np.sqrt(0.5 * np.pi) / 4.0 * (left - right)[::-1, ::-1]
+    closing = np.sqrt(0.5 * np.pi) / 4.0 * (left - right)[::-1]
     ahead = near_tip_stress(rock.roots, np.zeros(1))[0, 1:]
     np.testing.assert_allclose(ahead, np.eye(2), atol=1e-15)
-    np.testing.assert_allclose(0.5 * (closing + closing.T), rock.release, rtol=1e-12)
+    np.testing.assert_allclose(closing, rock.release, rtol=1e-12)
 
 
 def no_traction(s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

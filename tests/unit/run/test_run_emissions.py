@@ -86,6 +86,4 @@ def test_a_tip_releases_what_Irwin_says_and_beside_it_what_a_kink_does() -> None
     m = 1.0 / 9.0
     k_1 = 1.5 * np.pi * m - (10.0 * np.pi / 3.0 + np.pi**3 / 16.0) * m**3
     k_2 = 1.0 - (4.0 + 3.0 * np.pi**2 / 8.0) * m**2 + (8 / 3 + 29 * np.pi**2 / 18 - 5 * np.pi**4 / 128) * m**4
-    assert kinked_release((0.0, 1.0), -m * np.pi, rock) == pytest.approx(
-        k_1**2 + k_2**2, rel=0.025
-    )
+    assert kinked_release((0.0, 1.0), -m * np.pi, rock) == pytest.approx(k_1**2 + k_2**2, rel=0.025)

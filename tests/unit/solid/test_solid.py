@@ -10,7 +10,7 @@ import pytest
 
 from crackgrow.case.formula import CoordinateFormula, parse_formula
 from crackgrow.case.load import read_case
-from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, PointSupport
+from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, ElasticBedding, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.errors import CaseError, FreePieceError, GeometryError
@@ -39,8 +39,29 @@ def test_elasticity_inverts_the_flexibility_of_either_plane() -> None:
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
+@pytest.mark.parametrize("shear", [None, 0.2 * E])
+def test_bedding_gives_every_direction_its_modulus_and_no_strain_out_of_the_plane(
+    plane: str, shear: float | None
+) -> None:
+    """Of pull at an angle t to the planes, c^4 / E + s^4 / E' + c^2 s^2 (1 / G' - 2 nu' / E') (Amadei 1996)."""
+    across, nu, angle = 0.4 * E, 0.2, 25.0
+    rock = plane_elasticity(E, NU, plane, ElasticBedding(angle, across, nu, shear))
+    per_shear = 1.0 / shear if shear else 1.0 / E + (1.0 + 2.0 * nu) / across
+    for degrees in (-40.0, 25.0, 70.0, 115.0):
+        t, to_planes = np.deg2rad(degrees), np.deg2rad(degrees - angle)
+        pulled = np.array([np.cos(t) ** 2, np.sin(t) ** 2, np.cos(t) * np.sin(t)])
+        c, s = np.cos(to_planes) ** 2, np.sin(to_planes) ** 2
+        per_pull = c**2 / E + s**2 / across + c * s * (per_shear - 2.0 * nu / across)
+        of_zz = -(NU / E * c + nu / across * s)  # strain
+        zz = float(rock.zz @ pulled)
+        assert zz == pytest.approx(-of_zz * E if plane == "strain" else 0.0, rel=1e-13)
+        strain = np.linalg.solve(rock.matrix, pulled)
+        assert pulled @ strain == pytest.approx(per_pull + of_zz * zz, rel=1e-13)
+
+
+@pytest.mark.parametrize("plane", ["strain", "stress"])
 def test_energy_components_square_to_the_strain_energy(plane: str) -> None:
-    material = plane_elasticity(3.0, 0.3, plane)
+    material = plane_elasticity(3.0, 0.3, plane, ElasticBedding(20.0, 1.0, 0.2))
     stress = np.array([[1.0, 2.0, -0.5], [0.0, 0.0, 1.0]])
     body = np.zeros(2, dtype=np.int64)
     expected = np.einsum("ni,ij,nj->n", stress, np.linalg.inv(material.matrix), stress)

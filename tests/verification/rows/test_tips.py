@@ -16,6 +16,7 @@ import crackgrow
 from crackgrow.case.units import INCH, POUND
 from crackgrow.run import grow
 from crackgrow.run.result import StepResult
+from crackgrow.solid.elasticity import plane_elasticity
 from tests.benchmarks.target_scenes import SCENES, Known, cracks, kinked, kinked_scene, winged_flaw
 from tests.scenes import MPA, plate, winged
 from tests.verification.row import Record, Row, parameters
@@ -507,8 +508,65 @@ def _on_interfaces() -> Iterator[Row]:
             yield Row(name, f"G at the {side} tip [J/m^2]", partial(interface_G, degrees, end), wanted, source, 5e-3)
 
 
+BEDDED = """
+title: a crack in a wide plate of rock with bedding
+units: {length: mm, stress: MPa}
+plane: strain
+bodies:
+  rock:
+    shape: {rectangle: {center: [0, 0], width: 4000, height: 4000}}
+    material: {young: 30 GPa, poisson: 0.2, bedding: {angle: 65, young: 8 GPa, poisson: 0.1, shear: 4 GPa}}
+cracks: {flaw: {path: {center: [0, 0], length: 40, angle: 35}, contact: CONTACT}}
+supports: minimal
+loads: [{far_field: STRESS}]
+numerics: {accuracy: standard}
+"""
+
+
+@cache
+def in_bedded(contact: str, stress: tuple[float, float, float]) -> Floats:
+    """K_I, K_II and T over those of the closed forms, of the tip for which that is worse, times sqrt(pi a).
+
+    Of a crack all tractions of the far field are set free but those that faces bear: with k = (K_II, K_I) and G = k.H k
+    closed ones bear as much pressure as leaves no opening, (H k)_2 = 0, and friction of it; those of an open crack
+    bear nothing, and leave T = s_11 + Re(s_1 s_2) s_22 + Re(s_1 + s_2) s_12 (Sih, Paris, Irwin 1965), in its axes.
+    """
+    case = case_of(BEDDED, CONTACT=contact, STRESS=list(stress))
+    angle, (xx, yy, xy), bedded = np.deg2rad(35.0), (MPA * np.array(stress)).tolist(), case.bodies[0].material
+    axes = np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
+    (along, shear), (_, across) = axes @ [[xx, xy], [xy, yy]] @ axes.T
+    rock = plane_elasticity(bedded.young, bedded.poisson, case.plane, bedded.bedding).turned(axes)
+    s_1, s_2 = rock.roots
+    exact = np.array([across, shear, along + (s_1 * s_2).real * across + (s_1 + s_2).real * shear])
+    if contact != "none":
+        friction = float(yaml.safe_load(contact)["friction"]) * np.sign(shear)
+        opens = -rock.release[1, 0] / rock.release[1, 1]  # K_I over K_II
+        slides = (shear + friction * across) / (1.0 + friction * opens)
+        exact = np.array([opens * slides, slides, np.nan])
+    root = np.sqrt(np.pi * 0.02)
+    found = np.array([(tip.K_I / root, tip.K_II / root, tip.T) for tip in solve_case(case).result.tips])
+    return np.asarray(np.abs(found - exact).max(axis=0) / np.hypot(*exact[:2]))
+
+
+def bedded_error(n: int, contact: str, stress: tuple[float, float, float]) -> float:
+    """That of one of the three."""
+    return float(in_bedded(contact, stress)[n])
+
+
+def _bedded() -> Iterator[Row]:
+    """A crack under tractions has the K of isotropic rock; a closed one has K_I, too: pressure where it would gape."""
+    for contact, stress in (
+        ("none", (0.3, 1.0, 0.2)),
+        ("{friction: 0, cohesion: 0}", (-2.0, -6.0, 0.0)),
+        ("{friction: 0.3, cohesion: 0}", (-2.0, -6.0, 0.0)),
+    ):
+        for n, name in enumerate(("K_I", "K_II", "T")[: 3 if contact == "none" else 2]):
+            value = partial(bedded_error, n, contact, stress)
+            yield Row(f"rock with bedding, {contact}", f"{name} in rock with bedding", value, 0.0, INFINITE, 3e-3)
+
+
 @pytest.mark.parametrize(
-    "row", parameters(_open(), _closed(), _many(), _places(), _along(), _injected(), _on_interfaces())
+    "row", parameters(_open(), _closed(), _many(), _places(), _along(), _injected(), _on_interfaces(), _bedded())
 )
 def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
     row.check(record_property)
