@@ -3,7 +3,7 @@
     python -m tests.benchmarks.cost [SCENE ...]
 
 Runs whole commands, each in a process of its own with one BLAS thread. Without names it refits the constants in
-crackgrow/plan/cost.json to all scenes, a quarter of an hour, and writes tests/benchmarks/cost.md.
+crackgrow/plan/cost.json to all scenes, a quarter of an hour, and writes tests/benchmarks/cost.csv.
 """
 
 from __future__ import annotations
@@ -23,8 +23,10 @@ from crackgrow.blas import THREAD_SETTINGS
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.plan.cost import cost_of, sizes_of, terms_of
-from tests.benchmarks.tables import HERE, ROOT, renew_table
-from tests.benchmarks.tables import table as markdown
+from tests.benchmarks.tables import HERE, ROOT, write_csv
+
+ABOUT = "What runs are told to take and take, start, files and report included: python -m tests.benchmarks.cost"
+COLUMNS = ("run", "unknowns", "told_s", "taken_s", "told_MiB", "taken_MiB")
 
 Scene = tuple[str, tuple[str, ...]]
 
@@ -82,11 +84,9 @@ def main(given: Sequence[str] | None = None) -> None:
         told = cost_of(case)
         words = (f"{told.seconds:.3g}", f"{seconds:.3g}", f"{told.memory:.0f}", f"{memory:.0f}")
         lines.append((" ".join((name, *settings)), str(told.n_dofs), *words))
-    written = markdown(("run", "unknowns", "told, s of CPU", "taken", "told, MiB", "taken"), lines)
-    if only:
-        print(written)
-    else:
-        renew_table(HERE / "cost.md", written)
+    if not only:
+        write_csv(HERE / "cost.csv", COLUMNS, lines, ABOUT)
+    print(*(" ".join(line) for line in (COLUMNS, *lines)), sep="\n")
 
 
 def refit(cases: Sequence[Case], found: Sequence[tuple[float, float]]) -> None:

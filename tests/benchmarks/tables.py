@@ -16,13 +16,6 @@ def table(header: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
     return "".join(f"| {' | '.join(line)} |\n" for line in (header, ["---"] * len(header), *rows))
 
 
-def renew_table(path: Path, text: str) -> None:
-    """Put a Markdown table in the place of the one of a document."""
-    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
-    old = [number for number, line in enumerate(lines) if line.startswith("|")]
-    path.write_text("".join([*lines[: old[0]], text, *lines[old[-1] + 1 :]]), encoding="utf-8")
-
-
 def number(value: float) -> str:
     """Three digits without an exponent, or nothing where nothing was measured."""
     if math.isnan(value):
