@@ -102,3 +102,35 @@ def fault_of(file: Path, *settings: str) -> Fault:
 def told(warnings: Iterable[str]) -> list[str]:
     """Warnings but the one that cells by hand have no error."""
     return [text for text in warnings if "no error is measured" not in text]
+
+
+SPACINGS = {
+    "brazilian_disk": 2.5, "compression30": 1.5, "compression45": 1.5, "compression60": 1.5, "confined30": 2,
+    "cyclic_friction": 2.5, "edge_tension": 1.2, "en_echelon": 2, "flaw_and_hole": 1.5, "junction_static": 1.5,
+    "slant_tension": 1, "tension0": 1.5, "two_flaws": 2, "two_flaws_overlapping": 2,
+}  # fmt: skip
+"""Spacings of one size, in the unit of the case, for scenes whose own cells follow from their accuracy."""
+
+
+def one_size(scene: str) -> tuple[str, ...]:
+    """The setting that gives a shipped scene cells of one size; none where it has them anyway."""
+    return (f"numerics.spacing={SPACINGS[scene]}",) if scene in SPACINGS else ()
+
+
+# A plate under tension whose edge cracks grow below their toughness.
+
+STRENGTH = "{tension: 5, cohesion: 20, friction_angle: 40, toughness: 0.5 MPa sqrt(m)}"
+GROWTH = "steps: 4, increment: 1, advance: all, criterion: max_hoop_stress, direction: explicit"
+LAW = "law: subcritical, subcritical: {velocity: 10 mm/s, exponent: 10}"
+CYCLES = (
+    "growth={steps: 4, increment: 1, advance: all, criterion: max_hoop_stress, direction: explicit, law: fatigue,"
+    " fatigue: {rate: 1e-6 mm, at: 1 MPa sqrt(m), exponent: 3}}",
+    "loading={history: [-0.5, 0.25, 1]}",
+)
+SHORTER = "cracks.shorter={path: {points: [[-15, 40], [-11, 40]]}, tips: end, contact: none}"  # than the notch, 6 mm
+SLOWLY = (f"bodies.rock.strength={STRENGTH}", f"growth={{{GROWTH}, {LAW}}}", "numerics.spacing=3")
+
+
+def slow_cracks(*settings: str) -> Case:
+    """The plate with the edge crack `notch`, of 6 mm, at 0.39 of its toughness."""
+    return shipped_case("edge_tension", [*SLOWLY, "output.frames=none", "output.figures=false", *settings])

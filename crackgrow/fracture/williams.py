@@ -16,12 +16,6 @@ RATES = np.array([0.5, 1.5, 0.5, 1.5])
 """Of the angles t/2 and 3t/2."""
 
 
-def williams_displacement(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
-    """Displacement (n, 2, 2) [point, mode, component] of K_I = 1 and K_II = 1 at polar coordinates r, t (n,)."""
-    shape, _ = _shapes(material, t)
-    return (np.sqrt(r) * shape).transpose(2, 0, 1)
-
-
 def williams_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
     """Displacement gradient du_c/dx_d (n, 2, 2, 2) [point, mode, c, d] of K_I = 1 and K_II = 1 at r, t (n,).
 

@@ -17,13 +17,12 @@ from crackgrow.geometry.tolerance import ON_LINE
 from tests.stability.growing_scenes import Scene, growing_scene, text_of
 from tests.stability.judge.balance import judge_energies, judge_forces
 from tests.stability.judge.contact import judge_contact
-from tests.stability.judge.paths import judge_paths
 from tests.stability.judge.tips import judge_tips
 from tests.stability.judge.written import Court, WrittenRun, run_case
 
 DONE = ("completed", "arrested", "broke_through")
 
-CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_paths, judge_tips)
+CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_tips)
 
 
 def judged(run: WrittenRun) -> Court:
@@ -82,24 +81,6 @@ def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
 
 
 # Scenes that random ones came down to: each of them was refused or wrong once, without need.
-
-
-@pytest.mark.parametrize("traction", [[5.0, -6.0], [0.0, 1.0]], ids=["oblique", "along y"])
-def test_loads_on_nothing_but_held_rock_move_nothing(tmp_path: Path, traction: list[float]) -> None:
-    """All displacements are round-off then: what supports miss by as much is no contradiction."""
-    held, shape = {"body": "rock", "edge": 2}, {"polygon": [[4.0, -10.0], [-6.0, -9.0], [-0.6, -20.0]]}
-    document = {
-        "title": "a triangle that is held where it is loaded",
-        "plane": "strain",
-        "bodies": {"rock": {"shape": shape, "material": {"young": 4e4, "poisson": 0.2}}},
-        "supports": [{"on": held, "displacement": {"x": 0, "y": 0}}],
-        "loads": [{"on": held, "traction": traction}],
-        "numerics": {"spacing": 0.8},
-        "output": {"frames": "none", "figures": False, "report": False},
-    }
-    length = np.hypot(4.6, 10.0)
-    (force,) = run(tmp_path / "run", document).tables["reactions"][["force_x", "force_y"]].to_numpy()
-    np.testing.assert_allclose(force, -length * np.array(traction), atol=1e-9 * length)
 
 
 @pytest.mark.parametrize("support", [1.5, 2.0])

@@ -19,8 +19,8 @@ from crackgrow.contact.coulomb import SLIP
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case
+from tests.solving import seen, whole_run
 from tests.verification.solutions import case_of, solved
-from tests.whole_run import seen, whole_run
 
 
 def last(result: StepResult, column: str) -> float:

@@ -14,10 +14,10 @@ from scipy.optimize import brentq
 
 from crackgrow.case import Case
 from crackgrow.cli import main
-from crackgrow.errors import CaseError, FreePieceError, SolveError
+from crackgrow.errors import FreePieceError, SolveError
+from tests.solving import whole_run
 from tests.verification.rows.test_limits import INCLINE, LIMIT, safety_of
 from tests.verification.solutions import case_of, solve_case
-from tests.whole_run import whole_run
 
 
 @pytest.mark.parametrize("friction", [0.8, 0.4])
@@ -64,14 +64,6 @@ def test_a_scene_that_needs_no_strength_does_not_fail_and_one_that_no_strength_h
     assert "does not fail" in end.reason
     with pytest.raises(FreePieceError, match="body 'block'"):
         whole_run(case_of(FLAT, PULL=1e5))
-
-
-def test_a_target_of_K_is_refused() -> None:
-    with pytest.raises(CaseError) as caught:
-        case_of(FLAT, "numerics.accuracy=1 %", PULL=-1e5)
-    (fault,) = caught.value.faults
-    assert fault.key == "numerics.accuracy"
-    assert "wanted: a name" in fault.message
 
 
 BRITTLE = {"LAW": "friction: 0.4, cohesion: 1e4"}

@@ -26,7 +26,6 @@ MET, TIE = 1e-6, 6e-3
 """Of the strength: the most critical tip meets it; one that differs by less than a lattice resolves may advance."""
 
 DEGREES = 1e-4
-LARGEST_KINK = 110.0
 
 
 def judge_tips(court: Court) -> None:
@@ -79,24 +78,11 @@ def _K(tip: pd.Series) -> tuple[float, float]:
     return found if np.isfinite(found).all() else (float(tip["K_I_faces"]), float(tip["K_II_faces"]))
 
 
-def hoop_kink(K_I: float, K_II: float) -> float:
-    """Degrees: direction of the largest hoop stress (Erdogan, Sih 1963), by search."""
-    largest = np.deg2rad(LARGEST_KINK)
-    t = np.linspace(-largest, largest, 4401)
-    for _ in range(4):
-        hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
-        best = t[int(np.argmax(hoop))]
-        t = np.clip(best + np.linspace(-1.0, 1.0, 401) * np.diff(t).max(), -largest, largest)
-    return float(np.rad2deg(best))
-
-
 def _kinks(court: Court, tip: pd.Series, step: int) -> None:
-    """The kink by the hoop stress, and the one of the path."""
+    """The kink that is told is that of the path."""
     run, name = court.run, tip["crack"]
     if run.growth is None or not tip["advanced"]:
         return
-    if run.growth["criterion"] == "max_hoop_stress":
-        court.check("kink of K", abs(tip["kink_deg"] - hoop_kink(*_K(tip))), 0.01, step, name)
     events, following, at_end = run.meetings, step + 1, tip["tip"] == "end"
     met = ((events["step"] == following) & (events["crack"] == name) & (events["tip"] == tip["tip"])).any()
     points, _ = run.path(name, following)

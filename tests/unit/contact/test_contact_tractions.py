@@ -72,12 +72,9 @@ def test_a_short_wave_is_measured_whatever_it_rides_on(length: float, amplitude:
         assert swing == pytest.approx(2.0 * amplitude, rel=0.1)
 
 
-def test_waves_that_the_lattice_carries_are_none() -> None:
+def test_what_rock_does_and_waves_that_the_lattice_carries_are_none() -> None:
     for length in (2.5, 4.0, 12.0):
         assert ripple(S, np.sin(2.0 * np.pi * S / length)) == 0.0
-
-
-def test_what_rock_does_is_no_wave() -> None:
     root = np.sqrt(S * (6.0 - S))
     step = np.where(S < 3.0, -75.0, -20.0)
     peak = -75.0 - 500.0 * np.eye(61)[30]

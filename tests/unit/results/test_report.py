@@ -20,8 +20,7 @@ from crackgrow.results.folder import FolderError
 from crackgrow.results.report import write_report
 from crackgrow.results.writer import RunWriter
 from tests.report_runs import HOSTILE, make_run, paint
-from tests.scenes import shipped_case
-from tests.slow_cracks import SLOWLY
+from tests.scenes import SLOWLY, shipped_case
 
 VOID = ("meta", "input", "img")
 ROUNDING = 1e-5  # six digits are shown
@@ -146,24 +145,6 @@ def test_tips_and_contact_points_are_those_of_the_tables(page: Page, folder: Pat
     assert [state for step in steps for state in step["state"]] == [row["state"] for row in table]
 
 
-def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> None:
-    table, charts = rows(folder, "steps.csv"), {chart["title"]: chart for chart in page.data["charts"]}
-    for title, names in {
-        "Crack length": ["crack_length"],
-        "Displacement of the loads": ["load_displacement"],
-        "Energies": ["work", "strain_energy", "dissipation", "released_energy"],
-    }.items():
-        chart = charts[title]
-        for line, name in zip(chart["series"], names, strict=True):
-            assert line["x"] == numbers(table, "step")
-            values = [in_si(value, chart["ylabel"]) for value in line["y"]]
-            np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING, atol=1e-300)
-    assert not {"Load curve", "Growth in time"} & set(charts)  # loads are the same at every step, growth takes no time
-    (start, _) = charts["Criticality"]["series"]
-    of_tip = [row for row in rows(folder, "tips.csv") if row["tip"] == start["name"].split()[-1]]
-    np.testing.assert_allclose(start["y"], numbers(of_tip, "criticality"), rtol=ROUNDING)
-
-
 @pytest.mark.physics
 @pytest.mark.parametrize(("case", "settings", "title", "x", "y"), [
     ("compression30", ["loading=critical"], "Load curve", "load_displacement", "load_factor"),
@@ -196,12 +177,6 @@ def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, error
     assert [
         attributes["id"] for _, attributes in page.elements if (attributes.get("id") or "").startswith("step-")
     ] == ["step-0"]
-
-
-def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: Path) -> None:
-    copy = copied(folder, tmp_path)
-    (copy / "report.html").unlink()
-    assert write_report(copy).read_bytes() == (folder / "report.html").read_bytes()
 
 
 @pytest.mark.parametrize(("name", "text", "message"), [

@@ -11,9 +11,8 @@ import pytest
 
 from crackgrow.case.model import Case
 from crackgrow.run.result import Checkpoint
-from tests.scenes import shipped_case
-from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
-from tests.whole_run import whole_run
+from tests.scenes import CYCLES, SHORTER, shipped_case, slow_cracks
+from tests.solving import whole_run
 
 COARSE = ("numerics.spacing=3", "output.frames=none", "output.figures=false")
 FRICTION = "cracks.flaw.contact.friction=0.3"

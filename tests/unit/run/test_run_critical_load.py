@@ -19,8 +19,7 @@ from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import from_state, held_loads, increment
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case, specimen
-from tests.solving import ready, solve_step
-from tests.whole_run import whole_run
+from tests.solving import ready, solve_step, whole_run
 
 CRITICAL = ("loading=critical", "numerics.spacing=3", "growth.tip_stress.radius=2")
 MOST_SOLVES = 12

@@ -8,7 +8,7 @@ import pytest
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case
-from tests.whole_run import whole_run
+from tests.solving import whole_run
 
 FLAW = "cracks.flaw.contact"
 DRAFT = ("numerics.accuracy=draft", "output.frames=none", "output.figures=false", "output.report=false")

@@ -274,15 +274,6 @@ def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
     assert compared > 2
 
 
-def test_how_often_a_load_pauses_changes_nothing() -> None:
-    once, often = (
-        through(laid_out(CYCLE[0], *CYCLE[1], f"{LAW}.residual_friction=0.1"), *factors)[-1]
-        for factors in ((1.0, -1.0), (0.2, 0.55, 1.0, 0.3, 0.1, -0.4, -1.0))
-    )
-    np.testing.assert_allclose(often.states.tractions, once.states.tractions, rtol=1e-7)
-    assert often.energy.dissipated == pytest.approx(once.energy.dissipated, rel=1e-7)
-
-
 def test_a_load_that_goes_to_nothing_ends_in_few_pieces() -> None:
     """Faces that have lost their bonds stick, part and slide in turn, at a hundredth of the load each time."""
     law = "cracks.flaw.contact={friction: 0.3, cohesion: 5, cohesion_after_slip: kept}"

@@ -152,8 +152,8 @@ def turning(major: float, minor: float) -> float:
     return float(np.abs(np.rad2deg(np.arctan2(*ends.T[::-1])) - 90.0).max())
 
 
-# A plate with two holes and two edge cracks (Bouchard, Bay, Chastel 2003), and ten cracks (Budyn and others 2004),
-# against the published extended FE program danassutula/XFEM_Fracture2D (MIT).
+# A plate with two holes and two edge cracks (Bouchard, Bay, Chastel 2003), against the published extended FE program
+# danassutula/XFEM_Fracture2D (MIT).
 
 TWO_HOLES = """
 title: Plate with two holes and two edge cracks
@@ -172,94 +172,37 @@ cracks:
 supports:
   - {on: {body: plate, edge: top}, displacement: {x: 0, y: 0.1}}
   - {on: {body: plate, edge: bottom}, displacement: {x: 0, y: -0.1}}
-growth: {steps: N, increment: 0.7174, advance: all, criterion: max_hoop_stress}
+growth: {steps: 3, increment: 0.7174, advance: all, criterion: max_hoop_stress}
 numerics: {spacing: auto}
 """
 
 
 @cache
-def two_holes(n: int) -> list[StepResult]:
+def two_holes() -> list[StepResult]:
     """The steps, K_II = 0 at the end of each increment."""
-    steps = list(grow(case_of(TWO_HOLES.replace("steps: N", f"steps: {n}"))))
+    steps = list(grow(case_of(TWO_HOLES)))
     left, right = (crack.points for crack in steps[-1].cracks)
-    assert len(left) == len(right) == n + 2
-    np.testing.assert_allclose(left, -right, atol=1e-7 if n == 3 else 1e-4)
+    assert len(left) == len(right) == 5
+    np.testing.assert_allclose(left, -right, atol=1e-7)
     return steps
 
 
-def round_hole(n: int, last: bool) -> float:
-    """Largest distance (mm) of the vertices from the stored paths, which differ by 0.02 mm; or that of the last one."""
+def round_hole() -> float:
+    """Largest distance (mm) of the vertices from the stored paths, which differ by 0.02 mm."""
     found, stored = [], table("two_holes_path.csv")
     for crack, step in enumerate((1, -1)):
         mine = stored[stored["crack"] == crack]
         line = shapely.LineString(np.column_stack([mine["x"], mine["y"]]))
-        points = two_holes(n)[-1].cracks[crack].points
-        found.append(np.asarray(shapely.distance(line, shapely.points(1e3 * points[::step]))))
-    if n > 3:
-        assert all(abs(tip.K_II) < 1e-3 * tip.K_I for tip in two_holes(n)[-1].tips)
-    return float(max(each[-1] if last else each[: -1 if n > 3 else None].max() for each in found))
+        points = two_holes()[-1].cracks[crack].points
+        found.append(float(shapely.distance(line, shapely.points(1e3 * points[::step])).max()))
+    return max(found)
 
 
 def K_beside_hole(step: int) -> float:
     """Error of K of both tips over K_I, the mean of both stored cracks, which differ by 0.4 %."""
     stored = table("two_holes_K.csv")
     K = np.array([stored[name][stored["step"] == step].mean() for name in ("K_I", "K_II")]) * MPA / 1e3**0.5
-    return float(np.abs([np.subtract((tip.K_I, tip.K_II), K) for tip in two_holes(3)[step].tips]).max() / K[0])
-
-
-TEN = """
-title: Ten cracks
-units: {length: m, stress: Pa}
-plane: stress
-bodies:
-  plate:
-    shape: {rectangle: {center: [1, 1], width: 2, height: 2}}
-    material: {young: 1000, poisson: 0.3}
-    strength: {tension: 10, cohesion: 1000, friction_angle: 30, toughness: 10 Pa sqrt(m)}
-cracks: {CRACKS}
-supports:
-  - {on: {body: plate, edge: top}, displacement: {y: 0.01}}
-  - {on: {body: plate, edge: bottom}, displacement: {y: -0.01}}
-  - {on: {body: plate, edge: right}, displacement: {x: 0.01}}
-  - {on: {body: plate, edge: left}, displacement: {x: -0.01}}
-loads: [LOADS]
-loading: critical
-growth: {steps: 5, increment: 0.079072, advance: most_critical, criterion: max_hoop_stress}
-numerics: {spacing: auto}
-"""
-FIRST = 2  # number of the crack that grows first: as long as it does so alone, all is as in the other program
-
-
-def stored_path(crack: int, given: bool = False) -> list[list[float]]:
-    """The final path (m) of a crack, or what was given of it."""
-    rows = table("ten_cracks_path.csv")
-    rows = rows[(rows["crack"] == crack) & ((not given) | (rows["initial"] == 1))]
-    return np.column_stack([rows["x"], rows["y"]]).tolist()
-
-
-@cache
-def ten() -> list[StepResult]:
-    """The steps of ten cracks under pressure in a plate whose edges are moved apart."""
-    cracks = [f"c{n}: {{path: {{points: {stored_path(n, True)}}}, contact: none}}" for n in range(10)]
-    loads = [f"{{crack: c{n}, pressure: 10}}" for n in range(10)]
-    return list(grow(case_of(TEN, CRACKS=", ".join(cracks), LOADS=", ".join(loads))))
-
-
-def K_of_ten(step: int, stored: int) -> float:
-    """Error of K of all twenty tips, signs included, in a step, over the largest K."""
-    rows = table("ten_cracks_K.csv")
-    rows = rows[rows["step"] == stored]
-    known = np.column_stack([rows["K_I"], rows["K_II"]])
-    assert len(known) == 20
-    found = np.array([[tip.K_I, tip.K_II] for tip in ten()[step].tips]) / ten()[step].load_factor
-    return float(np.abs(found - known).max() / known.max())
-
-
-def first_of_ten() -> float:
-    """Largest distance (m) of its vertices from the stored path, whose K is good to 0.4 %: half a degree a step."""
-    found = ten()[-1].cracks[FIRST].points
-    assert len(found) == 7
-    return float(shapely.distance(shapely.LineString(stored_path(FIRST)), shapely.points(found)).max())
+    return float(np.abs([np.subtract((tip.K_I, tip.K_II), K) for tip in two_holes()[step].tips]).max() / K[0])
 
 
 def _others() -> Iterator[Row]:
@@ -272,17 +215,9 @@ def _others() -> Iterator[Row]:
         name, value = f"fluid, {major} and {minor} MPa", partial(turning, major, minor)
         yield Row(name, "angle to the major stress [degrees]", value, 0.0, "it turns there", 4.0)
     holes = "danassutula/XFEM_Fracture2D, two holes"
-    yield Row("two holes, 3 steps", "distance of a path [mm]", partial(round_hole, 3, False), 0.0, holes, 0.05)
-    for last, tolerance in ((False, 0.05), (True, 0.07)):  # the last: 1 mm from the other hole, where K falls fast
-        name, value = f"two holes, 20 steps{', end' if last else ''}", partial(round_hole, 20, last)
-        yield Row(name, "distance of a path [mm]", value, 0.0, holes, tolerance, slow=True)
+    yield Row("two holes, 3 steps", "distance of a path [mm]", round_hole, 0.0, holes, 0.05)
     for step in (0, 1, 2):  # the next two, beside the hole, are 1.5 and 1.9 % off
         yield Row(f"two holes, step {step}", "K of growing cracks", partial(K_beside_hole, step), 0.0, holes, 1e-2)
-    others = "danassutula/XFEM_Fracture2D, ten cracks"
-    for step, stored, tolerance in ((0, 0, 3e-3), (2, 1, 1e-2)):
-        value = partial(K_of_ten, step, stored)
-        yield Row(f"ten cracks, step {step}", "K of growing cracks", value, 0.0, others, tolerance)
-    yield Row("ten cracks, the first", "distance of a path [m]", first_of_ten, 0.0, others, 3.2e-3)
 
 
 # Directions of growth in rock with bedding. Its elasticity is isotropic, and K what it is without bedding.

@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from crackgrow.run.result import CrackPath, RunEnd, StepResult
+from tests.solving import whole_run
 from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import Floats, case_of
-from tests.whole_run import whole_run
 
 INCH = 25.4  # mm
 HEAD = """
