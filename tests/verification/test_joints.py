@@ -47,7 +47,7 @@ supports:
   - {on: {body: top, edge: bottom}, contact: {LAW}}
   - {on: {body: top, edge: top}, displacement: {MOVED}}
 loads: [{on: {body: top, edge: top}, traction: [0, -PRESSURE], held: true}]
-numerics: {spacing: 0.001, contact: {spacing: 4}}
+numerics: {spacing: 0.002, contact: {spacing: 2}}
 output: {points: {joint: {at: [0, 0.002]}}}
 """
 
@@ -218,7 +218,7 @@ def test_closure_is_a_hyperbola_there_and_back(follow: str | int) -> None:
     assert follow != "events" or energy.error < 1e-6
 
 
-@pytest.mark.parametrize("pressure", [0.005, 0.5, 50, 200])
+@pytest.mark.parametrize("pressure", [0.005, 50])
 def test_shear_strength_is_that_of_the_pressure(pressure: float) -> None:
     """Faces are no steeper than 70 degrees and no flatter than flat."""
     settings = [f"loads.0.traction=[0, {-pressure}]", "supports.1.displacement.x=20", "loading.follow=events"]

@@ -210,7 +210,7 @@ def K_of(step: StepResult) -> Floats:
 
 def test_a_target_holds_at_the_end_of_stages() -> None:
     """Without friction K is what it would be had the hole always been there. With growth the last stage is judged."""
-    exact = K_of(next(grow(aimed("fine", "{}"))))
+    exact = K_of(next(grow(aimed(0.005, "{}"))))
     case, target = aimed(0.03), 0.03
     steps = list(grow(case))
     judged = next(grow(aimed(0.03, ONE_STAGE, *JUDGED)))
@@ -227,11 +227,11 @@ def test_a_target_holds_at_the_end_of_stages() -> None:
 
 def test_a_crack_grows_at_the_end_of_all_stages() -> None:
     """As beside a hole that has always been there."""
-    grows = (JUDGED[0].replace("steps: 0", "steps: 2"), JUDGED[1].replace("1 MPa", "0.1 MPa"), "numerics.spacing=1")
+    grows = (JUDGED[0].replace("steps: 0", "steps: 1"), JUDGED[1].replace("1 MPa", "0.1 MPa"), "numerics.spacing=1")
     (found, end), (expected, like) = (
         whole_run(tunnel(loading, *grows, CRACKS=SLIPPERY)) for loading in (TWO_HALVES, "{}")
     )
-    assert len(found) == len(expected) == 3
+    assert len(found) == len(expected) == 2
     np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_allclose(K_of(one), K_of(other), rtol=0, atol=1e-6 * np.abs(K_of(other)).max())

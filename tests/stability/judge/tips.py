@@ -1,4 +1,4 @@
-"""Tips: K of closed ones, criteria met by those that advance, kinks by the formula and in the path; from tips.csv."""
+"""Tips: K of closed ones, criteria met by those that advance, kinks in the path; from tips.csv."""
 
 from __future__ import annotations
 
@@ -99,7 +99,7 @@ def _advances(court: Court, rows: pd.DataFrame, step: int) -> None:
     """Who advances has met the criterion, and who has met it most advances, one or all of them."""
     run, growth = court.run, court.run.growth
     critical = run.case["loading"] == "critical"
-    values = np.array([_criticality(run, tip) for _, tip in rows.iterrows()])
+    values = rows["criticality"].to_numpy(dtype=float)
     advanced = rows["advanced"].to_numpy(dtype=bool)
     for name, value in zip(rows["crack"][advanced], values[advanced], strict=True):
         if np.isfinite(value):
@@ -122,19 +122,3 @@ def _can_grow(run: WrittenRun, tip: pd.Series) -> bool:
     """Whether the case lets a tip grow; one that has met something has no row."""
     tips = run.case["cracks"][tip["crack"]]["tips"]
     return tips in ("both", tip["tip"])
-
-
-def _criticality(run: WrittenRun, tip: pd.Series) -> float:
-    """Stress over strength, as far as tips.csv tells it; nan where it does not."""
-    growth, strength = run.growth, run.case["bodies"]["rock"].get("strength")
-    if growth["criterion"] == "directional_strength" or strength is None:
-        return np.nan
-    if growth["criterion"] == "max_hoop_stress":
-        K_I, K_II = _K(tip)
-        t = np.deg2rad(tip["kink_deg"])
-        K_eq = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
-        return float(K_eq / (strength["tension"] * np.sqrt(2.0 * np.pi * growth["tip_stress"]["radius"])))
-    s1, s3, phi = tip["sigma_1"], tip["sigma_3"], np.deg2rad(strength["friction_angle"])
-    resistance = strength["cohesion"] * np.cos(phi) - 0.5 * (s1 + s3) * np.sin(phi)
-    tension, shear = s1 / strength["tension"], 0.5 * (s1 - s3) / max(resistance, 1e-30)
-    return float(tension if tension >= 1.0 else max(tension, shear))

@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import shapely
 
 import crackgrow
-from crackgrow.case.segments import meeting_places
 from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
     blocks,
@@ -52,20 +50,6 @@ def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: fl
     case = load(tmp_path, scene)
     np.testing.assert_allclose(case.cracks[1].points, [0.3 * along, points[1]], atol=1e-15)
     assert case.moved == ()  # no farther than rounding may be
-
-
-def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
-    """Of straight cracks of up to 0.4 m anywhere in the plate."""
-    rng = np.random.default_rng(7)
-    starts, angles = rng.uniform(-4.5, 4.5, (400, 2)), rng.uniform(0, 2 * np.pi, 400)
-    ends = starts + rng.uniform(0.1, 0.4, 400)[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    scene = plate(**{f"c{k}": ([starts[k].tolist(), ends[k].tolist()], "both") for k in range(400)})
-    lines = [shapely.LineString(pair) for pair in zip(starts, ends, strict=True)]
-    crossings = [a.intersection(b) for k, a in enumerate(lines) for b in lines[:k] if a.intersects(b)]
-    expected = np.array([(point.x, point.y) for point in crossings])
-    found = meeting_places([crack.points for crack in load(tmp_path, scene).cracks], TOLERANCE)
-    assert len(expected) > 10
-    np.testing.assert_allclose(found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-12)
 
 
 # --- what nearly touches: brought together by a tolerance of the scene, the same at every spacing -------------------

@@ -150,13 +150,6 @@ def test_a_kink_has_a_node_on_each_side_but_for_that_of_a_short_stretch(
     assert np.bincount(faces.stretch).tolist() == numbers
 
 
-@pytest.mark.parametrize("length", [0.3, 0.7])
-def test_a_stretch_shorter_than_a_spacing_has_one_node_in_its_middle(build, length: float) -> None:
-    faces = mortar_faces(plate(build, bent([5.0, length], 60.0)).cover, [0], 1.0)
-    assert faces.s[faces.stretch == 1] == pytest.approx([5.0 + 0.5 * length], abs=ROUND_OFF)
-    assert faces.weights[faces.stretch == 1] == pytest.approx([length], abs=ROUND_OFF)
-
-
 def test_nodes_next_to_a_junction_leave_half_a_piece_free(build) -> None:
     """X with arms of 10 spacings: a whole piece free at the tips, half a one at the junction."""
     cross = [(-6.0, -8.0), (6.0, 8.0)], [(-6.0, 8.0), (6.0, -8.0)]

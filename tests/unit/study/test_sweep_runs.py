@@ -231,15 +231,15 @@ def test_listed_commands_make_what_the_sweep_would(tmp_path: Path, capsys: pytes
 
 def test_killed_runs_are_told_and_gone_on_with(tmp_path: Path) -> None:
     """To the same digits as without a break."""
-    plan = planned(tmp_path, "cracks.flaw.contact.friction: [0, 0.1]", LASTING)
+    plan = planned(tmp_path, "cracks.flaw.contact.friction: [0]", LASTING)
     killer = threading.Thread(target=lambda: os.kill(process_of(plan.runs[0].folder), signal.SIGKILL))
     killer.start()
-    rows = {row.run.number: row.values for row in sweep(plan, workers=2)}
+    (row,) = sweep(plan, workers=1)
     killer.join()
-    assert str(rows[0]["reason"]).startswith("killed by SIGKILL")
-    assert statuses(plan.folder) == ["failed", "completed"]
-    assert [row.new for row in sweep(plan, workers=2, resume=True)] == [False, True]
-    assert statuses(plan.folder) == ["completed", "completed"]
+    assert str(row.values["reason"]).startswith("killed by SIGKILL")
+    assert statuses(plan.folder) == ["failed"]
+    assert [row.new for row in sweep(plan, workers=1, resume=True)] == [True]
+    assert statuses(plan.folder) == ["completed"]
     assert json.loads((plan.runs[0].folder / "summary.json").read_text())["resumed_with_steps"]
     assert tables(plan.runs[0].folder) == alone(plan, 0, tmp_path / "alone")
 

@@ -340,7 +340,7 @@ STRESS, FAR = [-2.0, -10.0, 1.5], {"far_field": [-2.0, -10.0, 1.5]}
 SQUARE = {"rectangle": {"center": [0, 0], "width": 100, "height": 100}}
 
 
-def outcrop(n: int = 163) -> dict[str, Any]:
+def outcrop(n: int = 61) -> dict[str, Any]:
     """A ragged outline of about 100 m across."""
     rng = np.random.default_rng(1)
     angle = 2.0 * np.pi * (np.arange(n) + rng.uniform(-0.3, 0.3, n)) / n
@@ -448,25 +448,20 @@ def joined_plate(degrees: int) -> StepResult:
     slope = math.tan(math.radians(degrees))
     tip = [math.cos(math.radians(degrees)), math.sin(math.radians(degrees))]
     left, right = [-2.0, -2.0 * slope], [2.0, 2.0 * slope]
-    shapes = {"upper": [left, right, [2, 4], [-2, 4]], "lower": [[-2, -4], [2, -4], right, left]}
-    bodies = {
-        name: {"shape": {"polygon": shapes[name]}, "material": {"young": young, "poisson": 0.3}}
-        for name, young in (("upper", 2e6), ("lower", 2e5))
-    }
-    pulled = [{"on": {"body": name, "edge": edge}, "traction": [0, t]}
-              for name, edge, t in (("upper", 2, 100), ("lower", 0, -100))]  # fmt: skip
-    law = {"friction": 0, "cohesion": 0}
-    scene = {
-        "title": "a crack on an interface",
-        "units": {"length": "mm", "stress": "MPa"},
-        "plane": "stress",
-        "bodies": bodies,
-        "interfaces": [{"between": [*bodies], "contact": law, "cracked": [[-tip[0], -tip[1]], tip]}],
-        "supports": "minimal",
-        "loads": pulled,
-        "numerics": {"accuracy": "standard"},
-    }
-    return solve_case(case_of(scene)).result
+    text = f"""
+title: a crack on an interface
+units: {{length: mm, stress: MPa}}
+plane: stress
+bodies:
+  upper: {{shape: {{polygon: [{left}, {right}, [2, 4], [-2, 4]]}}, material: {{young: 2e6, poisson: 0.3}}}}
+  lower: {{shape: {{polygon: [[-2, -4], [2, -4], {right}, {left}]}}, material: {{young: 2e5, poisson: 0.3}}}}
+interfaces:
+  - {{between: [upper, lower], contact: {{friction: 0, cohesion: 0}}, cracked: [{[-tip[0], -tip[1]]}, {tip}]}}
+supports: minimal
+loads: [{{on: {{body: upper, edge: 2}}, traction: [0, 100]}}, {{on: {{body: lower, edge: 0}}, traction: [0, -100]}}]
+numerics: {{accuracy: standard}}
+"""
+    return solve_case(case_of(text)).result
 
 
 def interface_G(degrees: int, end: int) -> float:
