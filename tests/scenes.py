@@ -32,17 +32,12 @@ def shipped(name: str) -> dict[str, Any]:
 def plate(points: list[list[float]], size: float, axial: float, lateral: float, friction: float) -> dict[str, Any]:
     """A square plate under compression (MPa) with one flaw (mm), loaded by tractions."""
     edges = {"left": [lateral, 0], "right": [-lateral, 0], "top": [0, -axial], "bottom": [0, axial]}
-    corner = 0.5 * size
+    shape, corner = {"rectangle": {"center": [0, 0], "width": size, "height": size}}, 0.5 * size
     return {
         "title": "a closed flaw with wings",
         "units": {"length": "mm", "stress": "MPa"},
         "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": size, "height": size}},
-                "material": {"young": 20000, "poisson": 0.25},
-            }
-        },
+        "bodies": {"rock": {"shape": shape, "material": {"young": 20000, "poisson": 0.25}}},
         "cracks": {"flaw": {"path": {"points": points}, "contact": {"friction": friction, "cohesion": 0}}},
         "supports": [
             {"at": [-corner, -corner], "displacement": {"x": 0, "y": 0}},
@@ -58,27 +53,24 @@ def specimen(
 ) -> dict[str, Any]:
     """A plate (mm) that is pulled along y (MPa), held where it takes no force, of rock in which cracks may grow."""
     x, y = 0.5 * size[0], 0.5 * size[1]
+    rock = {
+        "shape": {"rectangle": {"center": [0, 0], "width": size[0], "height": size[1]}},
+        "material": {"young": 10000, "poisson": 0.25},
+        "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
+    }
+    pulled = {"top": sigma, "bottom": -sigma}
     return {
         "title": "plate",
         "units": {"length": "mm", "stress": "MPa"},
         "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": size[0], "height": size[1]}},
-                "material": {"young": 10000, "poisson": 0.25},
-                "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
-            }
-        },
+        "bodies": {"rock": rock},
         "cracks": cracks,
         "supports": [
             {"at": [-x, -y], "displacement": {"y": 0}},
             {"at": [x, -y], "displacement": {"y": 0}},
             {"at": [0, -y], "displacement": {"x": 0}},
         ],
-        "loads": [
-            {"on": {"body": "rock", "edge": "top"}, "traction": [0, sigma]},
-            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -sigma]},
-        ],
+        "loads": [{"on": {"body": "rock", "edge": edge}, "traction": [0, t]} for edge, t in pulled.items()],
         "output": {"frames": "none", "figures": False},
         **more,
     }

@@ -30,9 +30,8 @@ CASES = HERE.parents[1] / "cases"
 HEADER = ("scene", "step", "place", "quantity", "value")
 
 MOST_STEPS = 3
-FEWER = dict.fromkeys(("03_wings", "05_initiation", "06_slow_growth", "14_fatigue", "16_injection"), 2) | dict.fromkeys(
-    ("random_flaws", "joint_map"), 1
-)
+LONG = ("03_wings", "05_initiation", "06_slow_growth", "14_fatigue", "16_injection")
+FEWER = {**dict.fromkeys(LONG, 2), "random_flaws": 1, "joint_map": 1, "confined30": 0}
 """Steps of growth, by scene where they take long."""
 
 SIZES: Mapping[str, str] = {

@@ -17,7 +17,7 @@ from crackgrow.run import grow
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case, told
 from tests.verification.rows.test_fields import YOUNG
-from tests.verification.solutions import case_of, solve_case
+from tests.verification.solutions import QUIET, case_of, solve_case
 
 HALF, DEPTH = 30.0, 20.0  # mm: half width and depth of the beam
 Formulas = tuple[str, str]
@@ -104,7 +104,6 @@ def test_what_K_of_nearly_incompressible_rock_is_off_by_is_measured() -> None:
 
 
 BLOCK = 1e3  # Pa, Young's modulus of the block
-QUIET = ("output.frames=none", "output.figures=false")
 BALANCE = 1e-9
 ROUND_OFF = 3e-14  # a hundred units in the last place: sums over the nodes of a block
 

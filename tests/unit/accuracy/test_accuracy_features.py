@@ -16,8 +16,8 @@ from crackgrow.run.layout import cells_of, contact_faces, cover_of
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.size_field import JOG
 from tests.scenes import one_size, shipped_case
+from tests.verification.solutions import QUIET
 
-QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 FLAW = "cracks.flaw.path={points: [[-5, 0], [5, 0]]}"
 AUTO = "numerics.spacing=auto"
 THREE = "numerics.spacing=3"

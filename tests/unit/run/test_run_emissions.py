@@ -9,9 +9,10 @@ from crackgrow.fracture.opening import kinked_release
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case
 from tests.solving import whole_run
+from tests.verification.solutions import QUIET
 
 FLAW = "cracks.flaw.contact"
-DRAFT = ("numerics.accuracy=draft", "output.frames=none", "output.figures=false", "output.report=false")
+DRAFT = ("numerics.accuracy=draft", *QUIET)
 
 
 def energy(step: StepResult, kind: str) -> float:

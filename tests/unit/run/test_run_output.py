@@ -35,8 +35,6 @@ SCENES = {
 }
 """Scenes and settings."""
 
-BY_HAND = ("numerics.spacing=1.5", "numerics.refine.tips=3", "numerics.refine.kinks=6")
-STUCK = ("compression30", WING, "cracks.flaw.contact.friction=20", *BY_HAND)
 
 CUT = ("flaw_and_hole", "interface_friction04", "junction_static", "en_echelon")
 """Scenes with curved outlines, several bodies, cracks that meet."""
@@ -105,13 +103,7 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
     off_tips = from_tips(solution, frame.points[node]) > 1e-6
     size = np.abs(stress[off_tips]).max()
     np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)
-
-
-def test_a_uniform_stress_is_that_of_all_nodes() -> None:
-    """Cut tiles, a kink and tips in rock whose cracks stick."""
-    _, frame = solved(*STUCK)
-    np.testing.assert_allclose(frame.point_stress, np.tile([0.0, -100e6, 0.0], (len(frame.points), 1)), atol=100.0)
-    np.testing.assert_allclose(frame.point_stress_zz, -25e6, atol=100.0)
+    np.testing.assert_allclose(frame.point_stress_zz, 0.25 * frame.point_stress[:, :2].sum(axis=1), atol=1e-9 * size)
 
 
 @pytest.mark.parametrize("name", SCENES)

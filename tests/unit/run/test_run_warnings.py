@@ -59,7 +59,7 @@ def stressed(pressure: float) -> list[str]:
 
 
 FLAW, BLOCKS, CAST = "compression30", "interface_friction01", "17_interface"
-GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: anywhere}"
+GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: outlines}"
 POINTS = ["numerics.spacing=3"]
 SHORTENED = "7.75e+05 N/m at supports.{}"
 EDGE = "{on: {body: rock, edge: bottom}, displacement: {x: 0, y: '0.1*x'}}"

@@ -17,7 +17,6 @@ from crackgrow.quadrature.rules import gauss
 from crackgrow.run.increments import LoadState
 from crackgrow.run.loading import load_history
 from crackgrow.run.scene import make_scene
-from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import (
     CASES,
     Floats,
@@ -29,6 +28,7 @@ from tests.verification.solutions import (
     solved,
     table,
 )
+from tests.verification.table import Record, Row, parameters
 
 
 def interface(friction: str, spacing: float = 0.05) -> Solved:

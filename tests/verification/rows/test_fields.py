@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import crackgrow
-from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import Floats, case_of, rate, solved_text
+from tests.verification.table import Record, Row, parameters
 
 SUPPORTS = (1.5, 2.0, 2.5)
 HEAD = """

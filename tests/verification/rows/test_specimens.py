@@ -14,8 +14,8 @@ import pytest
 
 from crackgrow.run.result import CrackPath, RunEnd, StepResult
 from tests.solving import whole_run
-from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import case_of
+from tests.verification.table import Record, Row, parameters
 
 INCH = 25.4  # mm
 HEAD = """

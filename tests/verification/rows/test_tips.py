@@ -18,10 +18,10 @@ from crackgrow.run import grow
 from crackgrow.run.result import StepResult
 from tests.benchmarks.target_scenes import SCENES, Known, cracks, kinked, kinked_scene, winged_flaw
 from tests.scenes import MPA, plate, winged
-from tests.verification.row import Record, Row, parameters
 from tests.verification.slit_body import closed_plate
 from tests.verification.slit_body import plate as series
 from tests.verification.solutions import Floats, case_of, rate, rows, solve_case, solved, table
+from tests.verification.table import Record, Row, parameters
 
 PER_MM = MPA * np.sqrt(1e-3)  # Pa sqrt(m) of 1 MPa sqrt(mm)
 AUTOMATIC = "numerics.spacing=auto"
