@@ -81,6 +81,7 @@ def test_settings_that_come_too_late_are_not_taken_for_the_user_s(monkeypatch: p
         assert threads() == {2}
 
 
+@pytest.mark.physics
 def test_routines_of_blas_are_those_of_kernels_without_compilation() -> None:
     """The direct solver calls all of them."""
     some = ["-k", "(superlu or repeat_each_other or is_that_of_solutions) and 5"]

@@ -172,6 +172,7 @@ sys.exit(cli.main(["run", sys.argv[1]]))
 """
 
 
+@pytest.mark.physics
 def test_a_second_interrupt_ends_what_a_library_is_doing(tmp_path: Path) -> None:
     words = [sys.executable, "-c", STUCK, str(ROOT / "cases" / "block_rigid.yaml")]
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE, "text": True}

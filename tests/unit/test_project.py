@@ -84,10 +84,11 @@ LOADED = [
     ([["--version"]], [*NUMBERS, "argparse"]),  # it takes no longer than Python itself, nearly
     ([["--help"], ["run", "--help"], ["completion", "bash"]], NUMBERS),
     ([["check", COMPRESSION], ["explain", "friction"], ["list"]], SOLVING),
-    ([["report", "FOLDER"]], SOLVING[:-2]),  # matplotlib draws the scene
-    (
+    pytest.param([["report", "FOLDER"]], SOLVING[:-2], marks=pytest.mark.physics),  # matplotlib draws the scene
+    pytest.param(
         [["run", COMPRESSION, "--out", "FOLDER", "--set", "growth.steps=0", "--set", "numerics.spacing=3"]],
         ["pyvista", "vtkmodules", "pandas", "matplotlib.pyplot", "dask", "scipy.optimize", "scipy.spatial"],
+        marks=pytest.mark.physics,
     ),
 ]
 """Commands, and modules that they do not load: of a run with frames, figures and a report, as it writes them."""

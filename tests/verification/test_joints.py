@@ -47,7 +47,7 @@ supports:
   - {on: {body: top, edge: bottom}, contact: {LAW}}
   - {on: {body: top, edge: top}, displacement: {MOVED}}
 loads: [{on: {body: top, edge: top}, traction: [0, -PRESSURE], held: true}]
-numerics: {spacing: 0.002, contact: {spacing: 2}}
+numerics: {spacing: 0.001, contact: {spacing: 4}}
 output: {points: {joint: {at: [0, 0.002]}}}
 """
 
@@ -102,8 +102,6 @@ def test_points_open_one_after_the_other() -> None:
 
 # Wear: `rough_joint_sheared`, whose friction and dilation decay, and a table.
 
-CELLS = "numerics={spacing: 10, contact: {spacing: 2}}"
-"""As large as the block is high."""
 PULLED, DECAY, STEEP = 6e-3, 2e-3, np.tan(np.deg2rad(15.0))
 
 
@@ -114,7 +112,7 @@ def worn(results: Sequence[StepResult], width: float = 0.4) -> tuple[np.ndarray,
 
 
 def test_friction_and_dilation_decay_with_slip_and_faces_close_again_by_what_is_left() -> None:
-    results = whole_run(shipped_case("rough_joint_sheared", ["loading.follow=events", CELLS]))[0]
+    results = whole_run(shipped_case("rough_joint_sheared", ["loading.follow=events"]))[0]
     slip, shear, rise = worn(results[:2])
     slides, decayed = slip > 1e-4, np.exp(-slip / DECAY)
     assert np.sum(slides) > 20
@@ -208,7 +206,7 @@ def stored(pressure: float) -> float:
 def test_closure_is_a_hyperbola_there_and_back(follow: str | int) -> None:
     pressed = ["loads.0.held=false", "supports.1.displacement.x=0", "loads.0.traction=[0, -20]"]
     loading = f"loading={{history: [0.1, 0.5, 1, 0.3], follow: {follow}}}"
-    results = whole_run(shipped_case("barton_bandis", [*pressed, loading, CELLS]))[0]
+    results = whole_run(shipped_case("barton_bandis", [*pressed, loading]))[0]
     rise, pressure = seen(results, "joint.u_y"), np.abs(seen(results, "top.bottom.force_y")) / BANDIS_WIDTH
     closure = pressure / (STIFFNESS + pressure / CLOSURE)
     assert len(pressure) >= 20
@@ -223,7 +221,7 @@ def test_closure_is_a_hyperbola_there_and_back(follow: str | int) -> None:
 @pytest.mark.parametrize("pressure", [0.005, 50])
 def test_shear_strength_is_that_of_the_pressure(pressure: float) -> None:
     """Faces are no steeper than 70 degrees and no flatter than flat."""
-    settings = [f"loads.0.traction=[0, {-pressure}]", "supports.1.displacement.x=20", "loading.follow=events", CELLS]
+    settings = [f"loads.0.traction=[0, {-pressure}]", "supports.1.displacement.x=20", "loading.follow=events"]
     (result,) = whole_run(shipped_case("barton_bandis", settings))[0]
     angle = np.clip(30.0 + 10.0 * np.log10(100.0 / pressure), 30.0, 70.0)
     strength = 1e6 * pressure * np.tan(np.deg2rad(angle))

@@ -100,6 +100,7 @@ PRESSURE = [
 ]
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("loads", "stress"), [(PULL, [0, 3, 0]), (SHEAR, [0, 0, 1]), (PRESSURE, None)], ids=["pull", "shear", "pressure"]
 )

@@ -88,6 +88,7 @@ def test_block_on_an_incline_holds_however_its_corners_are_typed(digits: int, tm
         assert sizes_of(finer).n_contact > 1.0 / spacing
 
 
+@pytest.mark.physics
 def test_side_with_a_corner_more_keeps_its_name_and_its_places(tmp_path: Path):
     scene = incline(0.0, 15)
     scene["bodies"]["block"]["shape"] = {"polygon": [[4, 1e-5], [6, 2e-5], [6, 2], [4, 2]]}
@@ -113,6 +114,7 @@ def tunnel(x: float, y: float, tips: str) -> dict[str, Any]:
     return changed(scene, cracks={"joint": joint}, supports=held("rock"), loads=loads, numerics={"spacing": 1})
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("x", "tips", "moved"), [
     (1.41421, "both", 1), (1.4142135623731, "end", 0), (1.414215, "end", 1)
 ])  # fmt: skip
