@@ -31,7 +31,7 @@ HEADER = ("scene", "step", "place", "quantity", "value")
 
 MOST_STEPS = 3
 LONG = ("03_wings", "05_initiation", "06_slow_growth", "14_fatigue", "16_injection")
-FEWER = {**dict.fromkeys(LONG, 2), "random_flaws": 1, "joint_map": 1, "confined30": 0}
+FEWER = {**dict.fromkeys(LONG, 2), "joint_map": 1, "random_flaws": 0, "confined30": 0, "two_flaws_overlapping": 0}
 """Steps of growth, by scene where they take long."""
 
 SIZES: Mapping[str, str] = {

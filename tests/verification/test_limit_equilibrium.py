@@ -82,6 +82,7 @@ def test_brittle_cohesion_fails_below_limit_equilibrium_and_says_why() -> None:
     assert float(told[1]) == pytest.approx(LIMIT, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_with_a_weakening_length_cells_do_not_matter() -> None:
     """Where bonds break at once the factor falls with every finer lattice, as at a crack without toughness."""
     texts = [INCLINE.replace("spacing: 0.5", f"spacing: {h}") for h in (0.5, 0.25)]
