@@ -30,8 +30,9 @@ CASES = HERE.parents[1] / "cases"
 HEADER = ("scene", "step", "place", "quantity", "value")
 
 MOST_STEPS = 3
+LONGER = ("random_flaws", "joint_map", "confined30", "two_flaws_overlapping")
 LONG = ("03_wings", "05_initiation", "06_slow_growth", "14_fatigue", "16_injection")
-FEWER = {**dict.fromkeys(LONG, 2), "joint_map": 1, "random_flaws": 0, "confined30": 0, "two_flaws_overlapping": 0}
+FEWER = dict.fromkeys(LONG, 2) | dict.fromkeys(LONGER, 1)
 """Steps of growth, by scene where they take long."""
 
 SIZES: Mapping[str, str] = {
