@@ -2,7 +2,6 @@
 
 Sets of joints at some angles, rough, in an outline. Ends abut on other joints exactly, a little short of them or a
 little beyond; some joints cross at small angles, some are drawn twice, or in pieces that overlap, or meet themselves.
-`python -m tests.joint_maps` writes the map of cases/joint_map.yaml.
 """
 
 from __future__ import annotations
@@ -27,7 +26,6 @@ ROOM = 2.2  # m^2 of rock for each joint
 STEP = 0.4  # m between vertices
 ROUGH = 0.012  # m, how far they lie off the line
 DIGITS = 6  # of coordinates in m
-SHIPPED = (36, 4)  # joints and seed of the map in cases/
 
 
 @dataclass(frozen=True)
@@ -40,13 +38,13 @@ class JointMap:
     traces: list[tuple[Points, dict[str, Any]]]  # each (n, 2), with attributes
     defects: dict[str, int]  # how many of each kind were drawn
 
-    def write(self, folder: Path, of: str = "") -> Path:
-        """Write joints.geojson and outline.geojson, named after what they are `of`; returns the folder."""
+    def write(self, folder: Path) -> Path:
+        """Write joints.geojson and outline.geojson; returns the folder."""
         lines = [_feature("LineString", points.round(DIGITS).tolist(), values) for points, values in self.traces]
         ring = np.vstack([self.outline, self.outline[:1]]).round(DIGITS).tolist()
         for name, features in (("joints", lines), ("outline", [_feature("Polygon", [ring], {})])):
             text = ",\n".join(map(json.dumps, features))
-            (folder / f"{of}{name}.geojson").write_text(
+            (folder / f"{name}.geojson").write_text(
                 f'{{"type": "FeatureCollection", "features": [\n{text}\n]}}\n', encoding="utf-8"
             )
         return folder
@@ -189,7 +187,3 @@ cracks:
 supports: minimal
 numerics: {{accuracy: draft}}
 """
-
-
-if __name__ == "__main__":
-    joint_map(*SHIPPED).write(Path(__file__).parents[1] / "cases", "joint_map_")

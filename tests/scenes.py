@@ -32,17 +32,12 @@ def shipped(name: str) -> dict[str, Any]:
 def plate(points: list[list[float]], size: float, axial: float, lateral: float, friction: float) -> dict[str, Any]:
     """A square plate under compression (MPa) with one flaw (mm), loaded by tractions."""
     edges = {"left": [lateral, 0], "right": [-lateral, 0], "top": [0, -axial], "bottom": [0, axial]}
-    corner = 0.5 * size
+    shape, corner = {"rectangle": {"center": [0, 0], "width": size, "height": size}}, 0.5 * size
     return {
         "title": "a closed flaw with wings",
         "units": {"length": "mm", "stress": "MPa"},
         "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": size, "height": size}},
-                "material": {"young": 20000, "poisson": 0.25},
-            }
-        },
+        "bodies": {"rock": {"shape": shape, "material": {"young": 20000, "poisson": 0.25}}},
         "cracks": {"flaw": {"path": {"points": points}, "contact": {"friction": friction, "cohesion": 0}}},
         "supports": [
             {"at": [-corner, -corner], "displacement": {"x": 0, "y": 0}},
@@ -58,27 +53,24 @@ def specimen(
 ) -> dict[str, Any]:
     """A plate (mm) that is pulled along y (MPa), held where it takes no force, of rock in which cracks may grow."""
     x, y = 0.5 * size[0], 0.5 * size[1]
+    rock = {
+        "shape": {"rectangle": {"center": [0, 0], "width": size[0], "height": size[1]}},
+        "material": {"young": 10000, "poisson": 0.25},
+        "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
+    }
+    pulled = {"top": sigma, "bottom": -sigma}
     return {
         "title": "plate",
         "units": {"length": "mm", "stress": "MPa"},
         "plane": "strain",
-        "bodies": {
-            "rock": {
-                "shape": {"rectangle": {"center": [0, 0], "width": size[0], "height": size[1]}},
-                "material": {"young": 10000, "poisson": 0.25},
-                "strength": {"tension": 0.5, "cohesion": 10, "friction_angle": 40},
-            }
-        },
+        "bodies": {"rock": rock},
         "cracks": cracks,
         "supports": [
             {"at": [-x, -y], "displacement": {"y": 0}},
             {"at": [x, -y], "displacement": {"y": 0}},
             {"at": [0, -y], "displacement": {"x": 0}},
         ],
-        "loads": [
-            {"on": {"body": "rock", "edge": "top"}, "traction": [0, sigma]},
-            {"on": {"body": "rock", "edge": "bottom"}, "traction": [0, -sigma]},
-        ],
+        "loads": [{"on": {"body": "rock", "edge": edge}, "traction": [0, t]} for edge, t in pulled.items()],
         "output": {"frames": "none", "figures": False},
         **more,
     }
@@ -102,3 +94,35 @@ def fault_of(file: Path, *settings: str) -> Fault:
 def told(warnings: Iterable[str]) -> list[str]:
     """Warnings but the one that cells by hand have no error."""
     return [text for text in warnings if "no error is measured" not in text]
+
+
+SPACINGS = {
+    "brazilian_disk": 2.5, "compression30": 1.5, "compression45": 1.5, "compression60": 1.5, "confined30": 2,
+    "cyclic_friction": 2.5, "edge_tension": 1.2, "en_echelon": 2, "flaw_and_hole": 1.5, "junction_static": 1.5,
+    "slant_tension": 1, "tension0": 1.5, "two_flaws": 2, "two_flaws_overlapping": 2,
+}  # fmt: skip
+"""Spacings of one size, in the unit of the case, for scenes whose own cells follow from their accuracy."""
+
+
+def one_size(scene: str) -> tuple[str, ...]:
+    """The setting that gives a shipped scene cells of one size; none where it has them anyway."""
+    return (f"numerics.spacing={SPACINGS[scene]}",) if scene in SPACINGS else ()
+
+
+# A plate under tension whose edge cracks grow below their toughness.
+
+STRENGTH = "{tension: 5, cohesion: 20, friction_angle: 40, toughness: 0.5 MPa sqrt(m)}"
+GROWTH = "steps: 4, increment: 1, advance: all, criterion: max_hoop_stress, direction: explicit"
+LAW = "law: subcritical, subcritical: {velocity: 10 mm/s, exponent: 10}"
+CYCLES = (
+    "growth={steps: 4, increment: 1, advance: all, criterion: max_hoop_stress, direction: explicit, law: fatigue,"
+    " fatigue: {rate: 1e-6 mm, at: 1 MPa sqrt(m), exponent: 3}}",
+    "loading={history: [-0.5, 0.25, 1]}",
+)
+SHORTER = "cracks.shorter={path: {points: [[-15, 40], [-11, 40]]}, tips: end, contact: none}"  # than the notch, 6 mm
+SLOWLY = (f"bodies.rock.strength={STRENGTH}", f"growth={{{GROWTH}, {LAW}}}", "numerics.spacing=3")
+
+
+def slow_cracks(*settings: str) -> Case:
+    """The plate with the edge crack `notch`, of 6 mm, at 0.39 of its toughness."""
+    return shipped_case("edge_tension", [*SLOWLY, "output.frames=none", "output.figures=false", *settings])

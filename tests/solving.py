@@ -1,10 +1,13 @@
-"""One configuration of the cracks solved, without the loop over the steps; one contact system, without that."""
+"""Runs driven to their end; one configuration of the cracks solved; one contact system."""
 
 from __future__ import annotations
+
+from collections.abc import Iterable
 
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.case.load import read_case
 from crackgrow.case.model import Case, LoadHistory
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.contact.faces import FacePoints
@@ -17,6 +20,8 @@ from crackgrow.geometry.polyline import segment_directions
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import LoadState, from_state, held_loads, increment, unloaded
+from crackgrow.run.loop import for_each, grow
+from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.solid.recovery import displacement_at
 
@@ -93,3 +98,20 @@ def solve_contact(
     increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given), still)
     free = contact.operator @ without[0]
     return increment.formed(increment.solved(free), free, (loads, given), without)
+
+
+def whole_run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:
+    """The results of all steps, of those from a `checkpoint` on if there is one, and why the run ended."""
+    results: list[StepResult] = []
+    return results, for_each(grow(case, checkpoint), results.append)
+
+
+def steps_of(text: str, *settings: str) -> list[StepResult]:
+    """The steps of a case that is written out."""
+    return whole_run(read_case(text, "scene", "scene", settings))[0]
+
+
+def seen(results: Iterable[StepResult], column: str) -> Floats:
+    """A column of history.csv, on the way of all steps."""
+    told = [result.history for result in results]
+    return np.concatenate([each.values[:, each.columns.index(column)] for each in told if each is not None])

@@ -25,13 +25,6 @@ N_ANGLES = 256
 EVERY_ANGLE: Floats = 2.0 * np.pi / N_ANGLES * np.arange(N_ANGLES, dtype=np.float64)
 
 
-def near_tip_displacement(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
-    """Displacement (n, 2, 2) [point, mode, component] of K_I = 1 and K_II = 1 at polar coordinates r, t (n,)."""
-    first, last = _roots_of_z(material.roots, r, t)
-    values = _of_modes(material, first, r * np.sin(t) / (first + last), last)
-    return values.transpose(2, 0, 1)
-
-
 def near_tip_gradient(material: PlaneElasticity, r: Floats, t: Floats) -> Floats:
     """Displacement gradient du_c/dx_d (n, 2, 2, 2) [point, mode, c, d] of K_I = 1 and K_II = 1 at r, t (n,).
 

@@ -1,8 +1,8 @@
 """The benchmark: `make bench` runs the program as it is beside an earlier commit, and writes bench.csv.
 
 It needs the history of the repository; a few minutes with `ARGS=--quick`, half an hour without. All seconds are CPU
-seconds of one thread, the least of some rounds, each in its own process: the program times its phases by the wall
-clock, in whose place the CPU clock is put. A shared machine is now slow, now fast for both: ratios carry over.
+seconds of one thread, the least of some rounds, each in its own process. A shared machine is now slow, now fast for
+both: ratios carry over.
 """
 
 from __future__ import annotations
@@ -30,11 +30,9 @@ from tests.benchmarks.tables import HERE, ROOT, number, table, write_csv
 AGAINST: Final = "473cd78"
 """The commit that speed is held against: the last one before steps became slower on the same cells."""
 
-PHASES: Final = ("cover", "assembly", "factorize", "contact", "criterion", "output")
 
 CHILD: Final = """
 import json, resource, sys, time
-time.perf_counter = time.process_time
 import crackgrow
 case, n = crackgrow.load_case(sys.argv[2], sys.argv[3:]), int(sys.argv[1])
 run, steps = crackgrow.grow(case), []
@@ -43,10 +41,10 @@ while len(steps) < n:
     step = next(run, None)
     if step is None:
         break
-    steps.append((step.n_dofs, time.process_time() - begin, *(step.seconds[phase] for phase in PHASES)))
+    steps.append((step.n_dofs, time.process_time() - begin))
 print(json.dumps((steps, resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)))
 """
-"""In words that both programs know: unknowns, seconds and those of phases, step by step; then peak memory, MB."""
+"""In words that both programs know: unknowns and seconds, step by step; then peak memory, MB."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,10 +74,8 @@ SCENES: Final = (
 SLOWER: Final = 1.05
 """Ratios of a step beyond this are marked: the least of three rounds differ by less, run to run."""
 
-NEGLIGIBLE: Final = 0.02
-"""Phases that take less than this part of a step have no ratio."""
 
-HEADER = ("scene", "unknowns", "first step, ms", "then", "ratio", "a later step, ms", "then", "ratio", *PHASES,
+HEADER = ("scene", "unknowns", "first step, ms", "then", "ratio", "a later step, ms", "then", "ratio",
           "the run, s", "peak, MB")  # fmt: skip
 
 
@@ -97,17 +93,16 @@ def program_of(commit: str) -> Iterator[Path]:
 
 
 def timed(scene: Scene, program: Path) -> tuple[Floats, float]:
-    """Unknowns, seconds and those of phases, step by step (n, 8), of a scene by a program; and peak memory, MB."""
+    """Unknowns and seconds, step by step (n, 2), of a scene by a program; and peak memory, MB."""
     none = ("output.frames=none", "output.figures=false")
-    code = CHILD.replace("PHASES", repr(PHASES))
-    command = [sys.executable, "-c", code, str(scene.steps), f"cases/{scene.case}.yaml", *scene.settings, *none]
+    command = [sys.executable, "-c", CHILD, str(scene.steps), f"cases/{scene.case}.yaml", *scene.settings, *none]
     alone = {**os.environ, "PYTHONPATH": str(program), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
     steps, peak = json.loads(subprocess.run(command, cwd=program, env=alone, check=True, capture_output=True).stdout)
     return np.array(steps), peak
 
 
 def row_of(scene: Scene, then: Path, rounds: int) -> tuple[str, ...]:
-    """A row of the table: milliseconds, and ratios of this program over that of a folder, phase by phase too.
+    """A row of the table: milliseconds, and ratios of this program over that of a folder.
 
     Raises ValueError where their cells differ.
     """
@@ -122,7 +117,6 @@ def row_of(scene: Scene, then: Path, rounds: int) -> tuple[str, ...]:
     return (
         scene.name, f"{now[0, 0]:,.0f}", number(1e3 * first[1]), number(1e3 * first_then[1]),
         number(first[1] / first_then[1]), *(later if several else ("", "", "")),
-        *(number(a / b) if a > NEGLIGIBLE * step[1] else "" for a, b in zip(step[2:], step_then[2:], strict=True)),
         number(float(now[:, 1].sum())), f"{min(peak for _, (_, peak) in told):.0f}",
     )  # fmt: skip
 

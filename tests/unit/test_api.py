@@ -27,6 +27,8 @@ from crackgrow.results.folder import FolderError, RunFolder, open_run
 from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_frame, make_result
 
+pytestmark = pytest.mark.physics
+
 ROOT = Path(__file__).resolve().parents[2]
 COARSE = ("numerics.spacing=3", "output.figures=false")
 MPA = 1e6
@@ -159,17 +161,6 @@ def test_what_was_solved_before_an_error_is_kept(
     assert (kept.status, kept.reason, len(kept.tips)) == (status, reason, 2)
 
 
-def test_public_names_are_few_and_there_and_errors_are_of_one_kind() -> None:
-    assert len(crackgrow.__all__) <= 25
-    assert all(getattr(crackgrow, name) for name in crackgrow.__all__)
-    for name in ("CaseError", "CrackgrowError", "GeometryError", "OccupiedError", "OutputError"):
-        assert issubclass(getattr(crackgrow, name), crackgrow.CrackgrowError)
-        assert name in dir(crackgrow)
-    with pytest.raises(AttributeError, match="has no attribute 'rendered'"):
-        crackgrow.rendered  # noqa: B018
-
-
-@pytest.mark.physics
 def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[crackgrow.Run, RunFolder]) -> None:
     folder = both[1].folder
     assert cli.main(["render", str(folder), "--size", "200x200"]) == 0

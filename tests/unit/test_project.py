@@ -8,7 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator, Sequence
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -31,17 +31,20 @@ COMPRESSION = str(ROOT / "cases" / "compression30.yaml")
 ENTRIES = ("__init__.py", "__main__.py")  # the concept map with its lazy names, and python -m
 
 
-def imported(source: str, package: str) -> Iterator[str]:
+@cache
+def imported(source: str, package: str) -> list[str]:
     """Dotted names that a module of `package` imports, also inside functions and under TYPE_CHECKING."""
+    found: list[str] = []
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
-            yield from (alias.name for alias in node.names)
+            found += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             base = node.module or ""
             if node.level:
                 parents = package.split(".")[: len(package.split(".")) - node.level + 1]
                 base = ".".join([*parents, *([node.module] if node.module else [])])
-            yield from (f"{base}.{alias.name}" for alias in node.names)
+            found += [f"{base}.{alias.name}" for alias in node.names]
+    return found
 
 
 def offences(layer: str, source: str, package: str) -> list[str]:
@@ -75,54 +78,39 @@ def test_modules_import_from_their_layer_and_below_and_the_direct_solver_has_one
     assert offences("solid", "from crackgrow.linear.fronts import fronts_of", "crackgrow.solid")
 
 
-def loads_none(heavy: Sequence[str], code: str) -> None:
-    """Run lines in a program of their own, which tells no error and has loaded none of these modules."""
-    code = f"import contextlib, io, sys\n{code}\nsys.exit(' '.join(m for m in {heavy} if m in sys.modules) or 0)"
+NUMBERS = ["numpy", "scipy", "shapely", "yaml"]
+SOLVING = ["numba", "llvmlite", "scipy", "pandas", "pyvista", "vtkmodules", "matplotlib", "PIL"]
+LOADED = [
+    ([["--version"]], [*NUMBERS, "argparse"]),  # it takes no longer than Python itself, nearly
+    ([["--help"], ["run", "--help"], ["completion", "bash"]], NUMBERS),
+    ([["check", COMPRESSION], ["explain", "friction"], ["list"]], SOLVING),
+    pytest.param([["report", "FOLDER"]], SOLVING[:-2], marks=pytest.mark.physics),  # matplotlib draws the scene
+    pytest.param(
+        [["run", COMPRESSION, "--out", "FOLDER", "--set", "growth.steps=0", "--set", "numerics.spacing=3"]],
+        ["pyvista", "vtkmodules", "pandas", "matplotlib.pyplot", "dask", "scipy.optimize", "scipy.spatial"],
+        marks=pytest.mark.physics,
+    ),
+]
+"""Commands, and modules that they do not load: of a run with frames, figures and a report, as it writes them."""
+
+
+@pytest.mark.parametrize(("commands", "heavy"), LOADED, ids=str)
+def test_nothing_is_loaded_that_is_not_used(commands: list[list[str]], heavy: list[str], tmp_path: Path) -> None:
+    """Numba and SciPy take as long to load as all of the rest of a check."""
+    if ["report", "FOLDER"] in commands:
+        make_run(tmp_path, ["growth.steps=0"])
+    code = """
+import contextlib, io, sys, crackgrow
+from crackgrow.cli import main
+for words in COMMANDS:
+    with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
+        assert not main(words)
+    assert told.getvalue()
+sys.exit(" ".join(name for name in HEAVY if name in sys.modules) or 0)
+"""
+    code = code.replace("COMMANDS", str(commands)).replace("HEAVY", str(heavy)).replace("FOLDER", str(tmp_path))
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stderr) == (0, "")
-
-
-@pytest.mark.physics
-def test_a_run_loads_nothing_heavy_that_it_does_not_use(tmp_path: Path) -> None:
-    """With frames, figures and report, as it writes them by default."""
-    heavy = ["pyvista", "vtkmodules", "pandas", "matplotlib.pyplot", "dask"]
-    heavy += ["scipy.optimize", "scipy.spatial", "scipy.stats"]
-    arguments = ["run", COMPRESSION, "--out", str(tmp_path), "--quiet"]
-    arguments += ["--set", "growth.steps=0", "--set", "numerics.spacing=3"]
-    loads_none(heavy, f"import crackgrow.cli; crackgrow.cli.main({arguments})")
-    assert {"frames", "figures", "report.html"} <= {path.name for path in tmp_path.iterdir()}
-
-
-@pytest.mark.parametrize("words", [["--version"], ["--help"], ["run", "--help"], ["completion", "bash"]])
-def test_what_needs_no_numbers_loads_no_numpy(words: list[str]) -> None:
-    """The version not even the commands: it takes no longer than Python itself, nearly."""
-    heavy = ["numpy", "scipy", "shapely", "yaml", *(["argparse"] if words == ["--version"] else [])]
-    code = f"""
-from crackgrow.cli import main
-with contextlib.suppress(SystemExit), contextlib.redirect_stdout(io.StringIO()) as told:
-    main({words})
-assert told.getvalue()
-"""
-    loads_none(heavy, code)
-
-
-@pytest.mark.parametrize(
-    "words", [[], ["check", COMPRESSION], ["explain", "friction"], ["list"], ["report", "FOLDER"]], ids=" ".join
-)
-def test_only_what_solves_loads_scipy_and_the_compiler(words: list[str], tmp_path: Path) -> None:
-    """Numba and SciPy take as long to load as all of the rest of a check; without words: the package alone."""
-    heavy = ["numba", "llvmlite", "scipy", "pandas", "pyvista", "vtkmodules", "matplotlib", "PIL"]
-    if "FOLDER" in words:  # whose scene matplotlib draws
-        heavy = heavy[:-2]
-        make_run(tmp_path, ["growth.steps=0"])
-        words = ["report", str(tmp_path)]
-    code = f"""
-import crackgrow
-from crackgrow.cli import main
-with contextlib.redirect_stdout(io.StringIO()):
-    assert not {words} or main({words}) == 0
-"""
-    loads_none(heavy, code)
 
 
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]

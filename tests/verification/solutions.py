@@ -54,10 +54,6 @@ class Solved:
         tip = next(tip for tip in self.result.tips if tip.tip == name)
         return tip.K_I, tip.K_II
 
-    def tips(self) -> dict[tuple[str, str], tuple[float, float]]:
-        """The same of all tips, by the name of the crack and `start` or `end`."""
-        return {(tip.crack, tip.tip): (tip.K_I, tip.K_II) for tip in self.result.tips}
-
     def displacement(self, points: Floats) -> Floats:
         """Displacement (n, 2) m at points (n, 2) m of a body in one piece."""
         lattice, cover = self.scene.lattice, self.solution.cover

@@ -5,6 +5,7 @@ Of all scenes of tests/benchmarks/errors.md these are the quick ones, and those 
 
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from typing import Any
 
@@ -36,7 +37,8 @@ GOOD_TO = {"closed kink of 30": 3e-3, "grown wings": 5e-4, "young wings": 5e-4}
 @pytest.mark.parametrize(
     ("name", "target"),
     [
-        *((name, target) for name in SCENES for target in (0.03, 0.003)),
+        *((name, 0.03) for name in SCENES),
+        *((name, 0.003) for name in ("young wings", "friction 0.3, 45 degrees", "edge crack", "stacked", "star")),
         *((name, 0.01) for name in ("grown wings", "closed kink of 30", "star")),
         ("grown wings", 0.1),
     ],
@@ -126,25 +128,21 @@ WIDE = 0.001
 """What the plate's width adds to K, of itself; 0.0007 where there is no friction."""
 
 
-def pressed(shear: float, contact: dict[str, Any], fluid: str | float, accuracy: str) -> StepResult:
+FLAW = """
+title: a flaw under pressure and shear
+units: {length: mm, stress: MPa}
+plane: strain
+bodies: {rock: {shape: {rectangle: {center: [0, 0], width: 800, height: 800}}, material: {young: 10000, poisson: 0.2}}}
+cracks: {flaw: {path: {points: [[-10, 0], [10, 0]]}, contact: LAW}}
+loads: [{far_field: [0, -10, SHEAR]}, {crack: flaw, pressure: FLUID}]
+supports: minimal
+numerics: {accuracy: ACCURACY}
+"""
+
+
+def pressed(shear: float, law: dict[str, Any], fluid: str | float, accuracy: str) -> StepResult:
     """The flaw under a shear (MPa) and the pressure of a fluid (MPa), by a formula of x in mm."""
-    shape = {"rectangle": {"center": [0, 0], "width": 800, "height": 800}}
-    return next(
-        grow(
-            case_of(
-                {
-                    "title": "a flaw under pressure and shear",
-                    "units": {"length": "mm", "stress": "MPa"},
-                    "plane": "strain",
-                    "bodies": {"rock": {"shape": shape, "material": {"young": 10000, "poisson": 0.2}}},
-                    "cracks": {"flaw": {"path": {"points": [[-10, 0], [10, 0]]}, "contact": contact}},
-                    "loads": [{"far_field": [0, -10, shear]}, {"crack": "flaw", "pressure": fluid}],
-                    "supports": "minimal",
-                    "numerics": {"accuracy": accuracy},
-                }
-            )
-        )
-    )
+    return next(grow(case_of(FLAW, LAW=json.dumps(law), SHEAR=shear, FLUID=json.dumps(fluid), ACCURACY=accuracy)))
 
 
 RISING, FALLING = "9 - 9 * (x / 10)**8", "9 * (x / 10)**8"
@@ -206,7 +204,7 @@ def opening_ends(fluid: float, power: int) -> tuple[float, float]:
     return float(K_I), float(9e6 * ROOT - FRICTION * (K_I + (PRESSURE - mean) * ROOT))
 
 
-@pytest.mark.parametrize("accuracy", ["draft", "standard", "fine"])
+@pytest.mark.parametrize("accuracy", ["draft", "standard"])
 @pytest.mark.parametrize(("fluid", "power"), [(12, 8), (30, 8), (11, 20), (20, 20)])
 def test_the_bound_holds_where_ends_open_that_cells_may_not_see(fluid: int, power: int, accuracy: str) -> None:
     """The open ends are 0.02 to 0.2 of the half length; K_I on coarse cells is up to 0.34 K_II too large."""
@@ -247,9 +245,7 @@ def test_cohesion_is_lost_where_faces_part_next_to_a_tip(slope: float, zero: flo
 
 
 @pytest.mark.parametrize("accuracy", ["draft", "0.3 %"])
-@pytest.mark.parametrize(
-    ("slope", "zero"), [(3.0, 6.0), (5.0, 7.0), (0.5, 9.3), (0.5, 9.9), (5.0, 9.6), (50.0, 9.3), (50.0, 9.9)]
-)
+@pytest.mark.parametrize(("slope", "zero"), [(3.0, 6.0), (5.0, 7.0), (0.5, 9.3), (5.0, 9.6), (50.0, 9.9)])
 def test_the_bound_knows_of_faces_that_part(slope: float, zero: float, accuracy: str) -> None:
     """Far from the tip, on large cells, and more closely to it than any contact point sees."""
     step, K_I, K_II = parting(slope, zero, accuracy, 0.0)

@@ -19,8 +19,8 @@ from crackgrow.contact.coulomb import SLIP
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import StepResult
 from tests.scenes import shipped_case
+from tests.solving import seen, whole_run
 from tests.verification.solutions import case_of, solved
-from tests.whole_run import seen, whole_run
 
 
 def last(result: StepResult, column: str) -> float:
@@ -218,7 +218,7 @@ def test_closure_is_a_hyperbola_there_and_back(follow: str | int) -> None:
     assert follow != "events" or energy.error < 1e-6
 
 
-@pytest.mark.parametrize("pressure", [0.005, 0.5, 50, 200])
+@pytest.mark.parametrize("pressure", [0.005, 50])
 def test_shear_strength_is_that_of_the_pressure(pressure: float) -> None:
     """Faces are no steeper than 70 degrees and no flatter than flat."""
     settings = [f"loads.0.traction=[0, {-pressure}]", "supports.1.displacement.x=20", "loading.follow=events"]
@@ -293,10 +293,10 @@ loads:
   - {{on: {{body: low, edge: 3}}, pressure: 2 MPa, held: true}}
   - {{on: {{body: top, edge: 1}}, pressure: 2 MPa, held: true}}
   - {{on: {{body: top, edge: 3}}, pressure: 2 MPa, held: true}}
-numerics: {{spacing: 0.03}}
+numerics: {{spacing: 0.05}}
 output: {{points: {{joint: {{at: [0, 0], interface: [low, top]}}}}}}
 """
-FORTH_AND_BACK = (0.1, 0.2, 0.3, 0.25, 0.4, 0.5, 0.45, 0.4, 0.3, 0.5, 1.0, 0.9, 0.5, 0.8)
+FORTH_AND_BACK = (0.2, 0.3, 0.25, 0.5, 0.4, 0.3, 1.0, 0.5, 0.8)
 
 
 @dataclass
@@ -359,9 +359,7 @@ def axial(result: StepResult) -> float:
     return -last(result, "supports.2.force_y") / WIDTH
 
 
-@pytest.mark.parametrize(
-    ("weakening", "dilation", "kept"), [(4e-4, 0.0, False), (4e-4, 0.14, True), (2e-3, 0.14, False)]
-)
+@pytest.mark.parametrize(("weakening", "dilation", "kept"), [(4e-4, 0.14, True), (2e-3, 0.14, False)])
 def test_it_slides_forth_and_back_as_the_closed_form_does(weakening: float, dilation: float, kept: bool) -> None:
     joint = Joint(weakening, dilation, kept)
     found = steps(joint, FORTH_AND_BACK)

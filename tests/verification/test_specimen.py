@@ -8,8 +8,8 @@ import pytest
 from crackgrow.run.result import SLIP, STICK, StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.state_values import specimen_means
+from tests.solving import whole_run
 from tests.verification.solutions import case_of, solved
-from tests.whole_run import whole_run
 
 PULLED = "loads=[{far_field: [0.5, 1, 0.25]}]"
 

@@ -12,15 +12,13 @@ import pytest
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.cover.elements import locate
 from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.result import STICK, StepResult
-from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
+from tests.solving import seen, whole_run
 from tests.verification.solutions import case_of
-from tests.whole_run import seen, whole_run
 
 SIGMA_H, SIGMA_V = -10e6, -20e6
 
@@ -57,24 +55,6 @@ def tunnel(loading: str, *settings: str, **words: str) -> Case:
 
 def steps_of(case: Case) -> list[tuple[StepResult, StepSolution]]:
     return list(solved_steps(case))
-
-
-def stress_in(solution: StepSolution, places: np.ndarray, body: int = 0) -> np.ndarray:
-    cover = solution.cover
-    points = cover.lattice.to_lattice(places)
-    elements = locate(cover.lattice, cover.elements, points, body)
-    return stress_at(cover, solution.state.materials, solution.outcome.u, points, elements)
-
-
-def test_wall_of_a_tunnel_that_is_taken_out_has_the_stress_of_kirsch() -> None:
-    """At `standard`, with `spacing: auto`, in a box of 20 radii each way."""
-    (_, before), (_, after) = steps_of(tunnel(ONE_STAGE, WIDTH="80", SPACING="auto"))
-    wall = np.array([[2.0, 0.0], [0.0, 2.0]]) * (1.0 + 1e-4)
-    found = stress_in(after, wall)
-    assert found[0, 1] == pytest.approx(3.0 * SIGMA_V - SIGMA_H, rel=0.01)
-    assert found[1, 0] == pytest.approx(3.0 * SIGMA_H - SIGMA_V, rel=0.01)
-    np.testing.assert_allclose([found[0, 0], found[1, 1]], 0.0, atol=0.01 * abs(3.0 * SIGMA_V - SIGMA_H))
-    np.testing.assert_allclose(stress_in(before, 1.5 * wall), [[SIGMA_H, SIGMA_V, 0.0]] * 2, atol=0.01 * abs(SIGMA_V))
 
 
 @pytest.mark.parametrize("core", [{}, {"YOUNG": "3000"}, {"CONTACT": "{friction: 3, cohesion: 0}"}], ids=str)
@@ -230,7 +210,7 @@ def K_of(step: StepResult) -> Floats:
 
 def test_a_target_holds_at_the_end_of_stages() -> None:
     """Without friction K is what it would be had the hole always been there. With growth the last stage is judged."""
-    exact = K_of(next(grow(aimed("fine", "{}"))))
+    exact = K_of(next(grow(aimed(0.005, "{}"))))
     case, target = aimed(0.03), 0.03
     steps = list(grow(case))
     judged = next(grow(aimed(0.03, ONE_STAGE, *JUDGED)))
@@ -247,11 +227,11 @@ def test_a_target_holds_at_the_end_of_stages() -> None:
 
 def test_a_crack_grows_at_the_end_of_all_stages() -> None:
     """As beside a hole that has always been there."""
-    grows = (JUDGED[0].replace("steps: 0", "steps: 2"), JUDGED[1].replace("1 MPa", "0.1 MPa"), "numerics.spacing=1")
+    grows = (JUDGED[0].replace("steps: 0", "steps: 1"), JUDGED[1].replace("1 MPa", "0.1 MPa"), "numerics.spacing=1")
     (found, end), (expected, like) = (
         whole_run(tunnel(loading, *grows, CRACKS=SLIPPERY)) for loading in (TWO_HALVES, "{}")
     )
-    assert len(found) == len(expected) == 3
+    assert len(found) == len(expected) == 2
     np.testing.assert_allclose(end.cracks[0].points, like.cracks[0].points, rtol=0, atol=1e-9)
     for one, other in zip(found, expected, strict=True):
         np.testing.assert_allclose(K_of(one), K_of(other), rtol=0, atol=1e-6 * np.abs(K_of(other)).max())

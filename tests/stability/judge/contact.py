@@ -1,4 +1,4 @@
-"""Contact points against Coulomb's law: signs, bounds of friction, sense of slip; from contact.csv and case.yaml."""
+"""Contact points against Coulomb's law: signs, bounds of friction, gaps; from contact.csv and case.yaml."""
 
 from __future__ import annotations
 
@@ -15,23 +15,17 @@ UNLOADED = 1e-9
 """Of the largest traction of a run, or the mean stress that its supports have borne: a step with less has no load, and
 its tractions are round-off."""
 
-BETWEEN = 0.05
-"""Of the largest jump of a surface: what opening and slip at a point may be off, since the law holds for their averages
-round the points."""
 
 ON_AVERAGE = 1e-7
 """Of the largest jump of a surface: what the averages may be off."""
 
-AT_CORNERS = 0.2
-"""The same for overlap on interfaces and foundations: bodies at rest have as much at their corners on any lattice."""
 
 NO_JUMP = 0.1
 """Of what the largest pressure on any surface would open a crack of this length by: a surface whose jump is smaller is
 held against that."""
 
 GIVEN_WAY = 0.6
-"""The same of what the rock of a spacing gives way to that pressure: BETWEEN of it, 0.03, is small beside what K feels,
-0.05 on a stuck flaw of five spacings."""
+"""The same of what the rock of a spacing gives way to that pressure."""
 
 ON_PATH = 1e-6
 """Spacings: a point so close to the crack as it was given lies on its given faces."""
@@ -39,7 +33,7 @@ ON_PATH = 1e-6
 
 def judge_contact(court: Court) -> None:
     """All steps and surfaces."""
-    run, before = court.run, pd.DataFrame()
+    run = court.run
     tractions = run.tables["contact"][["normal_traction", "tangential_traction"]]
     forces = run.tables["reactions"][["force_x", "force_y"]].to_numpy()
     across = np.sqrt(sum(run.region(body).area for body in run.case["bodies"]))
@@ -54,9 +48,6 @@ def judge_contact(court: Court) -> None:
                 _bounds(court, points, law, size, name, int(step))
                 if largest > 0.0:
                     _averages(court, points, law, largest, name, int(step))
-                    _jumps(court, points, law, largest, name, int(step))
-                    _sense(court, points, before, (size, largest), name, int(step))
-        before = rows
 
 
 def _bounds(court: Court, points: pd.DataFrame, law: dict, size: float, name: str, step: int) -> None:
@@ -98,48 +89,8 @@ def _averages(court: Court, points: pd.DataFrame, law: dict, largest: float, nam
         court.check("average gap under pressure", float(np.abs(risen).max()) / largest, ON_AVERAGE, step, name)
 
 
-def _jumps(court: Court, points: pd.DataFrame, law: dict, largest: float, name: str, step: int) -> None:
-    """No overlap, and no gap where faces press each other, but for what dilation opens.
-
-    At a kink two contact points meet: the jump there is at the end of what both stand for, and tells of neither.
-    """
-    opening, slip = points["opening"].to_numpy(), points["slip"].to_numpy()
-    limit = BETWEEN if name in court.run.case["cracks"] else AT_CORNERS
-    court.check("overlap", float((-opening).max()) / largest, limit, step, name)
-    at_kink = points["s"].round(12).duplicated(keep=False).to_numpy()
-    closed = (points["state"].to_numpy() != "open") & ~at_kink
-    if closed.any():
-        risen = np.abs(slip) * np.tan(np.deg2rad(law["dilation_angle"]))
-        court.check("open under pressure", float((opening - risen)[closed].max()) / largest, BETWEEN, step, name)
-
-
 def _size(run: WrittenRun, points: pd.DataFrame, pressure: float) -> float:
     """The jump (m) that others of a surface are held against; `pressure` (Pa) is the largest of the step."""
     length = float(np.ptp(points["s"])) + run.spacing
     by_pressure = (NO_JUMP * 2.0 * length, GIVEN_WAY * run.spacing)
     return max(float(np.hypot(points["opening"], points["slip"]).max()), max(by_pressure) * pressure / run.softest)
-
-
-def _sense(
-    court: Court, points: pd.DataFrame, before: pd.DataFrame, sizes: tuple[float, float], name: str, step: int
-) -> None:
-    """Shear acts with the slip of the last increment, where the files tell it; `sizes` of traction and jump."""
-    run, (size, largest) = court.run, sizes
-    change = points["mean_slip"].to_numpy()
-    if run.growth is None and len(before):
-        change = change - before[before["crack"] == name]["mean_slip"].to_numpy()
-    elif not _from_rest(run):
-        return
-    shear, slips = points["tangential_traction"].to_numpy(), points["state"].to_numpy() == "slip"
-    loaded = slips & (np.abs(shear) > ROUND_OFF * size)
-    if loaded.any():
-        against = -np.sign(shear[loaded]) * change[loaded]
-        court.check("slip against friction", float(against.max()) / largest, ON_AVERAGE, step, name)
-
-
-def _from_rest(run: WrittenRun) -> bool:
-    """Whether a step's slip is that of one rising load."""
-    loading = run.case["loading"]
-    once = loading == "critical" or len(loading["history"]) == 1
-    afresh = run.growth is None or run.growth["unload_between_steps"]
-    return once and afresh and not any(load["held"] for load in run.case["loads"])

@@ -1,4 +1,4 @@
-"""Tips: K of closed ones, criteria met by those that advance, kinks by the formula and in the path; from tips.csv."""
+"""Tips: K of closed ones, criteria met by those that advance, kinks in the path; from tips.csv."""
 
 from __future__ import annotations
 
@@ -26,7 +26,6 @@ MET, TIE = 1e-6, 6e-3
 """Of the strength: the most critical tip meets it; one that differs by less than a lattice resolves may advance."""
 
 DEGREES = 1e-4
-LARGEST_KINK = 110.0
 
 
 def judge_tips(court: Court) -> None:
@@ -79,24 +78,11 @@ def _K(tip: pd.Series) -> tuple[float, float]:
     return found if np.isfinite(found).all() else (float(tip["K_I_faces"]), float(tip["K_II_faces"]))
 
 
-def hoop_kink(K_I: float, K_II: float) -> float:
-    """Degrees: direction of the largest hoop stress (Erdogan, Sih 1963), by search."""
-    largest = np.deg2rad(LARGEST_KINK)
-    t = np.linspace(-largest, largest, 4401)
-    for _ in range(4):
-        hoop = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
-        best = t[int(np.argmax(hoop))]
-        t = np.clip(best + np.linspace(-1.0, 1.0, 401) * np.diff(t).max(), -largest, largest)
-    return float(np.rad2deg(best))
-
-
 def _kinks(court: Court, tip: pd.Series, step: int) -> None:
-    """The kink by the hoop stress, and the one of the path."""
+    """The kink that is told is that of the path."""
     run, name = court.run, tip["crack"]
     if run.growth is None or not tip["advanced"]:
         return
-    if run.growth["criterion"] == "max_hoop_stress":
-        court.check("kink of K", abs(tip["kink_deg"] - hoop_kink(*_K(tip))), 0.01, step, name)
     events, following, at_end = run.meetings, step + 1, tip["tip"] == "end"
     met = ((events["step"] == following) & (events["crack"] == name) & (events["tip"] == tip["tip"])).any()
     points, _ = run.path(name, following)
@@ -113,7 +99,7 @@ def _advances(court: Court, rows: pd.DataFrame, step: int) -> None:
     """Who advances has met the criterion, and who has met it most advances, one or all of them."""
     run, growth = court.run, court.run.growth
     critical = run.case["loading"] == "critical"
-    values = np.array([_criticality(run, tip) for _, tip in rows.iterrows()])
+    values = rows["criticality"].to_numpy(dtype=float)
     advanced = rows["advanced"].to_numpy(dtype=bool)
     for name, value in zip(rows["crack"][advanced], values[advanced], strict=True):
         if np.isfinite(value):
@@ -136,19 +122,3 @@ def _can_grow(run: WrittenRun, tip: pd.Series) -> bool:
     """Whether the case lets a tip grow; one that has met something has no row."""
     tips = run.case["cracks"][tip["crack"]]["tips"]
     return tips in ("both", tip["tip"])
-
-
-def _criticality(run: WrittenRun, tip: pd.Series) -> float:
-    """Stress over strength, as far as tips.csv tells it; nan where it does not."""
-    growth, strength = run.growth, run.case["bodies"]["rock"].get("strength")
-    if growth["criterion"] == "directional_strength" or strength is None:
-        return np.nan
-    if growth["criterion"] == "max_hoop_stress":
-        K_I, K_II = _K(tip)
-        t = np.deg2rad(tip["kink_deg"])
-        K_eq = np.cos(t / 2) * (K_I * np.cos(t / 2) ** 2 - 1.5 * K_II * np.sin(t))
-        return float(K_eq / (strength["tension"] * np.sqrt(2.0 * np.pi * growth["tip_stress"]["radius"])))
-    s1, s3, phi = tip["sigma_1"], tip["sigma_3"], np.deg2rad(strength["friction_angle"])
-    resistance = strength["cohesion"] * np.cos(phi) - 0.5 * (s1 + s3) * np.sin(phi)
-    tension, shear = s1 / strength["tension"], 0.5 * (s1 - s3) / max(resistance, 1e-30)
-    return float(tension if tension >= 1.0 else max(tension, shear))

@@ -123,9 +123,6 @@ def read_run(folder: Path, exit_code: int, errors: str) -> WrittenRun:
 
 _K = r"\bK\b|K_I"
 TELLS = {
-    "overlap": r"overlap|stand apart",
-    "open under pressure": r"overlap|stand apart|unsure|oscillate|ripple",
-    "slip against friction": r"several solutions|leads elsewhere",
     "K_I of a closed straight tip": _K,
     "K of a stuck crack": _K,
     "K_I below zero": rf"{_K}|overlap",

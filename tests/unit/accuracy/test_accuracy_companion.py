@@ -10,8 +10,6 @@ import pytest
 
 from crackgrow.accuracy.companion import (
     BOUND,
-    COARSEST,
-    MOST_AT_ONCE,
     Errors,
     Grading,
     Quantities,
@@ -114,32 +112,3 @@ def test_neighbours_are_refined_in_a_second_round_and_kept_with_a_crack_that_is_
     begun = off(0.001, 0.02, 0.001, math.nan, grading=replace(GRADING, cracks=(2, 2, 2, 2)))
     assert coarsened(begun, 0.01, "K", [*apart(3, 0.2), *apart(5)[4:]], ()).cracks == (2, 2, 2, 2)
     assert coarsened(begun, 0.01, "K", apart(4), ()).cracks == (0, 2, 0, 2)
-
-
-def test_features_of_cracks_that_are_off_are_refined_by_as_many_levels_as_they_need() -> None:
-    assert refined(off(0.035, 0.009, 0.011), None, 0.01, "K", apart(3), ()).cracks == (2, 0, 1)
-    assert refined(off(1.0), None, 0.01, "K", apart(1), ()).cracks == (MOST_AT_ONCE,)
-    by_slip = replace(off(0.0, 0.0), shares={"slip": 0.02})
-    assert refined(by_slip, None, 0.01, "slip", apart(2), ()).cracks == (1, 1)  # another goal: all cracks
-    unknown = refined(errors_of(GRADING, HERE, None), None, 0.01, "K", apart(2), ())
-    assert (unknown.cracks, unknown.rest) == ((1, 1), 0)
-
-
-def test_where_that_leaves_too_much_theta_and_corners_are_refined_too() -> None:
-    now = off(0.018, grading=replace(GRADING, cracks=(1,)))
-    found = refined(now, off(0.02), 0.01, "K", apart(1), ())
-    assert (found.cracks, found.rest) == ((2,), 1)
-    assert refined(now, off(0.04), 0.01, "K", apart(1), ()).rest == 0
-
-
-def test_cells_of_a_crack_that_is_better_than_asked_for_are_coarsened_as_far_as_the_target_lets_them() -> None:
-    """Each level doubles the error; what is left is within 0.6 of the target."""
-    changes = ((0, 0.1, 0.2),)
-    begun = replace(GRADING, cracks=(2, 2, 2))
-    assert coarsened(off(0.0014, 0.0029, 0.0031, grading=begun), 0.01, "K", apart(3), changes) == replace(
-        begun, cracks=(0, 1, 2), changes=changes
-    )
-    found = coarsened(off(0.0014, grading=replace(begun, rest=2)), 0.01, "K", apart(1), ())
-    assert (found.cracks, found.rest) == ((1,), 1)
-    least = off(0.0, grading=replace(GRADING, cracks=(COARSEST,)))
-    assert coarsened(least, 0.01, "K", apart(1), ()).cracks == (COARSEST,)

@@ -11,15 +11,13 @@ import pytest
 from crackgrow.case.accuracy import CELLS
 from crackgrow.case.model import Case
 from crackgrow.cover.cover import Cover
-from crackgrow.errors import CaseError
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.layout import cells_of, contact_faces, cover_of
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.size_field import JOG
-from tests.one_size import one_size
-from tests.scenes import shipped_case
+from tests.scenes import one_size, shipped_case
+from tests.verification.solutions import QUIET
 
-QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
 FLAW = "cracks.flaw.path={points: [[-5, 0], [5, 0]]}"
 AUTO = "numerics.spacing=auto"
 THREE = "numerics.spacing=3"
@@ -54,12 +52,6 @@ def test_tips_kinks_corners_and_junctions_get_the_cells_that_they_ask_for() -> N
     assert [size_at(cover, place) for place in places] == [2.0**-4, 0.5, 1.0]
     assert laid_out(case("junction_static", "numerics.refine.kinks=2")).elements.size.min() == 0.25
     assert np.all(laid_out(case("compression30", "numerics.refine.rings=3")).elements.size == 1.0)
-
-
-@pytest.mark.parametrize(("setting", "told"), [("tips=12", "<= 11"), ("rings=1", ">= 2"), ("holes=1", "tips")])
-def test_halvings_out_of_range_are_refused(setting: str, told: str) -> None:
-    with pytest.raises(CaseError, match=told):
-        case("compression30", f"numerics.refine.{setting}")
 
 
 def halved_to(size: float, lattice: float) -> float:

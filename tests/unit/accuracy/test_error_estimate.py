@@ -114,27 +114,6 @@ def test_both_tips_of_a_straight_crack_make_the_field_of_griffith(build: type[Bu
     assert np.abs(difference - difference[0]).max() < 1e-7  # uniform; tips are rounded to 1e-9 spacings
 
 
-def test_beyond_the_far_end_nothing_jumps(build: type[Build]) -> None:
-    """Also where the extension of the crack runs along the diagonals of the tiles."""
-    crack = build.crack([(2.0, 2.5), (3.0, 2.5), (4.0, 3.5)])
-    cover = build.sample((0.0, 0.0), (7.0, 6.0), (crack,), spacing=0.5, support=2.0).cover
-    assert cover.tip_ends[0] == (0, False)
-    far = cover.cracks[0].points[-1]
-    beyond = far + np.linspace(0.3, 4.0, 23)[:, None]
-    across = 1e-7 * np.array([-1.0, 1.0])
-    sides = [
-        SingularStress(cover, 0, K).at(p, locate(cover.lattice, cover.elements, p))
-        for p in (beyond - across, beyond + across)
-    ]
-    np.testing.assert_allclose(sides[0], sides[1], rtol=1e-5, atol=1e-6)
-    on_faces = far - np.linspace(0.3, 1.8, 9)[:, None]
-    left, right = (
-        SingularStress(cover, 0, K).at(p, locate(cover.lattice, cover.elements, p))
-        for p in (on_faces - across, on_faces + across)
-    )
-    assert np.abs(left - right).min(axis=0).max() > 0.1
-
-
 @pytest.mark.physics
 @pytest.mark.parametrize("support", [1.5, 2.0])
 def test_the_estimate_of_a_singular_field_is_its_error(build: type[Build], support: float) -> None:

@@ -23,20 +23,36 @@ PLACES = [CRACK[0], CRACK[2], (5.6, 4.9)]
 BENT = [(6.3, 9.2), (9.2, 9.9), (12.4, 12.1), (15.9, 13.4)]
 """The kinks lie in the discs of both tips."""
 
+MET = [
+    ([(0.5, 7.3), (6.2, 7.9), (12.5, 7.6)], (False, False)),  # through
+    ([(0.5, 2.2), (3.1, 2.7)], (False, True)),  # from the side
+    ([(4.7, 2.2), (7.9, 3.0)], (True, True)),  # crosses the next one
+    ([(6.0, 1.4), (6.6, 4.1)], (True, True)),
+    ([(9.0, 2.2), (12.0, 3.0)], (True, True)),  # branches
+    ([(10.5, 2.6), (10.8, 4.1)], (False, True)),
+    ([(1.3, 5.0), (3.0, 5.0), (3.0, 6.6)], (True, True)),  # on lattice lines
+]
+"""Cracks and which of their ends are tips."""
+
 GRADED = [("graded", support, levels) for support in (1.5, 2.0, 2.5) for levels in (0, 1, 3, 6)]
 GATHERED = [("gathered", 2.0, 0), ("gathered", 2.0, 2), ("gathered", 1.5, 2)]
-SCENES = [*GRADED, ("graded", 1.25, 3), *GATHERED, ("milli", 2.0, 0), ("many tips", 2.0, 0), ("crumb", 1.5, 0)]
+LINES = [("lines", support, 0) for support in (1.5, 2.0, 2.5)]
+OTHERS = [("milli", 2.0, 0), ("many tips", 2.0, 0), ("crumb", 1.5, 0)]
+SCENES = [*GRADED, ("graded", 1.25, 3), *GATHERED, *LINES, *OTHERS]
 of_all_scenes = pytest.mark.parametrize(("name", "support", "levels"), SCENES)
 
 
 def scene(build, name: str, support: float, levels: int) -> Sample:
-    """A crack all inside in spacings of 1 or 1e-3, one with gathered tips, 32 tips, two cracks that cut a crumb."""
+    """A crack all inside in spacings of 1 or 1e-3, gathered tips, cracks that meet, 32 tips, two that cut a crumb."""
     if name == "graded":
         return build.block((6, 5), [build.crack(CRACK)], support, levels, PLACES)
     if name == "gathered":
         sample = build.block((22, 22), [build.crack(BENT, gathered=True)], support, levels, [BENT[-1]])
         assert all(tip.carriers.gathered for tip in sample.cover.tips)
         return sample
+    if name == "lines":
+        cracks = [build.crack(points, tips, str(k)) for k, (points, tips) in enumerate(MET)]
+        return build.block((12, 9), cracks, support)
     if name == "many tips":
         return build.field_of_cracks(4)
     if name == "milli":

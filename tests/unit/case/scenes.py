@@ -59,12 +59,6 @@ def held(*bodies: str) -> list[dict[str, Any]]:
     return [{"on": {"body": body, "edge": "bottom"}, "displacement": {"x": 0, "y": 0}} for body in bodies]
 
 
-def two_blocks() -> dict[str, Any]:
-    """A block `top` of 4 x 2 m on another, `low`, which is held."""
-    scene = blocks(low=rectangle(0, 0, 4, 2), top=rectangle(0, 2, 4, 2))
-    return changed(scene, interfaces=joint("low top"), supports=held("low"))
-
-
 def plate(*loads: dict[str, Any], **parts: Any) -> dict[str, Any]:
     """A plate of 4 x 6 m round the origin with minimal supports."""
     return {**with_body(rectangle(-2, -3, 4, 6)), "supports": "minimal", "loads": list(loads), **parts}

@@ -16,16 +16,12 @@ from crackgrow.case.model import FarField
 from crackgrow.errors import CaseError
 from tests.unit.case.scenes import (
     EVERYTHING,
-    LAW,
     MATERIAL,
-    changed,
     fault,
-    held,
     joint,
     load,
     plate,
     rectangle,
-    two_blocks,
     with_body,
 )
 
@@ -84,15 +80,6 @@ def test_a_far_field_may_vary_if_what_it_leaves_over_is_held():
         outlined(BLOCK, "minimal", [lithostatic])
 
 
-def test_bodies_in_contact_need_no_supports_but_others_do(tmp_path: Path):
-    scene = changed(two_blocks(), supports=[])
-    load(tmp_path, scene)
-    scene["bodies"]["loose"] = {"shape": rectangle(9, 9, 1, 1), "material": {"young": 1, "poisson": 0}}
-    assert fault(tmp_path, scene)[1].startswith("body 'loose' is free to move")
-    load(tmp_path, changed(scene, supports=[{"on": {"body": "loose", "edge": "bottom"}, "contact": LAW}]))
-    load(tmp_path, changed(scene, supports=held("loose")))
-
-
 def test_minimal_supports_are_three_constraints_off_the_loads_and_cracks(tmp_path: Path):
     crack = {"path": {"points": [[-2, 0], [-1, 0]]}, "contact": "none", "tips": "end"}
     case = load(tmp_path, plate(*PULL, cracks={"flaw": crack}))
@@ -104,14 +91,6 @@ def test_minimal_supports_are_three_constraints_off_the_loads_and_cracks(tmp_pat
     assert dump_case(read_case(dump_case(case), "again", case.name)) == dump_case(case)
 
 
-def test_minimal_supports_hold_bonded_bodies_and_no_loose_ones(tmp_path: Path):
-    scene = plate()
-    scene["bodies"]["cap"] = {"shape": rectangle(-2, 3, 4, 2), "material": MATERIAL}
-    bonded = joint("rock cap", contact="bonded")
-    assert len(load(tmp_path, {**scene, "interfaces": bonded}).supports) == 2
-    assert "rock and cap" in fault(tmp_path, {**scene, "interfaces": joint("rock cap")})[1]
-
-
 PULL = [{"on": {"edge": "top"}, "traction": [0, 3]}, {"on": {"edge": "bottom"}, "traction": [0, -3]}]
 TURN = {"top": [1, 0], "bottom": [-1, 0], "right": [0, 1], "left": [0, -1]}
 SHEAR = [{"on": {"edge": edge}, "traction": traction} for edge, traction in TURN.items()]
@@ -121,6 +100,7 @@ PRESSURE = [
 ]
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(
     ("loads", "stress"), [(PULL, [0, 3, 0]), (SHEAR, [0, 0, 1]), (PRESSURE, None)], ids=["pull", "shear", "pressure"]
 )

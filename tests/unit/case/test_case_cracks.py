@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-import shapely
 
 import crackgrow
-from crackgrow.case.segments import meeting_places
 from crackgrow.plan.cost import sizes_of
 from tests.unit.case.scenes import (
     blocks,
@@ -54,20 +52,6 @@ def test_an_end_within_the_tolerance_of_a_crack_lies_on_it(angle: float, off: fl
     assert case.moved == ()  # no farther than rounding may be
 
 
-def test_meeting_places_of_random_cracks_are_their_crossings(tmp_path: Path):
-    """Of straight cracks of up to 0.4 m anywhere in the plate."""
-    rng = np.random.default_rng(7)
-    starts, angles = rng.uniform(-4.5, 4.5, (400, 2)), rng.uniform(0, 2 * np.pi, 400)
-    ends = starts + rng.uniform(0.1, 0.4, 400)[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    scene = plate(**{f"c{k}": ([starts[k].tolist(), ends[k].tolist()], "both") for k in range(400)})
-    lines = [shapely.LineString(pair) for pair in zip(starts, ends, strict=True)]
-    crossings = [a.intersection(b) for k, a in enumerate(lines) for b in lines[:k] if a.intersects(b)]
-    expected = np.array([(point.x, point.y) for point in crossings])
-    found = meeting_places([crack.points for crack in load(tmp_path, scene).cracks], TOLERANCE)
-    assert len(expected) > 10
-    np.testing.assert_allclose(found[np.lexsort(found.T)], expected[np.lexsort(expected.T)], atol=1e-12)
-
-
 # --- what nearly touches: brought together by a tolerance of the scene, the same at every spacing -------------------
 
 
@@ -104,6 +88,7 @@ def test_block_on_an_incline_holds_however_its_corners_are_typed(digits: int, tm
         assert sizes_of(finer).n_contact > 1.0 / spacing
 
 
+@pytest.mark.physics
 def test_side_with_a_corner_more_keeps_its_name_and_its_places(tmp_path: Path):
     scene = incline(0.0, 15)
     scene["bodies"]["block"]["shape"] = {"polygon": [[4, 1e-5], [6, 2e-5], [6, 2], [4, 2]]}
@@ -129,6 +114,7 @@ def tunnel(x: float, y: float, tips: str) -> dict[str, Any]:
     return changed(scene, cracks={"joint": joint}, supports=held("rock"), loads=loads, numerics={"spacing": 1})
 
 
+@pytest.mark.physics
 @pytest.mark.parametrize(("x", "tips", "moved"), [
     (1.41421, "both", 1), (1.4142135623731, "end", 0), (1.414215, "end", 1)
 ])  # fmt: skip

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 import sys
 from collections import Counter
@@ -19,7 +18,7 @@ from crackgrow import cli, solve
 from crackgrow.case import Case, load_case
 from crackgrow.case.mesh_file import ContentError, read_mesh
 from crackgrow.errors import CaseError
-from tests.joint_maps import SHIPPED, case_text, joint_map
+from tests.joint_maps import case_text, joint_map
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import CASES, blocks, changed, held, joint, load, rectangle, with_body
 
@@ -100,7 +99,7 @@ def test_without_the_extra_it_is_named(tmp_path: Path, monkeypatch: pytest.Monke
 
 
 @pytest.mark.physics
-@pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(6)), (200, 0), (700, 0)])
+@pytest.mark.parametrize(("n", "seed"), [*((50, k) for k in range(4)), (200, 0)])
 def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
     """No tip is left within the tolerance of anything, and none of the joints that are well drawn is lost."""
     map_ = joint_map(n, seed)
@@ -134,13 +133,7 @@ def test_a_map_loads_and_is_brought_together(n: int, seed: int, tmp_path: Path, 
 
 
 @pytest.mark.physics
-def test_the_shipped_map_is_one_of_these_brought_together_and_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    joint_map(*SHIPPED).write(tmp_path, "joint_map_")
-    for name in ("joint_map_joints.geojson", "joint_map_outline.geojson"):
-        made, shipped = (json.loads((folder / name).read_text())["features"] for folder in (tmp_path, CASES))
-        for one, other in zip(made, shipped, strict=True):
-            assert one["properties"] == other["properties"]
-            np.testing.assert_allclose(one["geometry"]["coordinates"], other["geometry"]["coordinates"], atol=2e-6)
+def test_the_shipped_map_is_brought_together_and_told(capsys: pytest.CaptureFixture[str]):
     case = shipped_case("joint_map")
     assert (len(case.cracks), len({crack.name.split("-")[1] for crack in case.cracks})) == (43, 39)
     assert {crack.contact.friction for crack in case.cracks} == {0.4, 0.7}

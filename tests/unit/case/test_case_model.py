@@ -121,6 +121,7 @@ def test_a_mapping_is_the_case_that_its_file_is(tmp_path: Path):
     case = Case.from_dict(EVERYTHING, "everything")
     assert dump_case(case) == dump_case(load(tmp_path, EVERYTHING))
     assert same(Case.from_dict(case.to_dict(), case.name), case)
+    assert yaml.safe_load(dump_case(case)) == case.to_dict()
     scene = {**PLATE, "loads": [{"on": {"edge": "top"}, "traction": [0, 1]}]}
     read = {**scene, "loads": [{True: {"edge": "top"}, "traction": [0, 1]}]}
     assert dump_case(Case.from_dict(read)) == dump_case(load(tmp_path, scene))

@@ -9,7 +9,7 @@ import pytest
 
 from crackgrow.contact.faces import ContactFaces, gauss_faces, points_at, stretch_ends
 from crackgrow.contact.jump import contact_operators, gap_and_slip
-from crackgrow.contact.mortar import CLOSEST, FEW_NODES, mortar_faces
+from crackgrow.contact.mortar import mortar_faces
 from crackgrow.cover.cell_lengths import sizes_beside
 from crackgrow.cover.cover import Cover
 from crackgrow.geometry.polyline import arc_lengths
@@ -148,22 +148,6 @@ def test_a_kink_has_a_node_on_each_side_but_for_that_of_a_short_stretch(
     faces = mortar_faces(plate(build, bent(lengths, *[40.0] * (len(lengths) - 1))).cover, [0], 1.25)
     assert faces.stretch[np.isclose(faces.s, 6.0, rtol=0.0, atol=1e-6)].tolist() == on_kink
     assert np.bincount(faces.stretch).tolist() == numbers
-
-
-@pytest.mark.parametrize("length", [0.3, 0.7])
-def test_a_stretch_shorter_than_a_spacing_has_one_node_in_its_middle(build, length: float) -> None:
-    faces = mortar_faces(plate(build, bent([5.0, length], 60.0)).cover, [0], 1.0)
-    assert faces.s[faces.stretch == 1] == pytest.approx([5.0 + 0.5 * length], abs=ROUND_OFF)
-    assert faces.weights[faces.stretch == 1] == pytest.approx([length], abs=ROUND_OFF)
-
-
-@pytest.mark.parametrize("distance", [1.0, 1.25, 1.5])
-@pytest.mark.parametrize("length", [2.0, 3.0, 5.0, 8.0, 12.0])
-def test_nodes_are_closer_than_asked_only_where_they_are_few(build, length: float, distance: float) -> None:
-    """Closer nodes carry tractions that the displacement cannot follow: they oscillate."""
-    s = mortar_faces(plate(build, tilted(length, 30.0)).cover, [0], distance).s
-    least = distance if len(s) > FEW_NODES else CLOSEST * distance
-    assert np.diff(s).min(initial=np.inf) > least * (1.0 - 1e-5)
 
 
 def test_nodes_next_to_a_junction_leave_half_a_piece_free(build) -> None:

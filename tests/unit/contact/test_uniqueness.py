@@ -148,6 +148,7 @@ def told_of_the_flaw(*settings: str) -> list[str]:
     return list(unique_text(shipped_case("compression30", ["numerics.spacing=3", "growth.steps=0", *settings])))
 
 
+@pytest.mark.physics
 def test_every_load_factor_of_a_case_is_told_of() -> None:
     told = told_of_the_flaw("cracks.flaw.contact.friction=0.3", "loading.history=[0.5, -1, 1]")
     assert told == [

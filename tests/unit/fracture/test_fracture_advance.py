@@ -170,16 +170,6 @@ def test_a_segment_ends_on_what_it_crosses_or_comes_close_to_and_grows_on_along_
     np.testing.assert_allclose(end[1:] if at is None else end, [-0.05] if at is None else at, atol=1e-15)
 
 
-def test_a_branch_leaves_the_crack_that_it_starts_on() -> None:
-    """Its start is a junction; its tip is 0.04 from the other crack."""
-    trunk, branch = growing([(-3.0, 0.0), (3.0, 0.0)]), growing([(0.0, 0.0), (0.04, 0.04)])
-    after, met = advanced(branch, True, Segment(0.0, 1.0), 1, PLATE, [trunk])
-    assert met is None
-    after, met = advanced(after, True, Segment(np.deg2rad(-130.0), 1.0), 2, PLATE, [trunk])  # turns back
-    assert met is not None
-    assert after.crack.points[-1][1] == 0.0
-
-
 def test_a_crack_ends_on_its_own_older_path_or_other_tip() -> None:
     bend = [(4.0, 0.0), (4.0, 2.0), (2.0, 2.0)]
     for first, length, end, place, tips in (

@@ -184,6 +184,21 @@ def constrained(n: int, seed: int) -> tuple[ConstrainedSystem, csc_array, csr_ar
     return ConstrainedSystem(symmetric(matrix), constraints, boxes_at(nodes)), matrix, constraints
 
 
+@pytest.mark.parametrize("off", [1e-5, 1e-3])
+def test_a_factorization_that_is_off_changes_no_solution(off: float, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every solve checks its residual and refines."""
+    (system, matrix, constraints), rng = constrained(12, 18), np.random.default_rng(22)
+    loads, given = rng.normal(size=(matrix.shape[0], 3)), constraints @ rng.normal(size=(matrix.shape[0], 3))
+    expected, exact = system.solve(loads, given), Factorization.solve
+
+    def rough(self: Factorization, *of: Floats) -> tuple[Floats, ...]:
+        return tuple(x * (1.0 + off * rng.choice([-1.0, 1.0], (len(x), 1))) for x in exact(self, *of))
+
+    monkeypatch.setattr(Factorization, "solve", rough)
+    for found, known in zip(system.solve(loads, given), expected, strict=True):
+        np.testing.assert_allclose(found, known, atol=1e-9 * np.abs(known).max())
+
+
 @pytest.mark.parametrize("k", [1, 3])
 @pytest.mark.parametrize("n", [5, 12, 20])
 def test_constraints_hold_also_where_they_repeat_each_other(n: int, k: int) -> None:

@@ -26,7 +26,6 @@ from crackgrow.results.report.charts import event_energies, stress_strain
 from crackgrow.results.report.page import described_actions
 from crackgrow.results.style import own_style
 from crackgrow.results.units import LENGTHS, STRESSES, TIMES, factor_text, rounded_all, shown, unit_of
-from tests.properties.broken_off import ENVIRONMENT, command, finished
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import EVERYTHING, load
 from tests.unit.results.synthetic import make_case, make_frame, make_paths, make_result
@@ -153,22 +152,6 @@ def test_pictures_take_no_notice_of_settings_and_know_no_formulas(
             raise ValueError("no picture")
         assert {key: mpl.rcParams[key] for key in ODD} == ODD  # the user's again, also after an error
     assert (tmp_path / "odd.png").read_bytes() == (tmp_path / "usual.png").read_bytes()
-
-
-@pytest.mark.physics
-def test_a_run_and_its_pictures_are_made_in_any_environment(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "matplotlibrc").write_text("lines.linewidth: thick\nno such key: 1\n")
-    monkeypatch.setitem(ENVIRONMENT, "MPLBACKEND", "of_another_program")
-    monkeypatch.setitem(ENVIRONMENT, "MATPLOTLIBRC", str(tmp_path / "matplotlibrc"))
-    for name in ("DISPLAY", "WAYLAND_DISPLAY"):  # pictures need none
-        monkeypatch.delitem(ENVIRONMENT, name, raising=False)
-    run = command("compression30", ("numerics.spacing=3", "growth.steps=1", f"title='{NO_FORMULA}'"), tmp_path / "out")
-    render = [*run[:3], "render", str(tmp_path / "out")]
-    check = [*run[:3], "check", str(tmp_path / "out" / "case.yaml"), "--picture", str(tmp_path / "scene.svg")]
-    for words in (run, render, check):
-        done = finished(words)
-        assert (done.returncode, done.stderr) == (0, "")
-    assert (tmp_path / "out" / "figures" / "path.png").is_file()
 
 
 @pytest.mark.parametrize(("stress", "drawn"), [

@@ -165,13 +165,3 @@ def test_what_is_told_of_places_is_on_the_map(
     assert "466008.5" in (folder / "out" / "report.html").read_text()  # of a support
     assert cli.main(["check", str(files[1]), "--picture", str(folder / "scene.svg")]) == 0
     assert "(466006.5 m, 6700004.25 m)" in capsys.readouterr().out
-
-
-def test_a_run_on_a_map_is_gone_on_with_to_the_same_bits(
-    runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], tmp_path: Path
-) -> None:
-    run = ["run", str(files[1]), "--quiet", "--out", str(tmp_path), "--set", "output.figures=false"]
-    assert cli.main([*run, "--set", "growth.steps=1"]) == 0
-    assert cli.main([*run, "--resume"]) == 0
-    for name in ("tips.csv", "paths.csv", "events.csv", "contact.csv"):
-        assert (files[1].parent / "out" / name).read_text() == (tmp_path / name).read_text()

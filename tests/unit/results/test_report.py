@@ -13,15 +13,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from PIL import Image
 
 from crackgrow.errors import SolveError
 from crackgrow.results.folder import FolderError
 from crackgrow.results.report import write_report
 from crackgrow.results.writer import RunWriter
-from tests.report_runs import HOSTILE, make_run, paint
-from tests.scenes import shipped_case
-from tests.slow_cracks import SLOWLY
+from tests.report_runs import HOSTILE, make_run
+from tests.scenes import SLOWLY, shipped_case
 
 VOID = ("meta", "input", "img")
 ROUNDING = 1e-5  # six digits are shown
@@ -146,24 +144,6 @@ def test_tips_and_contact_points_are_those_of_the_tables(page: Page, folder: Pat
     assert [state for step in steps for state in step["state"]] == [row["state"] for row in table]
 
 
-def test_curves_are_those_of_the_table_of_steps(page: Page, folder: Path) -> None:
-    table, charts = rows(folder, "steps.csv"), {chart["title"]: chart for chart in page.data["charts"]}
-    for title, names in {
-        "Crack length": ["crack_length"],
-        "Displacement of the loads": ["load_displacement"],
-        "Energies": ["work", "strain_energy", "dissipation", "released_energy"],
-    }.items():
-        chart = charts[title]
-        for line, name in zip(chart["series"], names, strict=True):
-            assert line["x"] == numbers(table, "step")
-            values = [in_si(value, chart["ylabel"]) for value in line["y"]]
-            np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING, atol=1e-300)
-    assert not {"Load curve", "Growth in time"} & set(charts)  # loads are the same at every step, growth takes no time
-    (start, _) = charts["Criticality"]["series"]
-    of_tip = [row for row in rows(folder, "tips.csv") if row["tip"] == start["name"].split()[-1]]
-    np.testing.assert_allclose(start["y"], numbers(of_tip, "criticality"), rtol=ROUNDING)
-
-
 @pytest.mark.physics
 @pytest.mark.parametrize(("case", "settings", "title", "x", "y"), [
     ("compression30", ["loading=critical"], "Load curve", "load_displacement", "load_factor"),
@@ -196,12 +176,6 @@ def test_a_run_that_solved_nothing_shows_the_scene_and_why(tmp_path: Path, error
     assert [
         attributes["id"] for _, attributes in page.elements if (attributes.get("id") or "").startswith("step-")
     ] == ["step-0"]
-
-
-def test_report_is_made_again_from_a_copy_of_the_files(folder: Path, tmp_path: Path) -> None:
-    copy = copied(folder, tmp_path)
-    (copy / "report.html").unlink()
-    assert write_report(copy).read_bytes() == (folder / "report.html").read_bytes()
 
 
 @pytest.mark.parametrize(("name", "text", "message"), [
@@ -246,32 +220,3 @@ def test_checks_estimates_version_and_legend_are_told(
     summary: dict[str, Any], steps: dict[int, dict[str, str]], told: str, folder: Path, tmp_path: Path
 ) -> None:
     assert told in told_of(folder, tmp_path, summary, steps)
-
-
-@pytest.mark.physics
-def test_a_long_run_makes_no_large_page(folder: Path, tmp_path: Path) -> None:
-    tmp_path = copied(folder, tmp_path)
-    n_steps = 150
-    for name, n in (("steps.csv", 1), ("tips.csv", 200), ("contact.csv", 400)):
-        like = rows(folder, name)[-1]
-        names = {"tips.csv": [f"f{k}" for k in range(n)]}.get(name, ["flaw"] * n)
-        cells = [like | {"step": str(step)} | ({"crack": crack} if "crack" in like else {})
-                 for step in range(n_steps) for crack in names]  # fmt: skip
-        lines = [",".join(row.values()) for row in cells]
-        (tmp_path / name).write_text("\n".join([",".join(like), *lines]) + "\n")
-    paint(tmp_path, [0])
-    noise = np.random.default_rng(0).integers(0, 256, (700, 700, 3), dtype=np.uint8)
-    Image.fromarray(noise).save(tmp_path / "render" / "sigma_1" / "step_0000.png")
-    for step in range(10, n_steps):
-        (tmp_path / "render" / "sigma_1" / f"step_{step:04d}.png").symlink_to("step_0000.png")
-    path = write_report(tmp_path)
-    assert path.stat().st_size < 5_000_000
-    data = Page(path.read_text(encoding="utf-8")).data
-    for shown in (data["tips"]["steps"], data["contact"]["surfaces"]["flaw"]):
-        steps = sorted(int(step) for step in shown)
-        assert steps[-1] == n_steps - 1
-        assert len(steps) > 30
-        assert len(set(np.diff(steps))) == 1
-    steps = [picture["step"] for picture in data["pictures"]]
-    assert steps[-1] == n_steps - 1
-    assert steps[0] < 60  # thinned, not cut off

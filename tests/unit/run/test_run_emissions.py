@@ -9,10 +9,11 @@ from crackgrow.fracture.opening import kinked_release
 from crackgrow.run.result import StepResult
 from crackgrow.solid.elasticity import plane_elasticity
 from tests.scenes import shipped_case
-from tests.whole_run import whole_run
+from tests.solving import whole_run
+from tests.verification.solutions import QUIET
 
 FLAW = "cracks.flaw.contact"
-DRAFT = ("numerics.accuracy=draft", "output.frames=none", "output.figures=false", "output.report=false")
+DRAFT = ("numerics.accuracy=draft", *QUIET)
 
 
 def energy(step: StepResult, kind: str) -> float:

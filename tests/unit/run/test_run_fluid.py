@@ -9,7 +9,7 @@ import pytest
 
 import crackgrow
 from crackgrow.case.model import Case
-from crackgrow.errors import CaseError, SolveError
+from crackgrow.errors import SolveError
 from tests.scenes import specimen
 
 JOINT = {"path": [[-10, -8], [10, -8]], "contact": {"friction": 0.3}}
@@ -70,13 +70,6 @@ def test_a_fluid_enters_the_joint_that_its_crack_grows_into(connected: bool) -> 
     opening = [max(side.opening.max() for side in step.faces if side.crack == "joint") for step in steps]
     assert opening[0] < 1e-6
     assert (opening[-1] > 5e-6) == connected
-
-
-def test_a_volume_is_the_only_fluid_of_its_crack() -> None:
-    case = tee({"volume": 0.2}).to_dict()
-    for other in ({"volume": "1 mm^2"}, {"pressure": "1 MPa"}):
-        with pytest.raises(CaseError, match=r"loads\.2\.crack: crack 'flaw' has a fluid already"):
-            Case.from_dict({**case, "loads": [*case["loads"], {"crack": "flaw", **other}]})
 
 
 def test_the_first_of_two_fluids_that_reach_a_joint_fills_it() -> None:

@@ -19,7 +19,7 @@ from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
 from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, LoadLevel, assemble
-from crackgrow.run.increments import INCREMENTS, LoadState, held_loads, increment, mapped, unloaded
+from crackgrow.run.increments import LoadState, increment, mapped, unloaded
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.scene import Scene
 from tests.scenes import shipped_case
@@ -135,31 +135,6 @@ def test_increments_of_plain_friction_slip_as_events_do() -> None:
     assert off[2] < 0.6 * off[1] < 0.36 * off[0] < 0.01
 
 
-@pytest.mark.parametrize(
-    ("settings", "n_increments"),
-    [
-        ((), INCREMENTS),
-        (("loading={history: [1], follow: events}",), None),
-        (("loading.history=[1, 0.5]",), None),
-        (("loading=critical",), None),
-        (("cracks.flaw.contact.cohesion=0.1",), None),
-        (("cracks.flaw.contact.dilation_angle=5",), None),
-        (("loads.2.held=false", "loads.3.held=false"), 1),
-    ],
-)
-def test_many_points_of_plain_friction_are_loaded_in_increments(
-    monkeypatch: pytest.MonkeyPatch, settings: tuple[str, ...], n_increments: int | None
-) -> None:
-    """Loads that all grow in proportion take one; laws by which results depend on the way follow events."""
-    monkeypatch.setattr(increments, "FEW_POINTS", 0)
-    configuration = laid_out("confined30", "numerics.spacing=3", *settings)
-    state = increment(configuration, held_loads(configuration), 1.0)
-    factors = [each.factor for each in (*state.via, state)]
-    equal = np.allclose(factors, np.linspace(0.0, 1.0, len(factors) + 1)[1:])
-    assert equal == (n_increments is not None)
-    assert n_increments in (None, len(factors))
-
-
 @cache
 def sheared(*settings: str) -> tuple[Scene, GrowingCrack, LoadState]:
     """The sheared crack, partly unloaded after it has slipped: it sticks with residual slip."""
@@ -272,15 +247,6 @@ def test_between_two_events_states_are_linear_in_the_load(law: str) -> None:
             np.testing.assert_allclose(middle.tractions, mean, atol=1e-8 * np.abs(one.states.tractions).max())
             compared += 1
     assert compared > 2
-
-
-def test_how_often_a_load_pauses_changes_nothing() -> None:
-    once, often = (
-        through(laid_out(CYCLE[0], *CYCLE[1], f"{LAW}.residual_friction=0.1"), *factors)[-1]
-        for factors in ((1.0, -1.0), (0.2, 0.55, 1.0, 0.3, 0.1, -0.4, -1.0))
-    )
-    np.testing.assert_allclose(often.states.tractions, once.states.tractions, rtol=1e-7)
-    assert often.energy.dissipated == pytest.approx(once.energy.dissipated, rel=1e-7)
 
 
 def test_a_load_that_goes_to_nothing_ends_in_few_pieces() -> None:

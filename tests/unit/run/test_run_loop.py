@@ -14,7 +14,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError, GeometryError, SolveError
 from crackgrow.run import grow
 from tests.scenes import shipped_case, specimen
-from tests.whole_run import whole_run
+from tests.solving import whole_run
 
 MM = 1e-3
 

@@ -12,13 +12,12 @@ from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import OutputMesh, make_frame, output_mesh
 from crackgrow.run.layout import cover_of
-from crackgrow.run.loop import grow, solved_steps
+from crackgrow.run.loop import grow
 from crackgrow.run.result import Frame
 from crackgrow.run.scene import make_scene
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
-from tests.solving import face_vertices, solve_case
-from tests.whole_run import seen, steps_of, whole_run
+from tests.solving import face_vertices, seen, solve_case, steps_of, whole_run
 
 NEAR = 1e-9
 """m: vertices lie on a grid of 1e-12 m; no two of them are nearer than 1e-6 m here."""
@@ -36,8 +35,6 @@ SCENES = {
 }
 """Scenes and settings."""
 
-BY_HAND = ("numerics.spacing=1.5", "numerics.refine.tips=3", "numerics.refine.kinks=6")
-STUCK = ("compression30", WING, "cracks.flaw.contact.friction=20", *BY_HAND)
 
 CUT = ("flaw_and_hole", "interface_friction04", "junction_static", "en_echelon")
 """Scenes with curved outlines, several bodies, cracks that meet."""
@@ -106,13 +103,7 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
     off_tips = from_tips(solution, frame.points[node]) > 1e-6
     size = np.abs(stress[off_tips]).max()
     np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)
-
-
-def test_a_uniform_stress_is_that_of_all_nodes() -> None:
-    """Cut tiles, a kink and tips in rock whose cracks stick."""
-    _, frame = solved(*STUCK)
-    np.testing.assert_allclose(frame.point_stress, np.tile([0.0, -100e6, 0.0], (len(frame.points), 1)), atol=100.0)
-    np.testing.assert_allclose(frame.point_stress_zz, -25e6, atol=100.0)
+    np.testing.assert_allclose(frame.point_stress_zz, 0.25 * frame.point_stress[:, :2].sum(axis=1), atol=1e-9 * size)
 
 
 @pytest.mark.parametrize("name", SCENES)
@@ -161,12 +152,6 @@ numerics: {spacing: 0.004}
 output: {frames: none, figures: false, points: {corner: {at: [0.01, 0.02]}, gauge: {between: [[0, -0.01], [0, 0.01]]}}}
 """
 
-BLOCK_ON_ITS_WAY = (
-    "numerics.spacing=0.4",
-    "supports.0.contact.friction=0.18",
-    "loads.0.held=true",
-    "output.points={corner: {at: [-2, 0], body: block}}",
-)
 FLAW_ON_ITS_WAY = (
     "growth.steps=0",
     "numerics.spacing=1.5",
@@ -203,20 +188,3 @@ def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:
     assert len(factors) > len(known[0]) > 1  # it makes for other loads first
     assert np.all(np.diff(factors) > 0.0)
     np.testing.assert_allclose(slip, np.interp(factors, *known), rtol=0, atol=1e-7 * np.abs(slip).max())
-
-
-@pytest.mark.parametrize("pressed", ["whole", "loose"])
-def test_states_found_together_are_those_found_alone(pressed: str) -> None:
-    """Of a flaw on its way to slip, and of a block that contact alone holds: displacements and support forces."""
-    whole = pressed == "whole"
-    case = shipped_case("compression30", FLAW_ON_ITS_WAY) if whole else shipped_case("block_rigid", BLOCK_ON_ITS_WAY)
-    _, solution = next(iter(solved_steps(case)))
-    states = [*solution.passed, solution.state]
-    assert len(states) > 1
-    assert (solution.contact.loose is None) == (pressed == "whole")
-    together = solution.configuration.displacements([(state.level, state.states) for state in states])
-    for (u, multipliers), state in zip(together, states, strict=True):
-        outcome = state.outcome
-        np.testing.assert_allclose(u, outcome.u, atol=1e-10 * np.abs(outcome.u).max())
-        size = np.abs(solution.configuration.scaled).max()
-        np.testing.assert_allclose(multipliers, outcome.multipliers, atol=1e-9 * size)

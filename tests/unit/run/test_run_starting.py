@@ -15,7 +15,7 @@ from crackgrow.run.checkpoint import restored
 from crackgrow.run.evaluation import verdicts
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case, specimen
-from tests.whole_run import whole_run
+from tests.solving import whole_run
 
 SECOND = (
     "growth.steps=3",

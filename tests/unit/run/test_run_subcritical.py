@@ -9,8 +9,8 @@ from crackgrow.fracture.subcritical import mean_velocity
 from crackgrow.results.log import criticality_words
 from crackgrow.run.result import StepResult
 from crackgrow.run.warning_causes import WarningCause
-from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
-from tests.whole_run import whole_run
+from tests.scenes import CYCLES, SHORTER, slow_cracks
+from tests.solving import whole_run
 
 INCREMENT, V_MAX = 1e-3, 0.01  # m, m/s
 

@@ -15,8 +15,7 @@ from crackgrow.run import target as target_file
 from crackgrow.run.result import StepResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.scenes import shipped_case
-
-QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
+from tests.verification.solutions import QUIET
 
 SHEARED = (
     "growth.steps=2",

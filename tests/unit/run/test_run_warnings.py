@@ -18,8 +18,7 @@ from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step_warnings import _overlapping, contact_violations, step_warnings
 from crackgrow.run.warning_causes import StepWarning, WarningCause
-from tests.one_size import one_size
-from tests.scenes import shipped_case, told
+from tests.scenes import one_size, shipped_case, told
 from tests.solving import solve_case
 
 
@@ -41,11 +40,6 @@ def test_the_shipped_scenes_warn_of_nothing_but_their_loads() -> None:
     assert told(stuck.warnings) == []
 
 
-def turned(angle: float) -> list[str]:
-    """A specimen whose bottom is turned by so much (rad), and the rest with it."""
-    return ["loads=[]", f"supports=[{{on: {{edge: bottom}}, displacement: {{x: '-{angle}*y', y: '{angle}*x'}}}}]"]
-
-
 def slid(metres: float) -> list[str]:
     """A block, 1 m long, that slides by so much on another one without friction."""
     held = "{on: {body: lower, edge: bottom}, displacement: {x: 0, y: 0}}"
@@ -65,20 +59,12 @@ def stressed(pressure: float) -> list[str]:
 
 
 FLAW, BLOCKS, CAST = "compression30", "interface_friction01", "17_interface"
-GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: anywhere}"
+GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: outlines}"
 POINTS = ["numerics.spacing=3"]
 SHORTENED = "7.75e+05 N/m at supports.{}"
 EDGE = "{on: {body: rock, edge: bottom}, displacement: {x: 0, y: '0.1*x'}}"
 NOT_AS_IT = "{at: [0, -27.5], displacement: {y: 0}}, {at: [3, -27.5], displacement: {y: 0}}"
 OFF_IT = "{at: [3, 27.5], displacement: {y: 9}}"
-STANDING = "bodies.rock.material.density='2700 kg/m^3'"
-
-
-def standing(lower: float) -> list[str]:
-    """A plate on points that is pulled, by `lower` at its lower edge, and has a weight."""
-    up, down = "{on: {body: rock, edge: top}, traction: [0, 1]}", f"[0, {-lower}]"
-    ends = f"{up}, {{on: {{body: rock, edge: bottom}}, traction: {down}}}"
-    return [STANDING, f"loads=[{ends}, {{body: rock, gravity: [0, -9.81]}}]"]
 
 
 def cohesive(cohesion: float) -> list[str]:
@@ -87,45 +73,34 @@ def cohesive(cohesion: float) -> list[str]:
     return ["loading=critical", "growth.criterion=directional_strength", law]
 
 
-def starting(at: str, increment: float) -> list[str]:
+def starting(increment: float) -> list[str]:
     """Cracks may start at kinks that lie an increment apart, where stress is averaged within 1 mm."""
-    return [*POINTS, f"growth.initiation={at}", f"growth.increment={increment}", "growth.tip_stress.radius=1"]
+    return [*POINTS, "growth.initiation=cracks", f"growth.increment={increment}", "growth.tip_stress.radius=1"]
 
 
-def short_for_shear(share: float, criterion: str = "directional_strength") -> list[str]:
+def short_for_shear(share: float) -> list[str]:
     """A toughness in shear with a length that is a share of the flaw: K_II is 1 / sqrt(1 + R / L) of it."""
     scene = make_scene(shipped_case(FLAW))
     flaw, rock = scene.case.cracks[0], scene.case.bodies[0]
     assert rock.strength is not None
     toughness = 0.5 * rock.strength.cohesion * np.sqrt(2.0 * np.pi * share * line_length(flaw.points)) / 1e6
     key = f"bodies.rock.strength.shear_toughness={toughness} MPa sqrt(m)"
-    return [*POINTS, f"growth.criterion={criterion}", "growth.initiation=ends", key]
+    return [*POINTS, "growth.criterion=directional_strength", "growth.initiation=ends", key]
 
 
 TOLD = {
     WarningCause.NOT_SMALL: [
         (FLAW, ["bodies.rock.material.young=3 GPa"], ["the loads strain or turn body 'rock' by 3.2 %"]),
         (FLAW, ["bodies.rock.material.young=4 GPa"], []),
-        (FLAW, turned(0.04), ["the loads strain or turn body 'rock' by 4 %"]),
-        (FLAW, turned(0.02), []),
         (BLOCKS, slid(0.04), ["the faces of 'upper/lower' part or slip by 4 % of its length"]),
-        (BLOCKS, slid(0.02), []),
         (FLAW, stressed(350.0), ["the stress in the ground would strain body 'rock' by 3.3 %"]),
-        (FLAW, stressed(300.0), []),
     ],
     WarningCause.UNBALANCED: [
         # half of the lower traction is missing: 50 MPa over 31 mm stand on two points; then a couple
         (FLAW, [*POINTS, "loads.1.traction=[0, 50]"], [SHORTENED.format(0), SHORTENED.format(1)]),
         (FLAW, [*POINTS, "loads.0.traction=[1, -100]", "loads.1.traction=[-1, 100]"], ["supports.0", "supports.1"]),
-        (FLAW, POINTS, []),
-        ("tension0", standing(1.0), []),
-        ("tension0", standing(0.9), [" N/m "]),
     ],
     WarningCause.JUMP: [(FLAW, cohesive(0.0), []), (FLAW, cohesive(5.0), ["jumps to", "jumps to"])],
-    WarningCause.NO_TIPS: [
-        (FLAW, [*POINTS, "cracks.flaw.tips=none"], ["but no crack has a tip"]),
-        (FLAW, [*starting("{at: outlines, spacing: 5}", 2.0), "cracks.flaw.tips=none"], []),
-    ],
     WarningCause.BONDED_TIPS: [
         (CAST, [], []),
         (CAST, ["bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40}", GROWS], ["do not grow"]),
@@ -135,14 +110,12 @@ TOLD = {
         (CAST, ["loads=[{body: rock, stress: [-1-x/100, -1, 0]}]"], ["a formula of the place"]),
     ],
     WarningCause.SHORT_START: [
-        (FLAW, starting("cracks", 0.9), ["below the averaging radius"]),
-        (FLAW, starting("cracks", 1.0), []),
-        (FLAW, starting("ends", 0.9), []),
+        (FLAW, starting(0.9), ["below the averaging radius"]),
+        (FLAW, starting(1.0), []),
     ],
     WarningCause.WIDE_SHEAR: [
         (FLAW, short_for_shear(0.045), []),
         (FLAW, short_for_shear(0.055), ["crack 'flaw'"]),
-        (FLAW, short_for_shear(0.055, "max_hoop_stress"), []),
     ],
     WarningCause.CONTRADICTION: [
         (FLAW, [f"supports=[{EDGE}, {NOT_AS_IT}, {OFF_IT}]"], ["supports.2 holds a point of an edge otherwise than"]),

@@ -9,11 +9,10 @@ import numpy as np
 import pytest
 
 from crackgrow.case.formula import CoordinateFormula, parse_formula
-from crackgrow.case.load import read_case
 from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, ElasticBedding, PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.errors import CaseError, FreePieceError, GeometryError
+from crackgrow.errors import FreePieceError, GeometryError
 from crackgrow.solid.elasticity import energy_components, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.loads import load_vector
@@ -21,7 +20,7 @@ from crackgrow.solid.recovery import displacement_at
 from crackgrow.solid.rigid_modes import free_motions
 from crackgrow.solid.supports import EdgePoints, constraints, points_along
 from tests.conftest import Build, Sample
-from tests.whole_run import seen, steps_of
+from tests.solving import steps_of
 
 E, NU = 70e9, 0.3
 
@@ -228,21 +227,6 @@ def test_loads_that_balance_by_themselves_pull_at_no_motion(build: type[Build]) 
     assert pull(tractions).any()
 
 
-BEAM = """
-title: pure bending
-plane: stress
-units: {length: mm, stress: MPa}
-bodies: {beam: {shape: {rectangle: {center: [0, 0], width: 80, height: 20}}, material: {young: 1000, poisson: 0.25}}}
-supports:
-  - {at: [0, 0], displacement: {x: 0, y: 0}}
-  - {at: [30, 0], displacement: {y: 0}}
-loads:
-  - {on: {body: beam, edge: right}, traction: ["0.1*y", 0]}
-  - {on: {body: beam, edge: left}, traction: ["-0.1*y", 0]}
-numerics: {spacing: 2}
-output: {frames: none, figures: false, points: {lower: {at: [10, -10]}, upper: {at: [-7, 6]}}}
-"""
-
 CRACKED = """
 title: a crack under a pressure that varies along it
 plane: strain
@@ -256,27 +240,6 @@ numerics: {spacing: 0.005, refine: {tips: 1}}
 output: {frames: none, figures: false}
 """
 
-PUSHED = """
-title: a block that a point pushes
-plane: strain
-bodies: {rock: {shape: {rectangle: {center: [0, 0.5], width: 1, height: 1}}, material: {young: 1e9, poisson: 0.2}}}
-supports: [{on: {body: rock, edge: bottom}, displacement: {x: 0, y: 0}}]
-loads: [{at: [0.1, 1], force: [2 kN/m, -5000 N/m]}]
-numerics: {spacing: 0.1}
-output: {frames: none, figures: false, points: {side: {at: [-0.5, 0.5]}}}
-"""
-
-
-@pytest.mark.physics
-def test_tractions_that_vary_along_an_edge_bend_a_beam() -> None:
-    """sigma_xx = 0.1 MPa/mm y everywhere, in a case in mm and MPa."""
-    steps = steps_of(BEAM)
-    assert seen(steps, "lower.stress_xx") == pytest.approx(-1e6, rel=0.01)
-    assert seen(steps, "upper.stress_xx") == pytest.approx(0.6e6, rel=0.01)
-    assert np.abs(seen(steps, "upper.stress_xy")).max() < 1e4
-    for reaction in steps[0].reactions:
-        assert np.hypot(*reaction.force) < 1e-3
-
 
 @pytest.mark.physics
 def test_pressure_that_varies_along_a_crack_has_the_K_of_the_closed_form() -> None:
@@ -286,31 +249,3 @@ def test_pressure_that_varies_along_a_crack_has_the_K_of_the_closed_form() -> No
     by_tip = {tip.tip: tip.K_I for tip in result.tips}
     assert by_tip["end"] == pytest.approx(1.514 * K, rel=0.003)
     assert by_tip["start"] == pytest.approx(0.514 * K, rel=0.003)
-
-
-@pytest.mark.physics
-def test_force_at_a_point_is_from_afar_a_traction_on_a_short_edge() -> None:
-    edge = "{on: {body: rock, edge: top, from: 0.05, to: 0.15}, traction: [20 kPa, -50 kPa]}"
-    point = PUSHED.split("loads: [")[1].split("]\nnum")[0]
-    steps, other = steps_of(PUSHED), steps_of(PUSHED.replace(point, edge))
-    assert steps[0].reactions[0].force == pytest.approx((-2000.0, 5000.0), rel=1e-9)
-    assert any("acts on a point" in text for text in steps[0].warnings)
-    for column in ("side.u_x", "side.u_y", "side.stress_yy"):
-        np.testing.assert_allclose(seen(steps, column), seen(other, column), rtol=0.02)
-
-
-@pytest.mark.parametrize(
-    ("text", "old", "new", "key", "words"),
-    [
-        (BEAM, '["0.1*y", 0]', '["1/y", 0]', "loads.0.traction.0", "no finite value at"),
-        (BEAM, '["0.1*y", 0]', '["0.1 mm", 0]', "loads.0.traction.0", "has a unit of length"),
-        (CRACKED, '"1e6*(1 + x/0.02)"', '"log(x)"', "loads.0.pressure", "no finite value at"),
-        (PUSHED, "at: [0.1, 1]", "at: [0.1, 1.2]", "loads.0.at", "outside of body 'rock', 0.2 m from it"),
-        (PUSHED, "2 kN/m", "2 kPa", "loads.0.force.0", "has a unit of stress"),
-    ],
-)
-def test_faults(text: str, old: str, new: str, key: str, words: str) -> None:
-    with pytest.raises(CaseError) as caught:
-        read_case(text.replace(old, new), "scene", "scene")
-    fault = next(fault for fault in caught.value.faults if fault.key == key)
-    assert words in fault.message

@@ -10,14 +10,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-import shapely
 
 from crackgrow import cli
 from crackgrow.arrays import Floats
-from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.study.compare import Comparison, compare_paths
 from crackgrow.study.comparison_text import CSV_COLUMNS, comparison_csv, comparison_text
-from crackgrow.study.distance import RESOLUTION, WALKED, extent, farthest, frechet, nearest
+from crackgrow.study.distance import WALKED, farthest, frechet
 from crackgrow.study.errors import K_errors, contact_errors, errors_of
 from crackgrow.study.findings import LEAST_ORDER, limit_of
 
@@ -208,19 +206,8 @@ def test_exit_code_and_last_line_tell_of_the_tolerance(tmp_path: Path, capsys: p
     assert capsys.readouterr().out.splitlines()[-1] == "beyond the tolerance of 0.290 mm: flaw end (0.300 mm)"
 
 
-SAMPLE = 0.05  # between the samples of the discrete Frechet distance, which is at most this much larger
-
-
 def line(*points: tuple[float, float]) -> Floats:
     return np.array(points, dtype=float)
-
-
-def random_lines(seed: int) -> tuple[Floats, Floats]:
-    rng = np.random.default_rng(seed)
-    a = np.cumsum(rng.normal(size=(rng.integers(2, 10), 2)), axis=0)
-    if seed % 2:
-        return a, a + 0.1 * rng.normal(size=a.shape)
-    return a, np.cumsum(rng.normal(size=(rng.integers(2, 10), 2)), axis=0)
 
 
 POINT, ABOVE = line((0, 0)), line((0, 1), (0, 4))
@@ -234,22 +221,6 @@ def test_frechet_sees_the_order() -> None:
     assert frechet(there, back) == pytest.approx(2.0, abs=10 / WALKED)
     assert frechet(there, there[::-1]) == pytest.approx(10.0)
     assert frechet(POINT, ABOVE) == 4.0
-
-
-@pytest.mark.parametrize("seed", range(12))
-def test_distances_against_sampled_ones(seed: int) -> None:
-    a, b = random_lines(seed)
-    fine = RESOLUTION * extent(a, b) * 2
-    lines = [shapely.segmentize(shapely.LineString(points), SAMPLE) for points in (a, b)]
-    samples_a, samples_b = map(shapely.get_coordinates, lines)
-    hausdorff = max(farthest(a, b)[0], farthest(b, a)[0])
-    sampled = max(nearest(samples_a, b)[0].max(), nearest(samples_b, a)[0].max())
-    assert sampled - fine <= hausdorff <= sampled + SAMPLE / 2
-    leash = frechet(a, b)
-    step = max(arc_lengths(a)[-1], arc_lengths(b)[-1]) / WALKED
-    assert leash - step <= shapely.frechet_distance(*lines) <= leash + SAMPLE
-    assert leash >= hausdorff - fine
-    assert frechet(b, a) == pytest.approx(leash, rel=1e-12)
 
 
 def frame_of(columns: str, *rows: tuple[str | float, ...]) -> pd.DataFrame:

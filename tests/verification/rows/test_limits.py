@@ -23,9 +23,9 @@ from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case
-from tests.verification.row import Record, Row, parameters
+from tests.solving import whole_run
 from tests.verification.solutions import QUIET, case_of
-from tests.whole_run import whole_run
+from tests.verification.table import Record, Row, parameters
 
 TOUGHNESS = 1.0  # MPa sqrt(m)
 ROCK = {"tension": 5, "cohesion": 20, "friction_angle": 40, "toughness": "1 MPa sqrt(m)"}

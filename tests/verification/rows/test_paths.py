@@ -18,10 +18,10 @@ from crackgrow.fracture.subcritical import mean_velocity
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.result import StepResult
 from tests.scenes import MPA, plate, winged
-from tests.verification.row import Record, Row, parameters
 from tests.verification.rows import test_limits as limits
 from tests.verification.slit_body import plate as series
 from tests.verification.solutions import CASES, QUIET, Floats, case_of, table
+from tests.verification.table import Record, Row, parameters
 
 
 @cache
@@ -51,7 +51,7 @@ def beside_wing(*settings: str) -> float:
 # through the toughness, on the straight line between two steps: increments do not limit it.
 
 ON = ("growth.criterion=directional_strength", "growth.direction=explicit", "bodies.rock.strength.tension=0.6")
-STEPS = {0: 2.6, 2: 2.6, 5: 1.3, 10: 0.6}
+STEPS = {2: 2.6, 5: 1.3, 10: 0.6}
 """Increments (mm) of wings that a low strength makes grow on, by the lateral pressure (% of the axial stress)."""
 
 TOUGHNESS = 6.3 * np.sqrt(2e-3 * np.pi)  # MPa sqrt(m)
@@ -76,13 +76,6 @@ def arrest(percent: int | None) -> float:
     return float(np.interp(-TOUGHNESS, -K_I[below - 1 : below + 1], length[below - 1 : below + 1]))
 
 
-def unconfined() -> float:
-    """Least K_I/K_c of a wing without lateral pressure, which comes to more than the length at 2 %."""
-    length, K_I = wing_of(0)
-    assert length[-1] > arrest(2)
-    return float(K_I.min() / TOUGHNESS)
-
-
 ELEMENTS = "displacement discontinuities on the same path in an infinite plate; the case has 160 x 120 mm"
 
 
@@ -99,7 +92,6 @@ def _wings() -> Iterator[Row]:
     for percent, length, tolerance in ((2, 10.889, 0.2), (5, 5.654, 0.08), (10, 2.599, 0.08), (None, 5.52, 0.08)):
         name = f"confined30, {'as it is' if percent is None else f'{percent} %'}"
         yield Row(name, "length at arrest [mm]", partial(arrest, percent), length, ELEMENTS, tolerance, slow=True)
-    yield Row("confined30, 0 %", "least K_I/K_c", unconfined, 1.0, "no arrest before 44 mm", 0.0, "at least", slow=True)
 
 
 # Cracks of a millimetre in plates two hundred times as wide, that grow where K_II is zero.
@@ -139,12 +131,12 @@ def passing() -> float:
     return float(np.hypot(*(lower[-4:] - wanted).T).max())
 
 
-def turning(major: float, minor: float) -> float:
+def turning() -> float:
     """Largest angle (degrees) to the major stress of a crack that a fluid opens, after four increments of 50 mm.
 
-    It opens at 6 MPa and is closed where it begins at 15 MPa: there its wings alone are open.
+    It is closed where it begins: its wings alone are open.
     """
-    loads = [limits.held(minor, major), {"crack": "flaw", "pressure": 1}]
+    loads = [limits.held(5, 15), {"crack": "flaw", "pressure": 1}]
     growth = {"steps": 4, "increment": 50}
     case = limits.plate(2400, limits.flaw(50, 45), loads, {"spacing": "auto", "accuracy": "draft"}, **growth)
     *_, last = grow(case)
@@ -152,8 +144,8 @@ def turning(major: float, minor: float) -> float:
     return float(np.abs(np.rad2deg(np.arctan2(*ends.T[::-1])) - 90.0).max())
 
 
-# A plate with two holes and two edge cracks (Bouchard, Bay, Chastel 2003), and ten cracks (Budyn and others 2004),
-# against the published extended FE program danassutula/XFEM_Fracture2D (MIT).
+# A plate with two holes and two edge cracks (Bouchard, Bay, Chastel 2003), against the published extended FE program
+# danassutula/XFEM_Fracture2D (MIT).
 
 TWO_HOLES = """
 title: Plate with two holes and two edge cracks
@@ -172,94 +164,37 @@ cracks:
 supports:
   - {on: {body: plate, edge: top}, displacement: {x: 0, y: 0.1}}
   - {on: {body: plate, edge: bottom}, displacement: {x: 0, y: -0.1}}
-growth: {steps: N, increment: 0.7174, advance: all, criterion: max_hoop_stress}
+growth: {steps: 3, increment: 0.7174, advance: all, criterion: max_hoop_stress}
 numerics: {spacing: auto}
 """
 
 
 @cache
-def two_holes(n: int) -> list[StepResult]:
+def two_holes() -> list[StepResult]:
     """The steps, K_II = 0 at the end of each increment."""
-    steps = list(grow(case_of(TWO_HOLES.replace("steps: N", f"steps: {n}"))))
+    steps = list(grow(case_of(TWO_HOLES)))
     left, right = (crack.points for crack in steps[-1].cracks)
-    assert len(left) == len(right) == n + 2
-    np.testing.assert_allclose(left, -right, atol=1e-7 if n == 3 else 1e-4)
+    assert len(left) == len(right) == 5
+    np.testing.assert_allclose(left, -right, atol=1e-7)
     return steps
 
 
-def round_hole(n: int, last: bool) -> float:
-    """Largest distance (mm) of the vertices from the stored paths, which differ by 0.02 mm; or that of the last one."""
+def round_hole() -> float:
+    """Largest distance (mm) of the vertices from the stored paths, which differ by 0.02 mm."""
     found, stored = [], table("two_holes_path.csv")
     for crack, step in enumerate((1, -1)):
         mine = stored[stored["crack"] == crack]
         line = shapely.LineString(np.column_stack([mine["x"], mine["y"]]))
-        points = two_holes(n)[-1].cracks[crack].points
-        found.append(np.asarray(shapely.distance(line, shapely.points(1e3 * points[::step]))))
-    if n > 3:
-        assert all(abs(tip.K_II) < 1e-3 * tip.K_I for tip in two_holes(n)[-1].tips)
-    return float(max(each[-1] if last else each[: -1 if n > 3 else None].max() for each in found))
+        points = two_holes()[-1].cracks[crack].points
+        found.append(float(shapely.distance(line, shapely.points(1e3 * points[::step])).max()))
+    return max(found)
 
 
 def K_beside_hole(step: int) -> float:
     """Error of K of both tips over K_I, the mean of both stored cracks, which differ by 0.4 %."""
     stored = table("two_holes_K.csv")
     K = np.array([stored[name][stored["step"] == step].mean() for name in ("K_I", "K_II")]) * MPA / 1e3**0.5
-    return float(np.abs([np.subtract((tip.K_I, tip.K_II), K) for tip in two_holes(3)[step].tips]).max() / K[0])
-
-
-TEN = """
-title: Ten cracks
-units: {length: m, stress: Pa}
-plane: stress
-bodies:
-  plate:
-    shape: {rectangle: {center: [1, 1], width: 2, height: 2}}
-    material: {young: 1000, poisson: 0.3}
-    strength: {tension: 10, cohesion: 1000, friction_angle: 30, toughness: 10 Pa sqrt(m)}
-cracks: {CRACKS}
-supports:
-  - {on: {body: plate, edge: top}, displacement: {y: 0.01}}
-  - {on: {body: plate, edge: bottom}, displacement: {y: -0.01}}
-  - {on: {body: plate, edge: right}, displacement: {x: 0.01}}
-  - {on: {body: plate, edge: left}, displacement: {x: -0.01}}
-loads: [LOADS]
-loading: critical
-growth: {steps: 5, increment: 0.079072, advance: most_critical, criterion: max_hoop_stress}
-numerics: {spacing: auto}
-"""
-FIRST = 2  # number of the crack that grows first: as long as it does so alone, all is as in the other program
-
-
-def stored_path(crack: int, given: bool = False) -> list[list[float]]:
-    """The final path (m) of a crack, or what was given of it."""
-    rows = table("ten_cracks_path.csv")
-    rows = rows[(rows["crack"] == crack) & ((not given) | (rows["initial"] == 1))]
-    return np.column_stack([rows["x"], rows["y"]]).tolist()
-
-
-@cache
-def ten() -> list[StepResult]:
-    """The steps of ten cracks under pressure in a plate whose edges are moved apart."""
-    cracks = [f"c{n}: {{path: {{points: {stored_path(n, True)}}}, contact: none}}" for n in range(10)]
-    loads = [f"{{crack: c{n}, pressure: 10}}" for n in range(10)]
-    return list(grow(case_of(TEN, CRACKS=", ".join(cracks), LOADS=", ".join(loads))))
-
-
-def K_of_ten(step: int, stored: int) -> float:
-    """Error of K of all twenty tips, signs included, in a step, over the largest K."""
-    rows = table("ten_cracks_K.csv")
-    rows = rows[rows["step"] == stored]
-    known = np.column_stack([rows["K_I"], rows["K_II"]])
-    assert len(known) == 20
-    found = np.array([[tip.K_I, tip.K_II] for tip in ten()[step].tips]) / ten()[step].load_factor
-    return float(np.abs(found - known).max() / known.max())
-
-
-def first_of_ten() -> float:
-    """Largest distance (m) of its vertices from the stored path, whose K is good to 0.4 %: half a degree a step."""
-    found = ten()[-1].cracks[FIRST].points
-    assert len(found) == 7
-    return float(shapely.distance(shapely.LineString(stored_path(FIRST)), shapely.points(found)).max())
+    return float(np.abs([np.subtract((tip.K_I, tip.K_II), K) for tip in two_holes()[step].tips]).max() / K[0])
 
 
 def _others() -> Iterator[Row]:
@@ -268,21 +203,11 @@ def _others() -> Iterator[Row]:
         ("cracks that pass each other", passing, "passing_cracks_paths.csv", 1e-3),
     ):
         yield Row(name, "distance of a path [mm]", value, 0.0, source, tolerance)
-    for major, minor in ((6, 5), (15, 5)):
-        name, value = f"fluid, {major} and {minor} MPa", partial(turning, major, minor)
-        yield Row(name, "angle to the major stress [degrees]", value, 0.0, "it turns there", 4.0)
+    yield Row("fluid", "angle to the major stress [degrees]", turning, 0.0, "it turns there", 4.0, slow=True)
     holes = "danassutula/XFEM_Fracture2D, two holes"
-    yield Row("two holes, 3 steps", "distance of a path [mm]", partial(round_hole, 3, False), 0.0, holes, 0.05)
-    for last, tolerance in ((False, 0.05), (True, 0.07)):  # the last: 1 mm from the other hole, where K falls fast
-        name, value = f"two holes, 20 steps{', end' if last else ''}", partial(round_hole, 20, last)
-        yield Row(name, "distance of a path [mm]", value, 0.0, holes, tolerance, slow=True)
+    yield Row("two holes, 3 steps", "distance of a path [mm]", round_hole, 0.0, holes, 0.05)
     for step in (0, 1, 2):  # the next two, beside the hole, are 1.5 and 1.9 % off
         yield Row(f"two holes, step {step}", "K of growing cracks", partial(K_beside_hole, step), 0.0, holes, 1e-2)
-    others = "danassutula/XFEM_Fracture2D, ten cracks"
-    for step, stored, tolerance in ((0, 0, 3e-3), (2, 1, 1e-2)):
-        value = partial(K_of_ten, step, stored)
-        yield Row(f"ten cracks, step {step}", "K of growing cracks", value, 0.0, others, tolerance)
-    yield Row("ten cracks, the first", "distance of a path [m]", first_of_ten, 0.0, others, 3.2e-3)
 
 
 # Directions of growth in rock with bedding. Its elasticity is isotropic, and K what it is without bedding.
@@ -331,31 +256,15 @@ PULLED = [{"far_field": [0, PULL, 0]}]
 
 def slow(exponent: int, increment: float) -> list[StepResult]:
     """The steps of a crack that grows slowly to twice its length in increments (mm)."""
-    return to_twice_its_length(slowly(exponent, increment, round(20 / increment)), [1])
-
-
-def slowly(exponent: int, increment: float, n: int) -> dict[str, Any]:
-    """Slow growth by n increments (mm)."""
-    law = {"direction": "explicit", "law": "subcritical", "steps": n, "increment": increment}
-    return {**law, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}}
+    law = {"direction": "explicit", "law": "subcritical", "steps": round(20 / increment), "increment": increment}
+    return to_twice_its_length({**law, "subcritical": {"velocity": "10 mm/s", "exponent": exponent}}, [1])
 
 
 def to_twice_its_length(law: dict[str, Any], history: list[float]) -> list[StepResult]:
     """The steps of a central crack that grows by a law of rate under loads."""
-    return at_rates({"flaw": open_crack(0, 40)}, PULLED, law, history)
-
-
-def at_rates(
-    cracks: dict[str, Any], loads: list[dict[str, Any]], law: dict[str, Any], history: list[float], levels: int = 3
-) -> list[StepResult]:
-    """The steps of cracks that grow by a law of rate in a wide plate."""
-    numerics = {"spacing": 20, "refine": {"tips": levels}}
-    return list(grow(limits.plate(800, cracks, loads, numerics, loading={"history": history}, **law)))
-
-
-def open_crack(x: float, length: float) -> dict[str, Any]:
-    """A crack along x (mm)."""
-    return {"path": {"center": [x, 0], "length": length, "angle": 0}, "contact": "none"}
+    numerics = {"spacing": 20, "refine": {"tips": 3}}
+    flaw = {"flaw": {"path": {"center": [0, 0], "length": 40, "angle": 0}, "contact": "none"}}
+    return list(grow(limits.plate(800, flaw, PULLED, numerics, loading={"history": history}, **law)))
 
 
 @cache
@@ -373,23 +282,10 @@ def error_of_time(exponent: int, increment: float) -> float:
     return steps[-1].time / exact - 1.0
 
 
-def fall_of_time_error(exponent: int) -> float:
+def fall_of_time_error() -> float:
     """How much less the error changes from the middle increment to the short one than from the long one to it."""
-    error = [error_of_time(exponent, increment) for increment in (10.0, 5.0, 2.5)]
+    error = [error_of_time(2, increment) for increment in (10.0, 5.0, 2.5)]
     return abs(error[0] - error[1]) / abs(error[1] - error[2])
-
-
-def too_far(increment: float) -> float:
-    """By what part of its growth the shorter of two cracks is ahead, when the longer one has come to twice its length.
-
-    With n = 5 both obey a^(-3/2) = a_0^(-3/2) - C t, with one C, but for what they know of each other and the edges.
-    """
-    cracks = {"long": open_crack(-150, 40), "short": open_crack(150, 36)}
-    last = at_rates(cracks, PULLED, slowly(5, increment, round(20 / increment)), [1])[-1]
-    half = {str(each.name): 0.5 * float(np.hypot(*np.diff(each.points, axis=0).T).sum()) for each in last.cracks}
-    assert abs(half["long"] / (2.0 * HALF) - 1.0) < 0.01
-    exact = (half["long"] ** -1.5 - HALF**-1.5 + 0.018**-1.5) ** (-1.0 / 1.5)
-    return float((half["short"] - exact) / (exact - 0.018))
 
 
 PARIS, LEAST_LOAD = {"rate": "1e-6 mm", "at": "1 MPa sqrt(m)", "exponent": 3}, 0.2  # of the largest load
@@ -420,9 +316,7 @@ def _times() -> Iterator[Row]:
     for exponent in (2, 10):
         name, value = f"exponent {exponent}", partial(error_of_time, exponent, 2.5)
         yield Row(name, "time of growth", value, 0.0, "Feddersen", 0.01)
-        value = partial(fall_of_time_error, exponent)
-        yield Row(name, "fall of the error of time", value, 3.0, "order of two", 0.0, "at least")
-    yield Row("a slower crack", "growth too far", partial(too_far, 2.5), 0.0, "the velocity of each", 0.01)
+    yield Row("exponent 2", "fall of the error of time", fall_of_time_error, 3.0, "order of two", 0.0, "at least")
     for increment in (10, 2.5):
         name, value = f"increments of {increment} mm", partial(cycles_over_exact, increment, True)
         yield Row(name, "cycles of growth, in increments", value, 0.0, "slit_body.py, Paris", 0.001)
