@@ -55,6 +55,16 @@ def solve_by_newton(
     return found if found.status == "solved" else _by_proximal_points(problem, found)
 
 
+def solve_settled(
+    problem: ContactProblem, start: Floats | None = None, near: ActiveEquations | None = None
+) -> ContactSolution:
+    """The same, of a problem whose loose pieces are settled for it."""
+    (lying, unknowns), m = problem.settled(), problem.free.size
+    begin = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
+    found = solve_by_newton(lying, begin, near)
+    return replace(found, motion=unknowns(found.unknowns)[m:])
+
+
 def _stepped(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> ContactSolution:
     """What Newton's steps from an active set on come to."""
     equations, keys, as_good = near, list[bytes](), residual_floor(problem)

@@ -51,6 +51,7 @@ class CondensedPoints:
     compliance: Floats  # (2 n, 2 n) m/Pa: A; need not be symmetric
     jump: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (2 n, l) B: gap and slip; left out: no motions
     force: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (l, 2 n) F, N/m per Pa: what tractions do
+    weights: Floats = field(default_factory=lambda: np.zeros(0))  # (2 n,) m: W; left out: one
 
     def __post_init__(self) -> None:
         m = len(self.compliance)
@@ -59,6 +60,8 @@ class CondensedPoints:
         if not self.jump.size:
             object.__setattr__(self, "jump", np.zeros((m, 0)))
             object.__setattr__(self, "force", np.zeros((0, m)))
+        if not self.weights.size:
+            object.__setattr__(self, "weights", np.ones(m))
         diagonal = self.compliance.diagonal()
         if not np.all(diagonal > 0.0):
             point = int(np.flatnonzero(~(diagonal > 0.0))[0])
@@ -93,7 +96,7 @@ class CondensedPoints:
         pushed -= B @ (moving @ B @ balance)
         softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
         moving -= softness * balance @ F  # with F = B' W the projection is one of symmetric A W^-1
-        return CondensedPoints(A - np.hstack([B, pushed]) @ np.vstack([moving, F]), B, F), moving, pushed
+        return CondensedPoints(A - np.hstack([B, pushed]) @ np.vstack([moving, F]), B, F, self.weights), moving, pushed
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -200,7 +200,8 @@ class ContactSystem:
                 np.append(np.ones(len(points), dtype=bool), resists),
             )
             jump, force = self.moving[at] * counts[:, None], self.force[:, at] * counts
-            known[key] = CondensedPoints(self._compliance(points, resists), jump, force)
+            weights = np.tile(self.weights[points], 2)
+            known[key] = CondensedPoints(self._compliance(points, resists), jump, force, weights)
         return known[key]
 
     def _compliance(self, points: Ints, resists: Bools) -> Floats:
