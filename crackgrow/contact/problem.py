@@ -96,7 +96,9 @@ class CondensedPoints:
         pushed -= B @ (moving @ B @ balance)
         softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
         moving -= softness * balance @ F  # with F = B' W the projection is one of symmetric A W^-1
-        return CondensedPoints(A - np.hstack([B, pushed]) @ np.vstack([moving, F]), B, F, self.weights), moving, pushed
+        moves = np.hstack([B, pushed]) @ np.vstack([moving, F])
+        np.subtract(A, moves, out=moves)  # it is large
+        return CondensedPoints(moves, B, F, self.weights), moving, pushed
 
 
 @dataclass(frozen=True, slots=True, eq=False)

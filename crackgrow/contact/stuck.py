@@ -15,10 +15,10 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from scipy.linalg.blas import dtrsm
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
 
 from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.compiled import solve_upper
 from crackgrow.contact.coulomb import ActiveSet, active_set, shear_bound
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.newton import ROUND_OFF, residual_floor, solve_settled
@@ -27,6 +27,7 @@ from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSo
 HELD: Final = 1e-10  # of the stiffness that all points have against a motion: stuck ones with less do not hold it
 MANY: Final = 200  # points, from which on this takes less time than Newton's steps with all of them
 MOST_LOOSE: Final = 0.5  # of the points: with more it does not
+AT_ONCE: Final = 128  # columns that are found together
 GAIN: Final = 0.5  # corrections that leave more of what jumps miss end
 
 
@@ -40,7 +41,7 @@ class StuckPoints:
         self._place = np.full(len(points.scale), -1)  # of each row among the columns of L^-1 that are known
         self.columns, self.products = np.zeros((len(points.scale), 0)), np.zeros((0, 0))
         if self.definite:
-            self._add(points.jump)
+            self._add(self.half(points.jump))
 
     @classmethod
     def of(cls, points: CondensedPoints) -> StuckPoints:
@@ -50,25 +51,30 @@ class StuckPoints:
 
     def half(self, right: Floats) -> Floats:
         """L^-1 times the columns `right` (2 n, k)."""
-        return np.asarray(dtrsm(1.0, self._lower, right, lower=1))
+        found = np.array(right, order="C")
+        solve_upper(self._lower.T, found, True)
+        return found
 
     def tractions(self, jumps: Floats) -> Floats:
         """Tractions (2 n,) Pa that make jumps (2 n,) m."""
         return np.asarray(dpotrs(self._lower, jumps, lower=1)[0] / self.points.weights)
 
     def columns_of(self, rows: Ints) -> Ints:
-        """Which columns are those of L^-1 at some rows (k,)."""
+        """Which columns are those of L^-1 at some ascending rows (k,)."""
         new = rows[self._place[rows] < 0]
         if len(new):
             self._place[new] = self.columns.shape[1] + np.arange(len(new))
-            unit = np.zeros((len(self._place), len(new)), order="F")
-            unit[new, np.arange(len(new))] = 1.0
-            self._add(unit)
+            more = np.zeros((len(self._place), len(new)))
+            more[new, np.arange(len(new))] = 1.0
+            for start in range(0, len(new), AT_ONCE):
+                from_here = slice(new[start], None)  # above there is nothing
+                some = slice(start, start + AT_ONCE)
+                solve_upper(self._lower.T[from_here, from_here], more[from_here, some], True)
+            self._add(more)
         return self._place[rows]
 
-    def _add(self, right: Floats) -> None:
-        """Add L^-1 times the columns `right` (2 n, k) to those that are known, and their products with all."""
-        more = self.half(right)
+    def _add(self, more: Floats) -> None:
+        """Add columns (2 n, k) to those that are known, and their products with all."""
         across = self.columns.T @ more
         self.products = np.block([[self.products, across], [across.T, more.T @ more]])
         self.columns = np.hstack([self.columns, more])
