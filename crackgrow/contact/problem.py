@@ -70,6 +70,11 @@ class CondensedPoints:
                 "too ill conditioned, for cracks, tips or outlines too close to each other"
             )
 
+    def release(self) -> None:
+        """Let go of what is large, and can be made again."""
+        for name in ("settled", "stuck"):
+            self.__dict__.pop(name, None)
+
     @cached_property
     def scale(self) -> Floats:
         """(2 n,) m/Pa: the diagonal, which weighs jumps against tractions."""

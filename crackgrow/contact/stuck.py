@@ -46,8 +46,8 @@ class StuckPoints:
     @classmethod
     def of(cls, points: CondensedPoints) -> StuckPoints:
         """Those of some points, which are factorized once."""
-        known: StuckPoints | None = points.__dict__.get("_stuck")
-        return known or points.__dict__.setdefault("_stuck", cls(points))
+        known: StuckPoints | None = points.__dict__.get("stuck")
+        return known or points.__dict__.setdefault("stuck", cls(points))
 
     def half(self, right: Floats) -> Floats:
         """L^-1 times the columns `right` (2 n, k)."""

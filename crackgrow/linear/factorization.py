@@ -85,7 +85,7 @@ class Factorization:
 
     def release(self) -> None:
         """Let go of the factors: nothing is solved with them any more."""
-        del self.factors
+        self.__dict__.pop("factors", None)
 
     def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
