@@ -57,7 +57,7 @@ class CondensedPoints:
         m = len(self.compliance)
         object.__setattr__(self, "compliance", read_only("compliance", self.compliance))
         check_shape("compliance", self.compliance, (m, m))
-        if not self.jump.size:
+        if self.jump.shape == (0, 0):
             object.__setattr__(self, "jump", np.zeros((m, 0)))
             object.__setattr__(self, "force", np.zeros((0, m)))
         if not self.weights.size:

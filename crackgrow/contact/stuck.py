@@ -38,6 +38,7 @@ class StuckPoints:
         self.points = points
         self._lower, info = dpotrf((points.compliance / points.weights).T, lower=1, overwrite_a=1)
         self.definite = info == 0
+        self._last: LoosePoints | None = None
         self._place = np.full(len(points.scale), -1)  # of each row among the columns of L^-1 that are known
         self.columns, self.products = np.zeros((len(points.scale), 0)), np.zeros((0, 0))
         if self.definite:
@@ -48,6 +49,12 @@ class StuckPoints:
         """Those of some points, which are factorized once."""
         known: StuckPoints | None = points.__dict__.get("stuck")
         return known or points.__dict__.setdefault("stuck", cls(points))
+
+    def among(self, loose: Bools) -> LoosePoints:
+        """The points `loose` (n,) among the others; the last ones are kept."""
+        if self._last is None or not np.array_equal(self._last.loose, loose):
+            self._last = LoosePoints(self, loose)
+        return self._last
 
     def half(self, right: Floats) -> Floats:
         """L^-1 times the columns `right` (2 n, k)."""
@@ -84,28 +91,29 @@ class LoosePoints:
     """Some of the points among others that stick."""
 
     def __init__(self, stuck: StuckPoints, loose: Bools) -> None:
-        self._stuck, self.loose, self.rows = stuck, loose, np.flatnonzero(np.tile(loose, 2))
+        self.loose, self.rows = loose, np.flatnonzero(np.tile(loose, 2))
         self._columns, n_motions = stuck.columns_of(self.rows), stuck.points.jump.shape[1]
         self._softness = _inverse(stuck.products[np.ix_(self._columns, self._columns)])
         self._moved = self._softness @ stuck.products[self._columns, :n_motions]
         stiff = stuck.products[:n_motions, :n_motions]
-        sizes, ways = np.linalg.eigh(stiff - stuck.products[:n_motions, self._columns] @ self._moved)
-        held = sizes > HELD * stiff.diagonal().max(initial=0.0)
+        scale = np.where(stiff.diagonal() > 0.0, stiff.diagonal(), 1.0) ** -0.5
+        left = scale[:, None] * (stiff - stuck.products[:n_motions, self._columns] @ self._moved) * scale
+        sizes, ways = np.linalg.eigh(left)
+        held, ways = sizes > HELD, scale[:, None] * ways
         self._held, self._free = (ways[:, held] / sizes[held]) @ ways[:, held].T, ways[:, ~held]
         weights, jump = stuck.points.weights[self.rows], self._moved @ self._free
         compliance = (self._softness + self._moved @ self._held @ self._moved.T) * weights
         self.points = CondensedPoints(compliance, jump, (jump * weights[:, None]).T, weights)
 
     def improved(
-        self, problem: ContactProblem, x: Floats, jump: Floats, active: ActiveSet | None
+        self, stuck: StuckPoints, problem: ContactProblem, x: Floats, jump: Floats, active: ActiveSet | None
     ) -> tuple[Floats, Floats, int]:
         """Unknowns x (2 n + l,) for which the loose points fulfil the law better, with the jumps (2 n,) that they are
         meant to have, before and after; on the branches of an `active` set, or on those that Newton's method finds.
 
         Also the iterations that it took; -1 if it has found none.
         """
-        rows, stuck, n_motions = self.rows, self._stuck, problem.n_motions
-        p, k = x[: len(jump)], len(rows)
+        rows, k, n_motions, p = self.rows, len(self.rows), problem.n_motions, x[: len(jump)]
         miss, pull = problem.jump(x) - jump, problem.pull - problem.points.force @ p
         half = stuck.half(miss[:, None])[:, 0]
         known = stuck.columns.T @ half
@@ -123,6 +131,8 @@ class LoosePoints:
             lying, unknowns = part.settled()
             here = ActiveSet(active.closed[self.loose], active.slip[self.loose], active.sense[self.loose])
             there, iterations = unknowns(solve_active(lying, here)), 0
+        elif not k:
+            there, iterations = np.zeros(part.n_motions), 0
         else:
             found = solve_settled(part, np.append(p[rows], np.zeros(part.n_motions)))
             there, iterations = found.unknowns, found.iterations if found.status == "solved" else -1
@@ -151,16 +161,15 @@ def solve_among_stuck(
     if active is not None:
         loose |= _not_stuck(active)
     meant = np.where(np.tile(loose, 2), lying.jump(x), 0.0)
-    some, last = None, np.inf
+    last = np.inf
     while stuck.definite and loose.mean() <= MOST_LOOSE:
-        some = some or LoosePoints(stuck, loose)
-        x, meant, more = some.improved(lying, x, meant, active)
+        x, meant, more = stuck.among(loose).improved(stuck, lying, x, meant, active)
         iterations, jump = iterations + abs(more), lying.jump(x)
         now = active or active_set(lying, x[: 2 * n], jump)
         leaving = _not_stuck(now) & ~loose
         if leaving.any():
             loose = loose | leaving | np.append(leaving[1:], False) | np.append(False, leaving[:-1])
-            some, last = None, np.inf
+            last = np.inf
             continue
         left = float(np.abs((jump - meant) / lying.points.scale).max()) / float(np.abs(x[: 2 * n]).max() or 1.0)
         if more >= 0 and (left <= ROUND_OFF or GAIN * last < left <= residual_floor(lying)):

@@ -60,6 +60,15 @@ def test_a_state_leads_to_one_that_is_near_and_to_that_on_its_branches(pieces: i
     np.testing.assert_allclose(found.unknowns, known.unknowns, atol=1e-9 * np.abs(known.unknowns).max())
 
 
+@pytest.mark.parametrize("pieces", [0, 2])
+def test_points_that_all_stick_take_one_solution(pieces: int) -> None:
+    problem = replace(pressed_block(40, pieces, 0), friction=np.full(40, 5.0))
+    known, found = solve_settled(problem), solve_among_stuck(problem)
+    assert found is not None
+    assert found.iterations == 0
+    np.testing.assert_allclose(found.unknowns, known.unknowns, atol=1e-9 * np.abs(known.unknowns).max())
+
+
 def test_where_most_points_slip_all_are_left_to_newtons_method() -> None:
     problem = pressed_block(40, 0, 0)
     assert solve_among_stuck(replace(problem, friction=np.full(40, 0.01))) is None
