@@ -306,7 +306,7 @@ class Increment:
         if like.active is None or like.solution is None:
             return self._untouched(free)
         problem, near = self._problem(like.trial, free), like.solution.equations
-        solution = None if near or problem.n_points <= MANY else solve_among_stuck(problem, None, like.active)
+        solution = solve_among_stuck(problem, None, like.active) if problem.n_points > MANY else None
         if solution is None:
             lying, unknowns = problem.settled()
             x, m = unknowns(solve_active(lying, like.active, near)), problem.free.size

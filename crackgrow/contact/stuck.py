@@ -25,7 +25,7 @@ from crackgrow.contact.newton import ROUND_OFF, residual_floor, solve_settled
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 
 HELD: Final = 1e-10  # of the stiffness that all points have against a motion: stuck ones with less do not hold it
-MANY: Final = 200  # points, from which on this takes less time than Newton's steps with all of them
+MANY: Final = 500  # points, from which on this takes less time than Newton's steps with all of them
 MOST_LOOSE: Final = 0.5  # of the points: with more it does not
 AT_ONCE: Final = 128  # columns that are found together
 GAIN: Final = 0.5  # corrections that leave more of what jumps miss end
