@@ -1,8 +1,7 @@
 """The equations of one active set of the contact problem, factorized.
 
 They are solved for the tractions and motions that the set leaves unknown. Where contact alone holds pieces of rock the
-balance of the tractions and the loads on them, F p = pull, is among these. The factors serve all loads, and active sets
-that differ at a few points.
+balance of the tractions and the loads on them, F p = pull, is among these. The factors serve all loads.
 """
 
 from __future__ import annotations
@@ -12,15 +11,12 @@ from typing import Final
 import numpy as np
 from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import ActiveSet, Branches
 from crackgrow.contact.problem import ContactProblem, absolute_product
 
 SINGULAR: Final = 1e-14
 """Reciprocal condition from which equations with motions have no digits: nothing that is closed sees some of them."""
-
-FEW: Final = 0.1
-"""Share of the points: where so few have other equations an update costs less than factors anew."""
 
 LEAST_SQUARES: Final = 1e-12
 """Part of the largest singular value below which the others count as zero then."""
@@ -38,7 +34,6 @@ class ActiveEquations:
         self._least = SINGULAR if problem.n_motions else 0.0
         self._size = float(self.points.scale.mean()) if problem.n_motions else 1.0
         self._force = float(np.abs(self.points.force).max(initial=0.0)) or 1.0
-        self._derivatives: dict[int, Floats] = {}  # by the row whose residual it is
         K = self._matrix()
         self.singular = False
         if len(K):
@@ -59,82 +54,22 @@ class ActiveEquations:
         whole[k:, :k] = branches.per_unknown(self.points.force, np.arange(n_motions)) / self._force
         return whole
 
-    def solution(self, problem: ContactProblem, active: ActiveSet, most: float = 1.0) -> Floats | None:
-        """All unknowns (2 n + l,) of a problem of these points on other branches, by a low-rank update of the factors.
+    def are_of(self, problem: ContactProblem, active: ActiveSet) -> bool:
+        """Whether they are those of an active set of a problem, whatever its loads."""
+        return problem.points is self.points and not self.branches.differ(Branches(problem, active)).any()
 
-        None where more than a share `most` of the points have other equations, and where those here are singular.
-        With residuals r of these points S the unknowns are x + P r: r is such that S fulfil the other equations
-        (Sherman, Morrison, Woodbury; Golub, Van Loan, equation (2.1.4)).
-        """
-        if problem.points is not self.points:
-            return None
-        branches = Branches(problem, active)
-        moving, n, m = self.branches.differ(branches), problem.n_points, problem.free.size
-        if moving.any() and (self.singular or moving.mean() > most):
-            return None
-        x = self._unmoved(problem, np.where(self.branches.sticks, 0.0, branches.shear))
-        if not moving.any():
-            return x
-        S = np.flatnonzero(moving)
-        both = np.column_stack([x, self._sensitivity(np.concatenate([S, n + S]))])
-        p, du = [both[k] for k in (S, n + S)], []
-        for rows in (S, n + S):
-            jump = self.points.jump[rows] @ both[m:] - self.points.compliance[rows] @ both[:m]
-            jump[:, 0] += problem.free[rows]
-            du.append(jump)
-        slope, lean = branches.slope[S, None], branches.lean[S, None]
-        gap, shear = du[0] - lean * du[1], p[1] + slope * p[0]
-        gap[:, 0] -= (branches.lean * problem.slipped)[S]
-        shear[:, 0] -= branches.shear[S]
-        scale = self.points.scale[:, None]
-        across = np.where(branches.closed[S, None], gap / scale[S], p[0])
-        along = np.where(branches.sticks[S, None], du[1] / scale[n + S], shear)
-        left = np.vstack([across, along])
-        try:
-            x = x - both[:, 1:] @ np.linalg.solve(left[:, 1:], left[:, 0])
-        except np.linalg.LinAlgError:
-            return None
-        # what the branches leave known is known to the bit
-        return np.concatenate([branches.tractions(x[branches.rows], branches.shear), x[m:]])
-
-    def _unmoved(self, problem: ContactProblem, shear: Floats) -> Floats:
-        """The unknowns (2 n + l,) of a problem on the branches here, with shear (n,) Pa that is given."""
-        branches, right = self.branches, self.branches.right(problem, shear)
+    def solution(self, problem: ContactProblem, active: ActiveSet) -> Floats:
+        """All unknowns (2 n + l,) of an active set of a problem, whose equations they are."""
+        branches, shear = self.branches, active.slip * problem.cohesion
+        right = branches.right(problem, shear)
         if problem.n_motions:
             given = problem.pull - self.points.force[:, len(shear) :] @ shear
             right = np.append(right, given * (self._size / self._force))
         x, k = self._solved(right), len(branches.rows)
         return np.concatenate([branches.tractions(x[:k] / self._size, shear), x[k:]])
 
-    def _sensitivity(self, at: Ints) -> Floats:
-        """The derivatives (2 n + l, k) of all unknowns by the residuals of the equations of rows `at` (k,).
-
-        A residual of one is a traction of a unit, or the jump that this makes at its point.
-        """
-        new = np.array([row for row in at.tolist() if row not in self._derivatives], dtype=np.int64)
-        if len(new):
-            self._derivatives.update(zip(new.tolist(), self._derived(new).T, strict=True))
-        return np.stack([self._derivatives[row] for row in at.tolist()], axis=1)
-
-    def _derived(self, at: Ints) -> Floats:
-        """The same, of rows that are not known yet."""
-        points, branches, k = self.points, self.branches, np.arange(len(at))
-        place = np.minimum(np.searchsorted(branches.rows, at), max(len(branches.rows) - 1, 0))
-        unknown = branches.rows[place] == at if len(branches.rows) else np.zeros(len(at), dtype=bool)
-        given = np.zeros((len(points.scale), len(at)))
-        given[at[~unknown], k[~unknown]] = 1.0
-        given = branches.with_shear(given)
-        some = np.flatnonzero(given.any(axis=1))
-        right = -branches.of_rows(lambda rows: points.compliance[np.ix_(rows, some)] @ given[some])
-        right[place[unknown], k[unknown]] += points.scale[at[unknown]]
-        right = np.vstack([right, -points.force @ given * (self._size / self._force)])
-        x, rows = self._solved(right), branches.rows
-        tractions = np.zeros_like(given)
-        tractions[rows] = x[: len(rows)] / self._size
-        return np.vstack([given + branches.with_shear(tractions), x[len(rows) :]])
-
     def _solved(self, right: Floats) -> Floats:
-        """x of K x = `right`, of one column or some."""
+        """x (k + l,) of K x = `right`."""
         if not right.size:
             return right
         if not self.singular:
@@ -146,9 +81,9 @@ class ActiveEquations:
         return np.asarray(np.linalg.lstsq(self._matrix(), right, rcond=LEAST_SQUARES if self._least else None)[0])
 
     def _times(self, x: Floats) -> Floats:
-        """K x, of one column or some."""
+        """K x (k + l,)."""
         points, branches, k = self.points, self.branches, len(self.branches.rows)
-        p = np.zeros((len(points.scale), *x.shape[1:]))
+        p = np.zeros(len(points.scale))
         p[branches.rows] = x[:k] / self._size
         jumps = points.compliance @ branches.with_shear(p) - points.jump @ x[k:]
         return np.concatenate(
@@ -156,10 +91,11 @@ class ActiveEquations:
         )
 
 
+def equations_of(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> ActiveEquations:
+    """The equations of an active set, which may be those of `near`."""
+    return near if near is not None and near.are_of(problem, active) else ActiveEquations(problem, active)
+
+
 def solve_active(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> Floats:
-    """Unknowns (2 n + l,) of the problem with the equations of one active set; `near` are some that may be close."""
-    x = None if near is None else near.solution(problem, active, FEW)
-    if x is None:
-        x = ActiveEquations(problem, active).solution(problem, active)
-    assert x is not None  # of its own branches
-    return x
+    """Unknowns (2 n + l,) of the problem with the equations of one active set, which may be those of `near`."""
+    return equations_of(problem, active, near).solution(problem, active)

@@ -17,7 +17,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import ActiveSet, active_set, project
-from crackgrow.contact.equations import FEW, ActiveEquations
+from crackgrow.contact.equations import ActiveEquations, equations_of
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
@@ -38,9 +38,9 @@ def solve_by_newton(
 ) -> ContactSolution:
     """Tractions of the contact problem; status "solved", or "limit" with the last ones found.
 
-    `start` (2 n + l,) are unknowns to start from; None: all points stick. `near` are equations that may be close. An
-    iteration is one linear solve, where few points leave their branches by an update of the factors. Where an active
-    set comes back the solution is looked for from others that are near (`_by_proximal_points`).
+    `start` (2 n + l,) are unknowns to start from; None: all points stick. `near` are equations that may be the first
+    ones. An iteration is one linear solve. Where an active set comes back the solution is looked for from others that
+    are near (`_by_proximal_points`).
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
@@ -55,28 +55,31 @@ def solve_by_newton(
     return found if found.status == "solved" else _by_proximal_points(problem, found)
 
 
+def solve_settled(
+    problem: ContactProblem, start: Floats | None = None, near: ActiveEquations | None = None
+) -> ContactSolution:
+    """The same, of a problem whose loose pieces are settled for it."""
+    (lying, unknowns), m = problem.settled(), problem.free.size
+    begin = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
+    found = solve_by_newton(lying, begin, near)
+    return replace(found, motion=unknowns(found.unknowns)[m:])
+
+
 def _stepped(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> ContactSolution:
     """What Newton's steps from an active set on come to."""
     equations, keys, as_good = near, list[bytes](), residual_floor(problem)
     while True:
-        x, updated = None if equations is None else equations.solution(problem, active, FEW), True
-        if x is None or equations is None:
-            equations, updated = ActiveEquations(problem, active), False
-            x = equations.solution(problem, active)
-            assert x is not None  # of its own branches
+        equations = equations_of(problem, active, equations)
+        x = equations.solution(problem, active)
         du = problem.jump(x)
         now = _through_stick(problem, active, active_set(problem, x[: problem.free.size], du))
         keys.append(active.key())
         settled = now.key() == keys[-1]
         if residual(problem, x, du) <= (as_good if settled else ROUND_OFF):
             return _ended(problem, x, active, "solved", len(keys), equations)
-        if settled and updated:  # what is left may be the round-off of the update
-            equations = None
-            keys.pop()
-        elif now.key() in keys or len(keys) == MOST_STEPS:
+        if now.key() in keys or len(keys) == MOST_STEPS:
             return _ended(problem, x, active, "limit", len(keys), equations)
-        else:
-            active = now
+        active = now
 
 
 def _by_proximal_points(problem: ContactProblem, found: ContactSolution) -> ContactSolution:

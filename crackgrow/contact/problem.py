@@ -51,14 +51,17 @@ class CondensedPoints:
     compliance: Floats  # (2 n, 2 n) m/Pa: A; need not be symmetric
     jump: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (2 n, l) B: gap and slip; left out: no motions
     force: Floats = field(default_factory=lambda: np.zeros((0, 0)))  # (l, 2 n) F, N/m per Pa: what tractions do
+    weights: Floats = field(default_factory=lambda: np.zeros(0))  # (2 n,) m: W; left out: one
 
     def __post_init__(self) -> None:
         m = len(self.compliance)
         object.__setattr__(self, "compliance", read_only("compliance", self.compliance))
         check_shape("compliance", self.compliance, (m, m))
-        if not self.jump.size:
+        if self.jump.shape == (0, 0):
             object.__setattr__(self, "jump", np.zeros((m, 0)))
             object.__setattr__(self, "force", np.zeros((0, m)))
+        if not self.weights.size:
+            object.__setattr__(self, "weights", np.ones(m))
         diagonal = self.compliance.diagonal()
         if not np.all(diagonal > 0.0):
             point = int(np.flatnonzero(~(diagonal > 0.0))[0])
@@ -66,6 +69,11 @@ class CondensedPoints:
                 f"contact compliance diagonal: entry {point} is {diagonal[point]:.6g}, must be positive: the system is "
                 "too ill conditioned, for cracks, tips or outlines too close to each other"
             )
+
+    def release(self) -> None:
+        """Let go of what is large, and can be made again."""
+        for name in ("settled", "stuck"):
+            self.__dict__.pop(name, None)
 
     @cached_property
     def scale(self) -> Floats:
@@ -93,7 +101,9 @@ class CondensedPoints:
         pushed -= B @ (moving @ B @ balance)
         softness = float(np.median(A.diagonal() - (B * moving.T).sum(axis=1) - (pushed * F.T).sum(axis=1)))
         moving -= softness * balance @ F  # with F = B' W the projection is one of symmetric A W^-1
-        return CondensedPoints(A - np.hstack([B, pushed]) @ np.vstack([moving, F]), B, F), moving, pushed
+        moves = np.hstack([B, pushed]) @ np.vstack([moving, F])
+        np.subtract(A, moves, out=moves)  # it is large
+        return CondensedPoints(moves, B, F, self.weights), moving, pushed
 
 
 @dataclass(frozen=True, slots=True, eq=False)

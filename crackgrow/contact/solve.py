@@ -16,6 +16,7 @@ of rough faces are those at the pressure that there is.
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -25,8 +26,9 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations, solve_active
-from crackgrow.contact.newton import solve_by_newton
+from crackgrow.contact.newton import solve_settled
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution, absolute_product
+from crackgrow.contact.stuck import MANY, solve_among_stuck
 from crackgrow.contact.system import ContactSystem, ill_conditioned
 from crackgrow.errors import NotSolvedError
 from crackgrow.geometry.tolerance import ROUND_OFF
@@ -304,9 +306,11 @@ class Increment:
         if like.active is None or like.solution is None:
             return self._untouched(free)
         problem, near = self._problem(like.trial, free), like.solution.equations
-        other, unknowns = problem.settled()
-        x, m = unknowns(solve_active(other, like.active, near)), problem.free.size
-        solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
+        solution = solve_among_stuck(problem, None, like.active) if problem.n_points > MANY else None
+        if solution is None:
+            lying, unknowns = problem.settled()
+            x, m = unknowns(solve_active(lying, like.active, near)), problem.free.size
+            solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
         found = self._with(like.trial, free, problem, (solution, like.active))
         return replace(found, iterations=like.iterations)
 
@@ -325,7 +329,7 @@ class Increment:
             softness, k = law.compliance * law.softness(trial.pressed), np.arange(len(rows))
             compliance = points.compliance.copy()
             compliance[k, k] += (softness - law.compliance)[rows]
-            points = CondensedPoints(compliance, points.jump, points.force)
+            points = CondensedPoints(compliance, points.jump, points.force, points.weights)
             jumps[: len(rows)] += (law.closure(trial.pressed) + softness * trial.pressed)[rows]
         pulled = self._pulled(trial)
         if pulled.any():  # unknown are tractions less the tensile strength
@@ -410,11 +414,12 @@ def solve_contact_problem(
     if solver == "lemke":
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
     else:
-        lying, unknowns = problem.settled()
-        m, other = problem.free.size, "; numerics.contact.solver: lemke may find one, and takes long with many points"
-        begin = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
-        found = solve_by_newton(lying, begin, near)
-        found = replace(found, motion=unknowns(found.unknowns)[m:])
+        other = "; numerics.contact.solver: lemke may find one, and takes long with many points"
+        among_stuck = None
+        if problem.n_points > MANY:
+            with suppress(NotSolvedError):  # round-off has spoilt it
+                among_stuck = solve_among_stuck(problem, start)
+        found = among_stuck or solve_settled(problem, start, near)
     if found.status == "solved":
         return found
     raise NotSolvedError(

@@ -74,6 +74,12 @@ class ContactSystem:
         """|G|, entry by entry: of |u| it makes the terms that jumps are the sums of."""
         return abs(self.operator)
 
+    def release(self) -> None:
+        """Let go of what is large, with which nothing is solved any more."""
+        self.system.release()
+        for points in self.__dict__.pop("_condensed", {}).values():
+            points.release()
+
     @property
     def without_tractions(self) -> tuple[Floats, Floats]:
         """Displacements (n_dofs, l) m and multipliers (m, l) under each of the loads alone."""
@@ -200,7 +206,8 @@ class ContactSystem:
                 np.append(np.ones(len(points), dtype=bool), resists),
             )
             jump, force = self.moving[at] * counts[:, None], self.force[:, at] * counts
-            known[key] = CondensedPoints(self._compliance(points, resists), jump, force)
+            weights = np.tile(self.weights[points], 2)
+            known[key] = CondensedPoints(self._compliance(points, resists), jump, force, weights)
         return known[key]
 
     def _compliance(self, points: Ints, resists: Bools) -> Floats:

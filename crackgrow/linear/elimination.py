@@ -20,6 +20,9 @@ DEPENDENT = 1e-11
 """Of its entry on the diagonal, when the largest pivots come first: a smaller pivot is that of a function that depends
 on others, or of a constraint that repeats others of its front."""
 
+ROWS = 64
+"""Of a large matrix, that are worked on together."""
+
 STIFF = 1e100
 """Times its entry on the diagonal: what is held like this does not move."""
 
@@ -188,22 +191,41 @@ def backward(U: Floats, V: Floats, begin: int, border: Ints, x: Floats) -> None:
 
 
 @kernel
-def gather(left: Floats, product: Floats, into: Ints, at: Ints, y: Floats, rest: Floats, total: Floats) -> None:
-    """Add what a child's subtree makes of its columns to its parent's, which are `at` (c,) there."""
+def gather(left: Floats, into: Ints, at: Ints, y: Floats, rest: Floats) -> None:
+    """Add what a child's subtree takes off later rows of its columns to its parent's, which are `at` (c,) there."""
     p = len(y)
     for j in range(len(into)):
         target = y[into[j]] if into[j] < p else rest[into[j] - p]
         for k in range(len(at)):
             target[at[k]] += left[j, k]
-    for i in range(len(at)):
-        for k in range(i, len(at)):
-            total[at[i], at[k]] += product[i, k]
 
 
 @kernel
-def reduce(U: Floats, V: Floats, n_placed: int, y: Floats, rest: Floats, total: Floats) -> None:
-    """Replace y (p, c) of a front by U'^-1 y, take it off `rest` (b, c), add y' D y to the upper part of `total`."""
+def reduce(U: Floats, V: Floats, n_placed: int, y: Floats, rest: Floats, columns: Ints, total: Floats) -> None:
+    """Replace y (p, c) of a front by U'^-1 y, take it off `rest` (b, c), add y' D y to the upper part of `total`.
+
+    There it is at `columns` (c,), ascending.
+    """
     solve_upper(U, y, True)
     add_product(V, y, rest, -1.0, True)
-    add_square(y[:n_placed], total, 1.0)
-    add_square(y[n_placed:], total, -1.0)
+    c = len(columns)
+    for first in range(0, c, ROWS):  # never all of it at once
+        last = min(first + ROWS, c)
+        product = np.zeros((last - first, c - first))
+        add_product(y[:n_placed, first:last], y[:n_placed, first:], product, 1.0, True)
+        add_product(y[n_placed:, first:last], y[n_placed:, first:], product, -1.0, True)
+        for i in range(first, last):
+            row = total[columns[i]]
+            for k in range(i, c):
+                row[columns[k]] += product[i - first, k - first]
+
+
+@kernel
+def mirror(matrix: Floats) -> None:
+    """Make the lower triangle of a matrix (n, n) that of its transpose."""
+    n = len(matrix)
+    for a in range(0, n, ROWS):
+        for b in range(a, n, ROWS):
+            for i in range(a, min(a + ROWS, n)):
+                for j in range(max(b, i + 1), min(b + ROWS, n)):
+                    matrix[j, i] = matrix[i, j]

@@ -19,7 +19,7 @@ from crackgrow.linear.fronts import Fronts, fronts_of
 from crackgrow.linear.matrix import SymmetricMatrix
 
 AT_ONCE = 256
-"""Right-hand sides that are solved for, and rows of a large matrix that are mirrored, together."""
+"""Right-hand sides that are solved for together."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -85,7 +85,7 @@ class Factorization:
 
     def release(self) -> None:
         """Let go of the factors: nothing is solved with them any more."""
-        del self.factors
+        self.__dict__.pop("factors", None)
 
     def solve(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
         """Displacements (n, k) and multipliers (m, k) for loads (n, k) with C u = `wanted` (m, k), unrefined."""
@@ -108,32 +108,26 @@ class Factorization:
         k, (m, n) = rows.shape[0], self._constraints.shape
         right = csr_array((rows.data, rows.indices, rows.indptr), shape=(k, n + m)).T.tocsr()[self._order]
         right.sum_duplicates()
-        # of fronts that wait for their parents: columns, their part of Y' D Y, and what they take off later rows of Y
-        below: dict[int, tuple[Ints, Floats, Floats]] = {}
-        total = np.zeros((k, k))
+        below: dict[int, tuple[Ints, Floats]] = {}  # columns, and what is taken off later rows, until parents have it
+        total, used, place = np.zeros((k, k)), np.zeros(k, dtype=bool), np.empty(k, dtype=np.int64)
         for front, factor in enumerate(self.factors):
             pointers = right.indptr[factor.start : factor.start + len(factor.U) + 1]
             own = slice(pointers[0], pointers[-1])
             children = [(self.factors[child].into, *below.pop(child)) for child in factor.children if child in below]
-            columns = np.unique(np.concatenate([right.indices[own], *(part[1] for part in children)]))
+            for some in (right.indices[own], *(part[1] for part in children)):
+                used[some] = True
+            columns = np.flatnonzero(used)
             if not len(columns):
                 continue
+            used[columns], place[columns] = False, np.arange(len(columns))
             y, left = np.zeros((len(factor.U), len(columns))), np.zeros((len(factor.border), len(columns)))
-            product = np.zeros((len(columns), len(columns)))
-            row = np.repeat(np.arange(len(y)), np.diff(pointers))
-            y[row, np.searchsorted(columns, right.indices[own])] = right.data[own]
-            for into, some, of_child, taken_off in children:
-                kernels.gather(taken_off, of_child, into, np.searchsorted(columns, some), y, left, product)
-            kernels.reduce(factor.U, factor.V, factor.n_placed, y, left, product)
-            if len(factor.border):
-                below[front] = (columns, product, left)
-            else:  # nothing later is coupled to it
-                total[np.ix_(columns, columns)] += product
-        for first in range(0, k, AT_ONCE):  # mirrored in blocks: it is large
-            block = slice(first, first + AT_ONCE)
-            upper = np.triu(total[block, block])
-            total[block, block] = upper + np.triu(upper, 1).T
-            total[block, :first] = total[:first, block].T
+            y[np.repeat(np.arange(len(y)), np.diff(pointers)), place[right.indices[own]]] = right.data[own]
+            for into, some, taken_off in children:
+                kernels.gather(taken_off, into, place[some], y, left)
+            kernels.reduce(factor.U, factor.V, factor.n_placed, y, left, columns, total)
+            if len(factor.border):  # else nothing later is coupled to it
+                below[front] = (columns, left)
+        kernels.mirror(total)
         return total
 
 

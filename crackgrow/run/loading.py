@@ -57,6 +57,7 @@ class NextStepSolver:
 
         Where bonds break at a critical load, which they do at another one there, it is that of its own path.
         """
+        solution.contact.release()  # memory holds the factors of one mesh
         own, factor = self.solve(scene), solution.state.factor
         if isinstance(scene.case.loading, CriticalLoad) and own.state.factor == factor:
             return own, math.nan  # both are the first guess: the criterion is never met, or no tip can grow
@@ -130,12 +131,17 @@ class HistorySolver:
         self.here = other
         return solution
 
-    def companion(self, scene: Scene, _: StepSolution) -> tuple[StepSolution, float]:
+    def companion(self, scene: Scene, solution: StepSolution) -> tuple[StepSolution, float]:
         """The solution on the cells of the companion, and its load factor."""
+        last = self.number + 1 == scene.case.n_loads
+        if last:
+            solution.contact.release()  # memory holds the factors of one mesh
         if self.there is None or scene.grading != self.there.scene.grading:
             self.there = LoadsInTurn(scene, self.cracks)
-        solution = self.there.solution(self.number)
-        return solution, solution.state.factor
+        there = self.there.solution(self.number)
+        if last:
+            there.contact.release()
+        return there, there.state.factor
 
 
 def _in_turn(
