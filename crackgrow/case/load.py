@@ -169,11 +169,13 @@ def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
     """An interface; of one with a cracked part this, then what is bonded."""
     first, second = (scene.bodies[name] for name in interface["between"])
     lines = shared_lines(first, second, scene.tolerance)
-    if "cracked" in interface:
-        crack, lines = parted(lines, interface["cracked"], scene.reach) or ((), lines)
-        yield FORMAT.made(model.Interface, interface, lines=(crack,))
-        interface = {**interface, "contact": "bonded"}
-    yield FORMAT.made(model.Interface, interface, lines=lines, beside_crack="cracked" in interface)
+    if "cracked" not in interface:
+        yield FORMAT.made(model.Interface, interface, lines=lines)
+        return
+    crack, left = parted(lines, interface["cracked"], scene.reach) or ((), lines)
+    yield FORMAT.made(model.Interface, interface, lines=(crack,), boundary=lines)
+    bond = {**interface, "contact": "bonded"}
+    yield FORMAT.made(model.Interface, bond, lines=left, beside_crack=True, boundary=lines)
 
 
 def _item(scene: Scene, kind: str, key: Path, item: Resolved, **others: Any) -> Any:

@@ -19,7 +19,7 @@ from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import Advances, chosen_advances, ended, time_of, unsolved
 from crackgrow.run.increments import FROM_REST
 from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load
-from crackgrow.run.propagation import BeforeAdvance, advance_tips
+from crackgrow.run.propagation import BeforeAdvance, advance_debonds, advance_tips
 from crackgrow.run.report import estimate_maker, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -72,7 +72,8 @@ def _steps(
     The error of the last step is estimated as it is known to be the last.
     """
     with single_threaded():
-        scene, begun = make_scene(case), beginning(case) if checkpoint is None else restored(case, checkpoint)
+        begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
+        scene = make_scene(case).with_debonds(begun.debonds)
         if begun.errors is not None:
             scene = scene.with_grading(begun.errors.grading)
     if isinstance(case.loading, StrengthReduction):
@@ -121,9 +122,12 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         yield _reported(state, solution, advances), solution
         if len(advances.sites) == 0:
             return ended(state, solution, growth)
+        debonds, met = advance_debonds(solution, advances.sites, state.step + 1)
+        scene = scene.with_debonds(debonds)
         at = BeforeAdvance(solution.scene, advances.cracks, state.step + 1, advances.lengths)
         advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
-        state = RunState(state.step + 1, advance.cracks, advance.events, state.n_pieces, time=state.time)
+        events = (*met, *advance.events)
+        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time, debonds=debonds)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 

@@ -88,6 +88,9 @@ class InterfaceTipResult:
     K: float  # Pa sqrt(m), size of the complex K
     G_radius: float  # m, of the disc
     cell_size: float  # m, side of the cells round the tip
+    length: float  # m, of the cracked part
+    criticality: float = float("nan")  # sqrt(G / G_c): >= 1 where it grows; nan without a toughness
+    advanced: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -25,6 +25,7 @@ POINTS = "output.points={mouth: {crack: flaw, at: [0, 0]}}"
 STARTS = ("growth.initiation.at=cracks", "bodies.rock.strength.cohesion=0.6", "growth.advance=all", LOADED)
 CYCLE = "loading.history=[0.4, 1, 0.7, -0.3, -1, -0.8, 0.6]"
 BLOCK = "loading.history=[0.3, 1.0, 0.1, 0.5]"
+ALONG = "growth={steps: 3, increment: 5, criterion: max_hoop_stress, unload_between_steps: false}"
 SCENES = {
     "unloaded between steps": ("compression30", "growth.steps=3", FRICTION),
     "loaded throughout": ("compression30", "growth.steps=3", FRICTION, LOADED, POINTS),
@@ -40,6 +41,7 @@ SCENES = {
     "cycles": ("slow_cracks", SHORTER, *CYCLES),
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", BLOCK),
     "stages": ("tunnel_excavated", "numerics.spacing=2", "output.points={}"),
+    "interface that parts": ("17_interface", "interfaces.0.toughness=1", ALONG, "numerics.accuracy=draft"),
     "interface": ("interface_friction04", "numerics.spacing=0.2", BLOCK),
 }
 

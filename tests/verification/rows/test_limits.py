@@ -341,6 +341,59 @@ def _safety() -> Iterator[Row]:
     yield Row("a slab below a roof", "factor of safety", value, 0.1e6 / (2600 * 9.81), "tensile strength", 1e-3)
 
 
-@pytest.mark.parametrize("row", parameters(_growth(), _shear(), _safety()))
+@cache
+def parted_beam() -> list[tuple[float, float]]:
+    """The length (m) of the crack and the load factor of each step, of two beams of 10 mm that are pulled apart."""
+    length, high = 120.0, 10.0
+    ends = {"upper": (0.0, high), "lower": (-high, 0.0)}
+    return [
+        (result.interface_tips[0].length, result.load_factor)
+        for result in grow(
+            case_of(
+                {
+                    "title": "a double cantilever beam",
+                    "units": {"length": "mm", "stress": "MPa"},
+                    "plane": "strain",
+                    "bodies": {
+                        name: {
+                            "shape": {"polygon": [[0, low], [length, low], [length, high], [0, high]]},
+                            "material": {"young": "20 GPa", "poisson": 0.25},
+                        }
+                        for name, (low, high) in ends.items()
+                    },
+                    "interfaces": [
+                        {
+                            "between": ["upper", "lower"],
+                            "contact": {"friction": 0, "cohesion": 0},
+                            "cracked": [[0, 0], [30, 0]],
+                            "toughness": "50 J/m^2",
+                        }
+                    ],
+                    "supports": "minimal",
+                    "loads": [
+                        {"on": {"body": name, "edge": 3}, "traction": [0, t]}
+                        for name, t in (("upper", 1), ("lower", -1))
+                    ],
+                    "loading": "critical",
+                    "growth": {"steps": 2, "increment": 10, "criterion": "max_hoop_stress"},
+                    "numerics": {"accuracy": "standard"},
+                }
+            )
+        )
+    ]
+
+
+def _along_interfaces() -> Iterator[Row]:
+    """Critical loads P of beams of a height h: G_c = 12 (P a)^2 / (E' h^3) (1 + 0.677 h / a)^2."""
+    source, high, modulus = "beams with the rotation at the root (Suo, Bao, Fan 1992)", 0.01, 20e9 / (1.0 - 0.25**2)
+    for step in range(3):
+        a = 0.03 + 0.01 * step
+        wanted = np.sqrt(50.0 * modulus * high**3 / 12.0) / (a + 0.677 * high) / (1e6 * high)
+        name = f"double cantilever beam after {step} increments"
+        yield Row(name, "load factor", partial(lambda n: parted_beam()[n][1], step), wanted, source, 3e-3)
+        yield Row(name, "length of the crack [m]", partial(lambda n: parted_beam()[n][0], step), a, "itself", 1e-9)
+
+
+@pytest.mark.parametrize("row", parameters(_growth(), _shear(), _safety(), _along_interfaces()))
 def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
     row.check(record_property)
