@@ -76,8 +76,8 @@ def fault_of_crack(scene: Scene, interface: Resolved) -> str:
 
 def fault_of_toughness(scene: Scene, interface: Resolved) -> str:
     """What is wrong with the toughness of an interface, in words; empty where nothing is."""
-    if "cracked" not in interface:
-        return "is of growth from a cracked part, and none is given; give `cracked`, or leave it out"
+    if interface["contact"] == "bonded":
+        return "lets a bond part, and the interface is bonded, so that this has no law; give it a law of contact"
     if (law := scene.get("growth", "law")) not in (None, "critical"):
         return f"lets a tip grow at G = G_c, not at a rate; wanted with growth.law: {law}: leave it out"
     return ""

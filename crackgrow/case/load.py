@@ -166,14 +166,14 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
 
 
 def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
-    """An interface; of one with a cracked part this, then what is bonded."""
+    """An interface; of one that is cracked, or may be, this part, then what is bonded."""
     first, second = (scene.bodies[name] for name in interface["between"])
     lines = shared_lines(first, second, scene.tolerance)
-    if "cracked" not in interface:
+    if "cracked" not in interface and "toughness" not in interface:
         yield FORMAT.made(model.Interface, interface, lines=lines)
         return
-    crack, left = parted(lines, interface["cracked"], scene.reach) or ((), lines)
-    yield FORMAT.made(model.Interface, interface, lines=(crack,), boundary=lines)
+    crack, left = ("cracked" in interface and parted(lines, interface["cracked"], scene.reach)) or (None, lines)
+    yield FORMAT.made(model.Interface, interface, lines=() if crack is None else (crack,), boundary=lines)
     bond = {**interface, "contact": "bonded"}
     yield FORMAT.made(model.Interface, bond, lines=left, beside_crack=True, boundary=lines)
 

@@ -84,15 +84,25 @@ class Debond:
 
 def debonds_of(case: Case) -> Iterator[Debond]:
     """The cracked parts of interfaces with a toughness, as they are given."""
-    for interface in case.interfaces:
-        if interface.toughness is not None and not interface.beside_crack:
-            (part,) = interface.lines
-            lines = [shapely.LineString(line) for line in interface.boundary]
-            ends = shapely.points(part[[0, -1]])
-            number = int(np.argmin([float(shapely.distance(line, ends).max()) for line in lines]))
-            at = shapely.line_locate_point(lines[number], ends)
-            line = interface.boundary[number]
-            yield Debond(interface.bodies, line, interface.toughness, at, np.zeros(2, dtype=np.int64))
+    for number, interface in enumerate(case.interfaces):
+        for part in () if interface.toughness is None or interface.beside_crack else interface.lines:
+            lines, ends = [shapely.LineString(line) for line in interface.boundary], shapely.points(part[[0, -1]])
+            nearest = int(np.argmin([float(shapely.distance(line, ends).max()) for line in lines]))
+            at = shapely.line_locate_point(lines[nearest], ends)
+            yield debond_on(case, (number, nearest), at, np.zeros(2, dtype=np.int64))
+
+
+def debond_on(case: Case, place: tuple[int, int], at: Floats, steps: Ints) -> Debond:
+    """A debond on a line: the numbers of its interface, and of the line in the boundary of that."""
+    interface = case.interfaces[place[0]]
+    assert interface.toughness is not None
+    return Debond(interface.bodies, interface.boundary[place[1]], interface.toughness, at, steps)
+
+
+def place_of(case: Case, debond: Debond) -> tuple[int, int]:
+    """The numbers of its interface, and of the line that it lies on."""
+    number = next(n for n, interface in enumerate(case.interfaces) if interface.bodies == debond.bodies)
+    return number, next(n for n, line in enumerate(case.interfaces[number].boundary) if line is debond.line)
 
 
 def debond_number(debonds: Sequence[Debond], name: SurfaceName) -> int | None:

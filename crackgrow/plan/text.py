@@ -119,7 +119,7 @@ def _body_line(body: model.Body, scale: float, show: Shown) -> str:
 
 def _interface_line(interface: model.Interface, show: Shown) -> str:
     law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
-    length = show(sum(map(line_length, interface.lines)))
+    length = show(sum(map(line_length, interface.lines)))  # of a bond that may part none
     toughness = "" if interface.toughness is None else f", G_c {interface.toughness:g} J/m^2"
     return f"interface between {' and '.join(interface.bodies)}: length {length}; {law}{toughness}"
 

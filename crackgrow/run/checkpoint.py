@@ -15,7 +15,7 @@ from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.debond import Debond, debonds_of
+from crackgrow.fracture.debond import Debond, debond_on, debonds_of, place_of
 from crackgrow.run.configuration import Excavated, LoadLevel
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import Origin, Start
@@ -72,6 +72,7 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
             }
             for growing in state.cracks
         ],
+        "debonds": [place_of(solution.scene.at_start.case, debond) for debond in solution.scene.debonds],
         "time": state.time,
         "start": None,
         "gone": [rock.body for rock in origin.excavated],
@@ -123,7 +124,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         None if values["errors"] is None else errors_of_record(values["errors"]),
         values["time"],
         tuple(
-            replace(debond, at=arrays[f"debond{number}"], steps=arrays[f"debond_steps{number}"])
-            for number, debond in enumerate(debonds_of(case))
+            debond_on(case, place, arrays[f"debond{number}"], arrays[f"debond_steps{number}"])
+            for number, place in enumerate(values["debonds"])
         ),
     )

@@ -15,6 +15,7 @@ from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
+from crackgrow.run.deflection import Way, way_on
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import Advances, chosen_advances, ended, time_of, unsolved
 from crackgrow.run.increments import FROM_REST
@@ -118,16 +119,22 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         n_pieces = state.n_pieces or len(all_pieces(solution.cover))
         state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + time)
         grows_on = state.step < growth.steps
-        advances = chosen_advances(growth, solution, state.cracks) if grows_on else Advances(state.cracks)
+        solution, way, told = way_on(solution, state.step + 1) if grows_on else (solution, Way(), [])
+        goes_on, alone = bool(way.debonds or way.cracks), growth.advance != "all"
+        chooses = grows_on and not (goes_on and alone)
+        advances = chosen_advances(growth, solution, state.cracks) if chooses else Advances(state.cracks)
         yield _reported(state, solution, advances), solution
-        if len(advances.sites) == 0:
-            return ended(state, solution, growth)
+        if len(advances.sites) == 0 and not goes_on:
+            end = ended(state, solution, growth)
+            return replace(end, events=(*told, *end.events))
         debonds, met = advance_debonds(solution, advances.sites, state.step + 1)
+        debonds = (*debonds, *way.debonds)
         scene = scene.with_debonds(debonds)
-        at = BeforeAdvance(solution.scene, advances.cracks, state.step + 1, advances.lengths)
+        cracks = (*advances.cracks, *way.cracks)
+        at = BeforeAdvance(solution.scene, cracks, state.step + 1, advances.lengths)
         advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
-        events = (*met, *advance.events)
-        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time, debonds=debonds)
+        events = (*told, *met, *advance.events)
+        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 

@@ -51,7 +51,9 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         yield WarningCause.UNMEASURED.at()
     if growth is not None and growth.steps > 0:
         sites = sites_of(scene, cover, tuple(map(GrowingCrack.given, case.cracks)))
-        growing = bool(scene.debonds) or any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
+        growing = any(each.toughness is not None for each in case.interfaces) or any(
+            crack.tip_at_start or crack.tip_at_end for crack in case.cracks
+        )
         if not growing and all(site.kind == "tip" for site in sites):
             yield WarningCause.NO_TIPS.at(steps=growth.steps)
     yield from _of_growth(scene)
