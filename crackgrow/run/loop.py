@@ -119,11 +119,12 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         n_pieces = state.n_pieces or len(all_pieces(solution.cover))
         state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + time)
         grows_on = state.step < growth.steps
-        solution, way, told = way_on(solution, state.step + 1) if grows_on else (solution, Way(), [])
+        solved = solution
+        solution, way, told = way_on(solved, state.step + 1) if grows_on else (solved, Way(), [])
         goes_on, alone = bool(way.debonds or way.cracks), growth.advance != "all"
         chooses = grows_on and not (goes_on and alone)
         advances = chosen_advances(growth, solution, state.cracks) if chooses else Advances(state.cracks)
-        yield _reported(state, solution, advances), solution
+        yield _reported(state, solution, advances, solved), solution
         if len(advances.sites) == 0 and not goes_on:
             end = ended(state, solution, growth)
             return replace(end, events=(*told, *end.events))
@@ -182,8 +183,10 @@ def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
         return float("nan")
 
 
-def _reported(state: RunState, solution: StepSolution, advances: Advances | None = None) -> StepResult:
-    """The step's result, with what a run can go on from."""
+def _reported(
+    state: RunState, solution: StepSolution, advances: Advances | None = None, solved: StepSolution | None = None
+) -> StepResult:
+    """The step's result, with what a run can go on from: the solution as it was `solved`, or itself."""
     output = solution.scene.case.output
     result = step_result(state, solution, advances or Advances(state.cracks), output.frames != "none" or output.figures)
-    return replace(result, checkpoint=packed(state, solution))
+    return replace(result, checkpoint=packed(state, solved or solution))

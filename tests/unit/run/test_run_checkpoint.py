@@ -11,6 +11,7 @@ import pytest
 
 from crackgrow.case.model import Case
 from crackgrow.run.result import Checkpoint
+from tests.crack_at_bond import crack_at_bond
 from tests.scenes import shipped_case
 from tests.slow_cracks import CYCLES, SHORTER, slow_cracks
 from tests.whole_run import whole_run
@@ -42,14 +43,16 @@ SCENES = {
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", BLOCK),
     "stages": ("tunnel_excavated", "numerics.spacing=2", "output.points={}"),
     "interface that parts": ("17_interface", "interfaces.0.toughness=1", ALONG, "numerics.accuracy=draft"),
+    "cracks that cross a bond": ("crack_at_bond", "interfaces.0.toughness=14"),
+    "cracks that turn along a bond": ("crack_at_bond", "loading={history: [4]}", LOADED),
     "interface": ("interface_friction04", "numerics.spacing=0.2", BLOCK),
 }
 
 
 def scene(name: str) -> Case:
     file, *settings = SCENES[name]
-    if file == "slow_cracks":
-        return slow_cracks(*settings)
+    if file in ("slow_cracks", "crack_at_bond"):
+        return {"slow_cracks": slow_cracks, "crack_at_bond": crack_at_bond}[file](*settings)
     coarse = COARSE[1:] if any("spacing" in setting for setting in settings) else COARSE
     return shipped_case(file, [*coarse, *settings])
 

@@ -22,6 +22,8 @@ from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
+from tests.crack_at_bond import TOUGHNESS as TOUGHNESS_OF_ROCK
+from tests.crack_at_bond import crack_at_bond
 from tests.scenes import shipped_case
 from tests.verification.row import Record, Row, parameters
 from tests.verification.solutions import QUIET, case_of
@@ -383,6 +385,15 @@ def parted_beam() -> list[tuple[float, float]]:
     ]
 
 
+def ratio_at_bond() -> float:
+    """G of an increment along the bond over that of one straight on, by the loads at which a crack goes by each."""
+    shares = 0.24, 0.28  # of the toughness of the rock: with less it turns, with more it crosses
+    runs = [whole_run(crack_at_bond(f"interfaces.0.toughness={share * TOUGHNESS_OF_ROCK}"))[0] for share in shares]
+    assert [run[1].events[0].kind for run in runs] == ["deflection", "crossing"]
+    along, across = (run[0].load_factor for run in runs)
+    return float(shares[0] * (across / along) ** 2)
+
+
 def _along_interfaces() -> Iterator[Row]:
     """Critical loads P of beams of a height h: G_c = 12 (P a)^2 / (E' h^3) (1 + 0.677 h / a)^2."""
     source, high, modulus = "beams with the rotation at the root (Suo, Bao, Fan 1992)", 0.01, 20e9 / (1.0 - 0.25**2)
@@ -392,6 +403,8 @@ def _along_interfaces() -> Iterator[Row]:
         name = f"double cantilever beam after {step} increments"
         yield Row(name, "load factor", partial(lambda n: parted_beam()[n][1], step), wanted, source, 3e-3)
         yield Row(name, "length of the crack [m]", partial(lambda n: parted_beam()[n][0], step), a, "itself", 1e-9)
+    source = "He, Hutchinson 1989, equal bodies"
+    yield Row("a crack at right angles to a bond", "G along it over G straight on", ratio_at_bond, 0.26, source, 3e-2)
 
 
 @pytest.mark.parametrize("row", parameters(_growth(), _shear(), _safety(), _along_interfaces()))
