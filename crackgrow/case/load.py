@@ -14,7 +14,7 @@ from crackgrow.case.check_regions import check_regions, place_points, settle_bod
 from crackgrow.case.check_strength import check_initiation, check_rate_law, check_strength, settle_direction
 from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
-from crackgrow.case.cracked import parted
+from crackgrow.case.cracked import opened, parted
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
@@ -172,7 +172,10 @@ def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
     if "cracked" not in interface and "toughness" not in interface:
         yield FORMAT.made(model.Interface, interface, lines=lines)
         return
-    crack, left = ("cracked" in interface and parted(lines, interface["cracked"], scene.reach)) or (None, lines)
+    crack, left = None, lines
+    if "cracked" in interface:
+        lines = opened(lines, interface["cracked"])
+        crack, left = parted(lines, interface["cracked"], scene.reach) or (None, lines)
     yield FORMAT.made(model.Interface, interface, lines=() if crack is None else (crack,), boundary=lines)
     bond = {**interface, "contact": "bonded"}
     yield FORMAT.made(model.Interface, bond, lines=left, beside_crack=True, boundary=lines)

@@ -10,7 +10,7 @@ import shapely
 
 from crackgrow.fracture.debond import Debond, bonds
 from crackgrow.geometry.polyline import arc_lengths
-from tests.unit.fracture.test_interface_tips import scene
+from tests.unit.fracture.test_interface_tips import E_PRIME, scene
 from tests.verification.solutions import case_of
 from tests.whole_run import whole_run
 
@@ -59,6 +59,47 @@ def test_what_is_left_is_bonded() -> None:
     parts = list(bonds((LINE, LINE + 20.0), [Debond(("a", "b"), LINE, 1.0, np.array([3.0, 10.0]), np.zeros(2, int))]))
     np.testing.assert_allclose(parts[0], [[0, 0], [3, 0]])
     np.testing.assert_allclose(parts[1], LINE + 20.0)
+
+
+def test_it_goes_on_round_a_grain() -> None:
+    """Of an arc of half an angle t in a plate pulled both ways K = s sqrt(pi R sin t) / (1 + sin(t/2)^2) (Tada)."""
+    rock, ends = {"young": "20 GPa", "poisson": 0.25}, np.deg2rad([-19.5, 19.5])
+    disk = {"disk": {"center": [0, 0], "radius": 10}}
+    given = {
+        "title": "a grain that comes loose",
+        "units": {"length": "mm", "stress": "MPa"},
+        "plane": "strain",
+        "bodies": {
+            "plate": {
+                "shape": {"rectangle": {"center": [0, 0], "width": 240, "height": 240}, "holes": [disk]},
+                "material": rock,
+            },
+            "grain": {"shape": disk, "material": rock},
+        },
+        "interfaces": [
+            {
+                "between": ["plate", "grain"],
+                "contact": {"friction": 0, "cohesion": 0},
+                "cracked": (10.0 * np.stack([np.cos(ends), np.sin(ends)], axis=1)).tolist(),
+                "toughness": "10 J/m^2",
+            }
+        ],
+        "supports": "minimal",
+        "loads": [
+            {"on": {"body": "plate", "edge": edge}, "traction": traction}
+            for edge, traction in (("left", [-1, 0]), ("right", [1, 0]), ("top", [0, 1]), ("bottom", [0, -1]))
+        ],
+        "loading": "critical",
+        "growth": {"steps": 2, "increment": 1.5, "criterion": "max_hoop_stress"},
+        "numerics": {"accuracy": "standard"},
+    }
+    results, _ = whole_run(case_of(given))
+    for step, result in enumerate(results):
+        t = np.deg2rad(19.5 + 9.0 * step)
+        K = result.load_factor * 1e6 * np.sqrt(np.pi * 0.01 * np.sin(t)) / (1.0 + np.sin(0.5 * t) ** 2)
+        found = [np.arctan2(tip.point[1], tip.point[0]) for tip in result.interface_tips]
+        np.testing.assert_allclose(np.sort(found), [-t, t], atol=1e-4)
+        assert pytest.approx(10.0 * E_PRIME, rel=1.5e-2) == K**2
 
 
 def test_what_growth_releases_is_its_G_times_the_length() -> None:
