@@ -78,7 +78,7 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
         scale = most.criticality if critical and goes else 1.0
         ratios = ["unknown" if w.criticality == 0.0 else f"{(w.criticality / scale) ** 2:.3g}" for w in (along, across)]
         met = SurfaceName("interface", ending.debond.bodies).words
-        met += f", with G/G_c of {ratios[0]} along it and {ratios[1]} straight on,"
+        met += f" (G/G_c of {ratios[0]} along it, {ratios[1]} straight on)"
         kind: EventKind = "stop" if not goes else "crossing" if most.cracks else "deflection"
         event = Event(step, kind, crack.crack.name, end_word(ending.at_end), ending.point, met)
         if goes:

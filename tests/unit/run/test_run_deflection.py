@@ -24,7 +24,7 @@ def toughness(share: float) -> str:
 def test_it_stops_below_both_toughnesses() -> None:
     results, end = whole_run(crack_at_bond(LOADED, toughness(0.28)))
     assert (len(results), end.status, [event.kind for event in end.events]) == (1, "arrested", ["stop"])
-    assert "stops at interface 'left/right', with G/G_c of 0.9" in end.events[0].words
+    assert "stops at interface 'left/right' (G/G_c of 0.9" in end.events[0].words
 
 
 def test_it_turns_to_both_sides_where_they_are_equal_and_goes_on_along_the_bond() -> None:
