@@ -17,7 +17,7 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.case.cracked import STRAIGHT
 from crackgrow.case.model import Case
 from crackgrow.case.surface import SurfaceName
-from crackgrow.fracture.advance import CLEARANCE
+from crackgrow.fracture.advance import CLEARANCE, GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 
 FROM_CORNERS = 0.5
@@ -54,27 +54,26 @@ class Debond:
         first, last = np.flatnonzero(self.steps == 0)[[0, -1]]
         return int(len(self.steps) - 1 - last if at_end else first)
 
-    def advanced(self, at_end: bool, increment: float, step: int, cracks: shapely.Geometry) -> tuple[Debond, str]:
-        """It after it has grown at its end (or start) by some increment (m), and what has been reached, or nothing.
+    def advanced(self, at_end: bool, increment: float, step: int, ends: shapely.Geometry) -> tuple[Debond, bool]:
+        """It after it has grown at its end (or start) by some increment (m), and whether it has reached something.
 
-        It ends on the next of the `cracks` (m) that touch the line, and with this. Within half an increment of a corner
-        the length is another one by at most that.
+        It ends with the line, and on the next of the `ends` (m) of others that lie on this. Within half an increment of
+        a corner the length is another one by at most that.
         """
         line, sign = shapely.LineString(self.line), 1.0 if at_end else -1.0
         turns = np.flatnonzero(np.abs(kink_angles(self.line)) > STRAIGHT) + 1
-        touched = shapely.get_coordinates(shapely.intersection(line, cracks))
+        touched = shapely.get_coordinates(shapely.intersection(line, ends))
         stops = np.append(shapely.line_locate_point(line, shapely.points(touched)), [0.0, line.length])
         tip = float(self.at[-1 if at_end else 0])
         ahead = stops[(stops - tip) * sign > CLEARANCE * increment]
         to = tip + sign * increment
         stop = float(ahead[np.argmin(np.abs(ahead - tip))]) if len(ahead) else tip
         if (stop - to) * sign < CLEARANCE * increment:
-            met = "the end of the interface" if stop in (0.0, line.length) else "a crack"
-            return self._reaching(at_end, stop, step), met
+            return self._reaching(at_end, stop, step), True
         corners = np.sort([*arc_lengths(self.line)[turns], *stops])
         first, last = corners[corners <= to].max(), corners[corners >= to].min()
         away = FROM_CORNERS * min(increment, last - first)
-        return self._reaching(at_end, float(np.clip(to, first + away, last - away)), step), ""
+        return self._reaching(at_end, float(np.clip(to, first + away, last - away)), step), False
 
     def _reaching(self, at_end: bool, to: float, step: int) -> Debond:
         """It with its end (or start) at an arc length."""
@@ -90,6 +89,12 @@ def debonds_of(case: Case) -> Iterator[Debond]:
             nearest = int(np.argmin([float(shapely.distance(line, ends).max()) for line in lines]))
             at = shapely.line_locate_point(lines[nearest], ends)
             yield debond_on(case, (number, nearest), at, np.zeros(2, dtype=np.int64))
+
+
+def ends_of(cracks: Sequence[GrowingCrack], debonds: Sequence[Debond]) -> shapely.Geometry:
+    """The ends (m) of cracks and debonds, on which others end."""
+    lines = (*(growing.crack.points for growing in cracks), *(debond.points for debond in debonds))
+    return shapely.MultiPoint([point for line in lines for point in line[[0, -1]]])
 
 
 def debond_on(case: Case, place: tuple[int, int], at: Floats, steps: Ints) -> Debond:

@@ -21,7 +21,7 @@ from crackgrow.case.surface import SurfaceName, end_word
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import TIE, GrowingCrack, Segment, Start, started
-from crackgrow.fracture.debond import Debond
+from crackgrow.fracture.debond import Debond, ends_of
 from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import assemble
@@ -53,41 +53,55 @@ class Ending:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Way:
-    """How a crack goes on from there: by debonds, or by new cracks."""
+    """How cracks go on from there: by debonds, or by new cracks."""
 
     debonds: tuple[Debond, ...] = ()
     cracks: tuple[GrowingCrack, ...] = ()
     criticality: float = 0.0  # sqrt(G / G_c) at its tips, at the load of the step
 
+    def leaves_room_for(self, other: Way) -> bool:
+        """Whether no debonds of both overlap."""
+        pairs = ((a.line is b.line, a.at, b.at) for a, b in product(self.debonds, other.debonds))
+        return not any(same and a[0] <= b[-1] and b[0] <= a[-1] for same, a, b in pairs)
+
+    def and_also(self, other: Way, solution: StepSolution) -> Way:
+        """Both ways at once; each new crack has a name of its own."""
+        cracks = list(self.cracks)
+        for growing in other.cracks:
+            name = new_name([*solution.cracks, *cracks])
+            cracks.append(replace(growing, crack=replace(growing.crack, name=name)))
+        return replace(self, debonds=(*self.debonds, *other.debonds), cracks=tuple(cracks))
+
 
 def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[Event]]:
-    """How a crack goes on from an interface in a step, the solution at its critical load, and what is told of it.
+    """How cracks go on from interfaces in a step, the solution at the critical load for that, and what is told of it.
 
-    Of several cracks the most critical one goes, if it is more so than the tips. Where one stops is told once.
+    The most critical one goes, if it is more so than the tips; with `advance: all` also those that meet the criterion
+    at that load. Where one stops is told once.
     """
-    factor, critical = solution.state.factor, isinstance(solution.scene.case.loading, CriticalLoad)
-    best, told, stops = (
-        Way(criticality=float(site_criticality(solution).max(initial=0.0))),
-        list[Event](),
-        list[Event](),
-    )
-    for ending in endings(solution):
-        along, across = _along(solution, ending, step), _across(solution, ending, step)
+    growth, critical = solution.scene.case.growth, isinstance(solution.scene.case.loading, CriticalLoad)
+    assert growth is not None
+    found = [
+        (ending, _along(solution, ending, step), _across(solution, ending, step))
+        for ending in sorted(endings(solution), key=lambda ending: tuple(ending.point))
+    ]
+    best = max((way.criticality for _, *ways in found for way in ways), default=0.0)
+    goes_on = best > max(site_criticality(solution).max(initial=0.0), 0.0 if critical else 1.0)
+    load, events, way = best if goes_on and critical else 1.0, list[Event](), Way(criticality=best)
+    for ending, along, across in found:
         most, crack = max(along, across, key=lambda way: way.criticality), solution.cracks[ending.crack]
-        goes = most.criticality > best.criticality and (critical or most.criticality >= 1.0)
-        scale = most.criticality if critical and goes else 1.0
-        ratios = ["unknown" if w.criticality == 0.0 else f"{(w.criticality / scale) ** 2:.3g}" for w in (along, across)]
+        kind: EventKind = "stop"
+        first = not (way.debonds or way.cracks) and most.criticality >= (1.0 - TIE) * best
+        also = growth.advance == "all" and most.criticality >= (1.0 - TIE) * load and way.leaves_room_for(most)
+        if goes_on and (first or also):
+            way, kind = way.and_also(most, solution), "crossing" if most.cracks else "deflection"
+        elif crack.steps[-1 if ending.at_end else 0] != step - 1:
+            continue
+        ratios = [f"{(one.criticality / load) ** 2:.3g}" if one.criticality else "unknown" for one in (along, across)]
         met = SurfaceName("interface", ending.debond.bodies).words
         met += f" (G/G_c of {ratios[0]} along it, {ratios[1]} straight on)"
-        kind: EventKind = "stop" if not goes else "crossing" if most.cracks else "deflection"
-        event = Event(step, kind, crack.crack.name, end_word(ending.at_end), ending.point, met)
-        if goes:
-            best, told = most, [event]
-        elif crack.steps[-1 if ending.at_end else 0] == step - 1:
-            stops.append(event)
-    if told and critical:
-        solution = _at_factor(solution, factor / best.criticality)
-    return solution, best if told else Way(), [*told, *stops]
+        events.append(Event(step, kind, crack.crack.name, end_word(ending.at_end), ending.point, met))
+    return (_at_factor(solution, solution.state.factor / best) if goes_on and critical else solution), way, events
 
 
 def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
@@ -128,17 +142,16 @@ def _along(solution: StepSolution, ending: Ending, step: int) -> Way:
     """The way along the interface: to the side that is more critical, to both where they are equal."""
     growth = solution.scene.case.growth
     assert growth is not None
-    ends = [point for growing in solution.cracks for point in growing.crack.points[[0, -1]]]
-    obstacles = shapely.MultiPoint(ends)
+    ends = ends_of(solution.cracks, solution.scene.debonds)
     sides = [
-        _tried(solution, Way(debonds=(ending.debond.advanced(side, growth.increment, step, obstacles)[0],)))
+        _tried(solution, Way(debonds=(ending.debond.advanced(side, growth.increment, step, ends)[0],)))
         for side in (False, True)
     ]
     less, most = sorted(sides, key=lambda way: way.criticality)
     if less.criticality < (1.0 - TIE) * most.criticality or most.criticality == 0.0:
         return most
     (debond,) = sides[0].debonds
-    return replace(most, debonds=(debond.advanced(True, growth.increment, step, obstacles)[0],))
+    return replace(most, debonds=(debond.advanced(True, growth.increment, step, ends)[0],))
 
 
 def _across(solution: StepSolution, ending: Ending, step: int) -> Way:
