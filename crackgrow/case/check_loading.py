@@ -140,7 +140,8 @@ def _critical(scene: Scene) -> Faults:
         remedy = "with friction that remembers there is no such state, give loading: {history: [...]} instead"
         yield UNLOAD, f"{message} state; {remedy}"
     tips = [crack["tips"] for crack in named(scene.resolved, "cracks").values()] if sound("cracks") else ["both"]
-    if sound("growth", "initiation") and not scene.starts_cracks and set(tips) <= {"none"}:
+    starts = scene.starts_cracks or scene.parts_interfaces
+    if sound("growth", "initiation") and not starts and set(tips) <= {"none"}:
         yield ("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none"
     if sound("loads") and sound("supports") and not _has_scaled(scene):
         message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"

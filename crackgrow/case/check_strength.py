@@ -106,7 +106,7 @@ def _told_once(scene: Scene) -> Faults:
     """A radius is given where rock has no toughness, and nowhere else."""
     key = ("growth", "tip_stress")
     without, tough = (bodies_with(scene, toughness=known) for known in (False, True))
-    if "tip_stress" not in scene.resolved["growth"] and (without or not tough):
+    if "tip_stress" not in scene.resolved["growth"] and (without or not (tough or scene.parts_interfaces)):
         where = f"bodies.{without[0]}.strength" if without else "the strength of the rock"
         message = "missing: {radius: R}, the averaging radius, a length of the material"
         yield key, f"{message}; or give {where} a toughness, from which it follows"

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from crackgrow.case.check_regions import knows
-from crackgrow.case.cracked import fault_of_crack
+from crackgrow.case.cracked import fault_of_crack, fault_of_toughness
 from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.model import STEEPEST, CoulombContact
@@ -198,9 +198,11 @@ def check_interfaces(scene: Scene) -> Faults:
                 clear += 1
                 yield from _pair(scene, key, pair, seen)
                 seen.setdefault(frozenset(pair), index)
-                sound = "cracked" in interface and scene.report.sound("interfaces", index)
-                if sound and scene.lines_between(*pair) and (fault := fault_of_crack(scene, interface)):
+                sound = scene.report.sound("interfaces", index) and scene.lines_between(*pair)
+                if sound and "cracked" in interface and (fault := fault_of_crack(scene, interface)):
                     yield ("interfaces", index, "cracked"), fault
+                if sound and "toughness" in interface and (fault := fault_of_toughness(scene, interface)):
+                    yield ("interfaces", index, "toughness"), fault
     if isinstance(listing, list) and clear == len(listing):  # else the missing one may be that which cannot be read
         for first, second in scene.shared:
             if frozenset((first, second)) not in seen:

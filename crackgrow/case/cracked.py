@@ -18,6 +18,21 @@ STRAIGHT = np.deg2rad(0.5)
 """rad: a boundary that turns less at a tip is straight there."""
 
 
+def opened(lines: tuple[Floats, ...], ends: Sequence[Sequence[float]]) -> tuple[Floats, ...]:
+    """The lines of a boundary; of one all round a body, which comes in halves, one line that ends far from a crack.
+
+    The crack is the shorter way between its `ends`.
+    """
+    if len(lines) != 2 or any((one[-1] != other[0]).any() for one, other in (lines, lines[::-1])):
+        return lines
+    ring = shapely.LineString(np.concatenate([lines[0], lines[1][1:]]))
+    first, last = (ring.project(shapely.Point(end)) for end in ends)
+    over = (last - first) % ring.length
+    at = (first + 0.5 * over + (0.5 * ring.length if over <= 0.5 * ring.length else 0.0)) % ring.length
+    parts = [shapely.get_coordinates(substring(ring, *part)) for part in ((at, ring.length), (0.0, at))]
+    return (frozen(np.concatenate([parts[0], parts[1][1:]])),)
+
+
 def parted(
     lines: Sequence[Floats], ends: Sequence[Sequence[float]], reach: float
 ) -> tuple[Floats, tuple[Floats, ...]] | None:
@@ -48,7 +63,8 @@ def fault_of_crack(scene: Scene, interface: Resolved) -> str:
     """What is wrong with the cracked part of an interface, in words; empty where nothing is."""
     if interface["contact"] == "bonded":
         return "the interface is bonded, so that its cracked part has no law; give it a law of contact"
-    lines, ends, reach = scene.lines_between(*interface["between"]), interface["cracked"], scene.reach
+    ends, reach = interface["cracked"], scene.reach
+    lines = opened(scene.lines_between(*interface["between"]), ends)
     whole = shapely.MultiLineString(list(lines))
     for end in ends:
         line = shapely.shortest_line(whole, shapely.Point(end))
@@ -71,4 +87,13 @@ def fault_of_crack(scene: Scene, interface: Resolved) -> str:
                 if abs(np.arctan2(cross(step, next_step), step @ next_step)) > STRAIGHT:
                     where = scene.point(behind[0])
                     return f"an end of the cracked part {where} lies on a corner of the interface; wanted: beside it"
+    return ""
+
+
+def fault_of_toughness(scene: Scene, interface: Resolved) -> str:
+    """What is wrong with the toughness of an interface, in words; empty where nothing is."""
+    if interface["contact"] == "bonded":
+        return "lets a bond part, and the interface is bonded, so that this has no law; give it a law of contact"
+    if (law := scene.get("growth", "law")) not in (None, "critical"):
+        return f"lets a tip grow at G = G_c, not at a rate; wanted with growth.law: {law}: leave it out"
     return ""

@@ -71,6 +71,11 @@ class Scene:
         """Whether cracks may start elsewhere than at the tips that are given."""
         return self.get("growth", "initiation", "at") not in (None, "tips")
 
+    @property
+    def parts_interfaces(self) -> bool:
+        """Whether the cracked part of an interface may grow."""
+        return any("toughness" in interface for _, interface in self.listed("interfaces"))
+
     def lines_between(self, first: str, second: str) -> tuple[Floats, ...]:
         """The boundary that two bodies share: lines (n, 2) m, none where they share no boundary."""
         return self.shared.get((first, second)) or self.shared.get((second, first)) or ()

@@ -14,7 +14,7 @@ from crackgrow.case.check_regions import check_regions, place_points, settle_bod
 from crackgrow.case.check_strength import check_initiation, check_rate_law, check_strength, settle_direction
 from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
-from crackgrow.case.cracked import parted
+from crackgrow.case.cracked import opened, parted
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
 from crackgrow.case.minimal_supports import settle_supports
@@ -166,14 +166,19 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
 
 
 def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
-    """An interface; of one with a cracked part this, then what is bonded."""
+    """An interface; of one that is cracked, or may be, this part, then what is bonded."""
     first, second = (scene.bodies[name] for name in interface["between"])
     lines = shared_lines(first, second, scene.tolerance)
+    if "cracked" not in interface and "toughness" not in interface:
+        yield FORMAT.made(model.Interface, interface, lines=lines)
+        return
+    crack, left = None, lines
     if "cracked" in interface:
-        crack, lines = parted(lines, interface["cracked"], scene.reach) or ((), lines)
-        yield FORMAT.made(model.Interface, interface, lines=(crack,))
-        interface = {**interface, "contact": "bonded"}
-    yield FORMAT.made(model.Interface, interface, lines=lines, beside_crack="cracked" in interface)
+        lines = opened(lines, interface["cracked"])
+        crack, left = parted(lines, interface["cracked"], scene.reach) or (None, lines)
+    yield FORMAT.made(model.Interface, interface, lines=() if crack is None else (crack,), boundary=lines)
+    bond = {**interface, "contact": "bonded"}
+    yield FORMAT.made(model.Interface, bond, lines=left, beside_crack=True, boundary=lines)
 
 
 def _item(scene: Scene, kind: str, key: Path, item: Resolved, **others: Any) -> Any:

@@ -50,7 +50,8 @@ def _loose_groups(scene: Scene) -> list[list[str]]:
     group = {name: [name] for name in scene.bodies}
     for _, interface in scene.items("interfaces", "between"):
         first, second = (group.get(name) for name in interface["between"])
-        if (interface["contact"] == "bonded" or "cracked" in interface) and first and second and first is not second:
+        holds = interface["contact"] == "bonded" or not interface.keys().isdisjoint(("cracked", "toughness"))
+        if holds and first and second and first is not second:
             first.extend(second)
             group.update(dict.fromkeys(second, first))
     return list({id(names): names for names in group.values()}.values())

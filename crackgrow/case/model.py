@@ -182,7 +182,9 @@ class Interface(Drawn):
     bodies: tuple[str, str]
     lines: tuple[Floats, ...]  # each (n, 2) m, open polylines; the first body lies on the left
     contact: CoulombContact | Literal["bonded"]
-    beside_crack: bool = False  # whether it is what is bonded of a boundary that has a cracked part
+    toughness: float | None = None  # J/m^2, at which its cracked part grows
+    beside_crack: bool = False  # whether it is what is bonded of a boundary that has, or may get, a cracked part
+    boundary: tuple[Floats, ...] = ()  # all lines of such a boundary, each (n, 2) m
 
     @property
     def surface(self) -> SurfaceName:

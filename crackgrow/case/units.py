@@ -30,6 +30,7 @@ _TABLE: dict[str, dict[str, str | Fraction]] = {
         "psi sqrt(in)": PSI * Fraction(math.sqrt(INCH)),
         "ksi sqrt(in)": 1000 * PSI * Fraction(math.sqrt(INCH)),
     },
+    "energy per area": {"J/m^2": "1", "kJ/m^2": "1e3"},
     "force": {"N/m": "1", "kN/m": "1e3", "MN/m": "1e6", "N/mm": "1e3", "kN/mm": "1e6"},
     "area": {f"{length}^2": Fraction(one) ** 2 for length, one in _LENGTHS.items()},
     "velocity": {

@@ -83,20 +83,23 @@ def interface_tips(cover: Cover, singular: Floats) -> Iterator[InterfaceTip]:
         point, x = surface.line.points[end], tip_direction(surface.line.points, at_end)
         first, second = (names.index(name) for name in surface.name.of)
         bodies = (first, second) if at_end else (second, first)  # the first one is on the left of the line
-        axes, radius = np.array([x, [-x[1], x[0]]]), KEPT_CLEAR * _room(cover, point, number, singular)
+        axes = np.array([x, [-x[1], x[0]]])
+        radius = KEPT_CLEAR * _room(cover, point, axes[1], singular)
         yield InterfaceTip(number, at_end, point, axes, bodies, float(surface.sizes[end]), radius)
 
 
-def _room(cover: Cover, point: Floats, surface: int, singular: Floats) -> float:
-    """How far (spacings) a tip is from the nearest corner, side, crack, singular point or other end.
+def _room(cover: Cover, point: Floats, normal: Floats, singular: Floats) -> float:
+    """How far (spacings) a tip is from the nearest corner, side, crack, singular point or end of an interface.
 
-    The interface beside it is none of them. It is nothing where a crack ends on the tip.
+    Sides in line with it, whose `normal` (2,) that is, are none of them. It is nothing where a crack ends on the tip.
     """
     sides = np.concatenate([body.sides for body in cover.bodies])
+    sides = sides[np.abs((sides - point) @ normal).max(axis=1) > SAME_PLACE]
     away = shapely.distance(shapely.linestrings(sides), shapely.Point(point))
-    apart = np.concatenate([np.hypot(*(cover.surfaces[surface].line.points[[0, -1]] - point).T), away])
+    ends = [surface.line.points[end] for surface in cover.surfaces for end in (0, -1) if not surface.name.is_crack]
+    apart = np.concatenate([np.hypot(*(np.array(ends) - point).T), away])
     cracks = shapely.distance(cover.crack_tree.geometries, shapely.Point(point))
-    return float(min(apart[apart > SAME_PLACE].min(), *cracks, *np.hypot(*(singular - point).T)))
+    return float(np.concatenate([apart[apart > SAME_PLACE], cracks, np.hypot(*(singular - point).T)]).min())
 
 
 def released(

@@ -83,7 +83,7 @@ def overview(case: Case) -> str:
         f"{case.name}: {case.title}",
         f"plane {case.plane}",
         *(_body_line(body, scale, show) for body in case.bodies),
-        *(_interface_line(interface, show) for interface in case.interfaces),
+        *(_interface_line(interface, show) for interface in case.interfaces if interface.lines),
         *_crack_lines(case.cracks, scale, show),
         f"cracks: {len(case.cracks)}, tips: {n_tips}"
         + (f", meeting at {counted(n_meetings, 'place')}" if n_meetings else ""),
@@ -125,7 +125,8 @@ def _body_line(body: model.Body, scale: float, show: Shown) -> str:
 def _interface_line(interface: model.Interface, show: Shown) -> str:
     law = "bonded" if interface.contact == "bonded" else _law(interface.contact)
     length = show(sum(map(line_length, interface.lines)))
-    return f"interface between {' and '.join(interface.bodies)}: length {length}; {law}"
+    toughness = "" if interface.toughness is None else f", G_c {interface.toughness:g} J/m^2"
+    return f"interface between {' and '.join(interface.bodies)}: length {length}; {law}{toughness}"
 
 
 def _support_lines(case: Case) -> list[str]:

@@ -144,8 +144,8 @@ def _begun(case: Case, side: float, title: str = "") -> tuple[Figure, Sheet]:
         for line in interface.lines:
             axes.plot(*line.T, color=LAW, linewidth=1.8, linestyle="-" if bonded else (0, (4, 1.5)), zorder=4)
         words = "bonded" if isinstance(interface.contact, str) else f"μ = {interface.contact.friction:g}"
-        line = interface.lines[0]
-        sheet.label(line[0] + 0.8 * (line[-1] - line[0]), words, LAW)
+        for line in interface.lines[:1]:
+            sheet.label(line[0] + 0.8 * (line[-1] - line[0]), words, LAW)
     for support in case.supports:
         sheet.draw_support(support)
     for load in case.loads:

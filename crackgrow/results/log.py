@@ -17,7 +17,7 @@ from crackgrow.results.units import INTENSITIES, LENGTHS, TIMES, counted, cut, d
 
 if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
     from crackgrow.case.model import Case
-    from crackgrow.run.result import Event, StepResult, TipResult
+    from crackgrow.run.result import Event, InterfaceTipResult, StepResult, TipResult
 
 
 MOST_TIPS = 3  # that a line tells of; run.log has all
@@ -91,8 +91,9 @@ def told_line(result: StepResult, case: Case, K_scale: float = 0.0, *, logged: b
     """
     n_steps = case.growth.steps if case.growth else None
     shown = [tip for tip in result.tips if tip.advanced]
+    on_interfaces = [tip for tip in result.interface_tips if tip.advanced]
     words = [step_label(result.step, n_steps), load_words(case, result.load_factor), *criticality_words(result)]
-    if not shown:
+    if not (shown or on_interfaces):
         if logged or (result.tips and n_steps is not None and result.step < n_steps):  # else none is to advance
             words.append("no tip advanced")
         if result.start is not None:
@@ -101,8 +102,9 @@ def told_line(result: StepResult, case: Case, K_scale: float = 0.0, *, logged: b
         known = [tip for tip in result.tips if math.isfinite(tip.K_I + tip.K_II)]
         sizes = [0.0 if tip.sticks else float(f"{math.hypot(tip.K_I, tip.K_II):.6g}") for tip in known]  # not round-off
         shown = [known[sizes.index(max(sizes))]] if known else []
-    most = len(shown) if logged else MOST_TIPS
-    words += [*cut([_tip_words(tip, K_scale) for tip in shown], most, "{} more"), *length_words(result)]
+    told = [_tip_words(tip, K_scale) for tip in shown]
+    told += [f"{tip.crack} {tip.tip} G {tip.G:.3g} J/m^2" for tip in on_interfaces]
+    words += [*cut(told, len(told) if logged else MOST_TIPS, "{} more"), *length_words(result)]
     if math.isfinite(result.time):  # growth takes time
         size, unit = unit_of([result.time or 1.0], TIMES)
         words.append(f"at {result.time / size:.4g} {_ascii(unit)}")
@@ -137,16 +139,18 @@ def criticality_words(result: StepResult) -> list[str]:
 
     With a law of rate that is the K at which it is unstable.
     """
-    moved = [tip for tip in result.tips if tip.advanced]
-    known = [tip for tip in moved or result.tips if math.isfinite(tip.criticality)]
+    tips: Sequence[TipResult | InterfaceTipResult] = (*result.tips, *result.interface_tips)
+    moved = [tip for tip in tips if tip.advanced]
+    known = [tip for tip in moved or tips if math.isfinite(tip.criticality)]
     if not known:
         return []
     most = max(known, key=lambda tip: tip.criticality)
     words = [f"criticality {most.criticality:.3g}"]
-    if math.isfinite(most.K_growth):
-        size, unit = unit_of([most.K_growth], INTENSITIES)
-        at_rate = math.isfinite(most.velocity) or math.isfinite(most.growth_per_cycle)
-        words.append(f"{'unstable' if at_rate else 'grows'} at K {most.K_growth / size:.3g} {_ascii(unit)}")
+    for tip in result.tips:
+        if tip is most and math.isfinite(tip.K_growth):
+            size, unit = unit_of([tip.K_growth], INTENSITIES)
+            at_rate = math.isfinite(tip.velocity) or math.isfinite(tip.growth_per_cycle)
+            words.append(f"{'unstable' if at_rate else 'grows'} at K {tip.K_growth / size:.3g} {_ascii(unit)}")
     return words
 
 

@@ -15,6 +15,7 @@ from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.debond import Debond, debond_on, debonds_of, place_of
 from crackgrow.run.configuration import Excavated, LoadLevel
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import Origin, Start
@@ -38,6 +39,7 @@ class RunState:
     notes: tuple[str, ...] = ()  # on how its solution was found
     errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time; in fatigue cycles
+    debonds: tuple[Debond, ...] = ()  # the cracked parts of interfaces that have a toughness
 
     @property
     def paths(self) -> tuple[CrackPath, ...]:
@@ -47,7 +49,7 @@ class RunState:
 
 def beginning(case: Case) -> RunState:
     """Nothing is solved yet."""
-    return RunState(0, tuple(map(GrowingCrack.given, case.cracks)))
+    return RunState(0, tuple(map(GrowingCrack.given, case.cracks)), debonds=tuple(debonds_of(case)))
 
 
 def packed(state: RunState, solution: StepSolution) -> Checkpoint:
@@ -70,6 +72,7 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
             }
             for growing in state.cracks
         ],
+        "debonds": [place_of(solution.scene.at_start.case, debond) for debond in solution.scene.debonds],
         "time": state.time,
         "start": None,
         "gone": [rock.body for rock in origin.excavated],
@@ -78,6 +81,8 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
     arrays: dict[str, NDArray[Any]] = {}
     for number, growing in enumerate(state.cracks):
         arrays[f"points{number}"], arrays[f"steps{number}"] = growing.crack.points, growing.steps
+    for number, debond in enumerate(solution.scene.debonds):
+        arrays[f"debond{number}"], arrays[f"debond_steps{number}"] = debond.at, debond.steps
     if origin.start is not None:
         start = origin.start
         values["start"] = {
@@ -118,4 +123,8 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         tuple(values["notes"]),
         None if values["errors"] is None else errors_of_record(values["errors"]),
         values["time"],
+        tuple(
+            debond_on(case, place, arrays[f"debond{number}"], arrays[f"debond_steps{number}"])
+            for number, place in enumerate(values["debonds"])
+        ),
     )

@@ -24,6 +24,8 @@ from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import NotSolvedError
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.debond import Debond, debond_number
+from crackgrow.fracture.interface_tips import InterfaceTip, interface_tips
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
@@ -223,7 +225,7 @@ class Configuration:
     def under_laws(self, laws: tuple[SurfaceLaw, ...]) -> Configuration:
         """The same rock and loads with other laws of contact; what is known of the rock stays known."""
         scene = replace(self.scene, laws=laws)
-        contact = self.contact.with_law(laws_at_points(laws, self.cover, self.faces, self.cracks))
+        contact = self.contact.with_law(laws_at_points(laws, self.cover, self.faces, self.cracks, scene.debonds))
         other = replace(self, scene=scene, contact=contact)
         other.__dict__["_units"] = self._units
         return other
@@ -306,6 +308,15 @@ class Configuration:
         return self.cover.lattice.to_lattice(np.array(points).reshape(-1, 2))
 
     @cached_property
+    def interface_tips(self) -> list[tuple[InterfaceTip, Debond | None]]:
+        """The tips of cracked interfaces, with what grows at them."""
+        debonds, found = self.scene.debonds, list[tuple[InterfaceTip, Debond | None]]()
+        for tip in interface_tips(self.cover, self.singular):
+            number = debond_number(debonds, self.cover.surfaces[tip.surface].name)
+            found.append((tip, None if number is None else debonds[number]))
+        return found
+
+    @cached_property
     def stress_functionals(self) -> dict[int, StressFunctional]:
         """What the stress fields read off, by the number of their site: those in bodies that have a strength."""
         scene = self.scene
@@ -365,7 +376,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)
         system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), held.compliance)
     weights = faces.weights * scene.lattice.spacing
-    law = laws_at_points(scene.laws, cover, faces, growing)
+    law = laws_at_points(scene.laws, cover, faces, growing, scene.debonds)
     solver = case.numerics.contact.solver
     loads, given = _each_load(scaled, constant), np.outer(held.given, (0.0, 0.0, 1.0))
     contact = ContactSystem(system, *operators, weights, law, solver, loose, loads, given)

@@ -10,7 +10,7 @@ one behind the jump.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -77,7 +77,7 @@ class _Trial:
 
     factor: float
     loadings: list[TipLoading | None]  # site by site
-    criticalities: Floats  # site by site, zero where no crack can leave
+    criticalities: Floats  # site by site, then tips of cracked interfaces; zero where no crack can leave
     solution: StepSolution | None  # None without any load, where everything is zero
     came: tuple[LoadState, ...] = ()  # on the ways to it, in turn, and at last its own
 
@@ -108,7 +108,8 @@ class _Search:
         self._why = ""  # a way ended before the load factor that it made for
         ends, sites = configuration.cover.tip_ends, configuration.sites
         grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
-        self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site
+        grow += [debond is not None for _, debond in configuration.interface_tips]
+        self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site, then tips of cracked interfaces
         self.rest = self._at_rest()
 
     def towards(self, below: _Trial, factor: float) -> list[_Trial]:
@@ -170,7 +171,7 @@ class _Search:
         share = 1.0
         while share < farthest:
             nearer, share = share, min(STRIDE * share, farthest)
-            there = self._criticalities(_between(below, above, share))
+            there = self._between(below, above, share)
             if there.max(initial=0.0) >= 1.0:
                 return low + self._share_met((below, above), (nearer, share), there >= 1.0) * (high - low)
         return min(STRIDE * high, LARGEST_FACTOR)
@@ -184,17 +185,16 @@ class _Search:
 
         The others do not meet it at the second share.
         """
-        return _root(lambda at: float(self._criticalities(_between(*trials, at, some)).max()) - 1.0, *shares)
+        return _root(lambda at: float(self._between(*trials, at, some).max()) - 1.0, *shares)
 
     def _evaluated(self, state: LoadState, below: _Trial | None = None) -> _Trial:
         """The trial of a state, on a way that began at the trial `below`."""
         with timed(self._seconds, "criterion"):
             solution = evaluated(state)
         sites: list[TipState | StartState] = [*solution.tips, *solution.starts]
-        known = zip(self.can_grow, (site.verdict for site in sites), strict=True)
-        criticalities = np.array(
-            [verdict.largest if grows and verdict is not None else 0.0 for grows, verdict in known]
-        )
+        largest = [0.0 if site.verdict is None else site.verdict.largest for site in sites]
+        largest += np.nan_to_num([each.criticality for each in solution.interface_tips]).tolist()
+        criticalities = np.where(self.can_grow, largest, 0.0)
         earlier = () if below is None else (*below.came[:-1], *(at.light() for at in below.came[-1:]))
         came = (*earlier, *state.via, state)
         return _Trial(state.factor, [site.loading for site in sites], criticalities, solution, came)
@@ -203,30 +203,24 @@ class _Search:
         """The trial under the held loads alone."""
         if any(load.held for load in self._configuration.scene.case.loads):
             return self._evaluated(increment(self._configuration, self._start, 0.0))
-        return _Trial(0.0, [None] * len(self.can_grow), np.zeros(len(self.can_grow)), None)
+        sites = self._configuration.sites
+        return _Trial(0.0, [None] * len(sites), np.zeros(len(self.can_grow)), None)
 
-    def _criticalities(self, loadings: Sequence[TipLoading | None]) -> Floats:
-        """Criticality site by site (n,), zero where no crack can leave or no loading is known.
+    def _between(self, below: _Trial, above: _Trial, share: float, some: Bools | None = None) -> Floats:
+        """Criticality (n,) at a share of the way between trials if all is linear there; zero but at `some` sites.
 
-        It is that of all branches: where tension is met as well, shear may have been at a lower load.
+        Also zero where no crack can leave or no loading is known. It is that of all branches: where tension is met as
+        well, shear may have been at a lower load. Of tips of interfaces it is linear itself, as K is.
         """
-        sites, found = self._configuration.sites, np.zeros(len(loadings))
-        known = {n: loading for n, loading in enumerate(loadings) if self.can_grow[n] and loading is not None}
-        said = verdicts(self._configuration.scene, [sites[number] for number in known], list(known.values()))
-        found[list(known)] = [verdict.largest for verdict in said]
-        return found
-
-
-def _between(below: _Trial, above: _Trial, share: float, some: Bools | None = None) -> list[TipLoading | None]:
-    """The loadings at a share of the way between trials if everything is linear there; None but at `some` sites."""
-    found: list[TipLoading | None] = []
-    for number, (first, last) in enumerate(zip(below.loadings, above.loadings, strict=True)):
-        if last is None or (some is not None and not some[number]):
-            found.append(None)
-            continue
-        first = first or last.none  # there is none without any load
-        found.append(TipLoading.between(first, last, share))
-    return found
+        found = (1.0 - share) * below.criticalities + share * above.criticalities
+        sites, loadings = self._configuration.sites, dict[int, TipLoading]()
+        found[: len(sites)] = 0.0
+        for number, (first, last) in enumerate(zip(below.loadings, above.loadings, strict=True)):
+            if last is not None and self.can_grow[number] and (some is None or some[number]):
+                loadings[number] = TipLoading.between(first or last.none, last, share)  # none without any load
+        said = verdicts(self._configuration.scene, [sites[number] for number in loadings], list(loadings.values()))
+        found[list(loadings)] = [verdict.largest for verdict in said]
+        return found if some is None else np.where(some, found, 0.0)
 
 
 def _root(function: Callable[[float], float], low: float, high: float) -> float:

@@ -20,8 +20,9 @@ from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import turned_roots
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
+from crackgrow.fracture.debond import Debond
 from crackgrow.fracture.face_displacements import from_face_displacements
-from crackgrow.fracture.interface_tips import InterfaceTip, Release, interface_tips, released
+from crackgrow.fracture.interface_tips import InterfaceTip, Release, released
 from crackgrow.fracture.opening import share_across
 from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
@@ -69,12 +70,27 @@ class StartState:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class InterfaceTipState:
+    """What is known of a tip of a cracked interface."""
+
+    tip: InterfaceTip
+    release: Release
+    debond: Debond | None  # None: without a toughness, so that it does not grow
+
+    @property
+    def criticality(self) -> float:
+        """sqrt(G / G_c); nan where one of them is not known."""
+        return math.nan if self.debond is None else math.sqrt(max(self.release.G, 0.0) / self.debond.toughness)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StepSolution:
     """Everything that is known of a configuration under its loads."""
 
     state: LoadState
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
+    interface_tips: tuple[InterfaceTipState, ...]
     seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
@@ -135,7 +151,8 @@ def evaluated(state: LoadState) -> StepSolution:
     with timed(seconds, "criterion"):
         fields = _stress_fields(state)
         tips, starts = _tip_states(state, fields), _start_states(state, fields)
-    return StepSolution(state, tips, starts, seconds)
+        interface_tips = tuple(_interface_tip_states(state))
+    return StepSolution(state, tips, starts, interface_tips, seconds)
 
 
 def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
@@ -217,12 +234,12 @@ def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
     return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
 
 
-def interface_releases(state: LoadState) -> Iterator[tuple[InterfaceTip, Release]]:
+def _interface_tip_states(state: LoadState) -> Iterator[InterfaceTipState]:
     """The tips of cracked interfaces, with the energy that they release."""
     cover, materials, u = state.cover, state.materials, state.outcome.u
-    forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
-    for tip in interface_tips(cover, state.configuration.singular):
-        yield tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces)
+    for tip, debond in state.configuration.interface_tips:
+        forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
+        yield InterfaceTipState(tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces), debond)
 
 
 def _tractions(state: LoadState, surface: int) -> FaceTraction:

@@ -30,7 +30,10 @@ COARSE_TIME = (
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Advances:
-    """The sites that advance after a solve, with lengths and velocities where growth takes time, or cycles for it."""
+    """The sites that advance after a solve, with lengths and velocities where growth takes time, or cycles for it.
+
+    Behind the numbers of sites there are those of tips of cracked interfaces.
+    """
 
     cracks: tuple[GrowingCrack, ...]  # as they are, with what tips that wait have gathered
     sites: Ints = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # by number, that of a new crack last
@@ -44,26 +47,37 @@ def chosen_advances(growth: Growth, solution: StepSolution, cracks: tuple[Growin
 
     `cracks` are those of the solution, with what their tips have gathered.
     """
-    sites, criticality, n_tips = solution.configuration.sites, site_criticality(solution), len(solution.tips)
-    places = np.array([site.point for site in sites]).reshape(-1, 2)
+    criticality, n_tips, n_sites = site_criticality(solution), len(solution.tips), len(solution.configuration.sites)
+    places = site_places(solution)
     if growth.rate_law is not None:
         return _in_time(growth, solution, cracks, places, velocities(_driving(solution), growth.rate_law))
     n_advances = np.full(len(criticality), STARTS, dtype=np.int64)
     n_advances[:n_tips] = [cracks[index].n_advances(at_end) for index, at_end in solution.cover.tip_ends]
+    n_advances[n_sites:] = [
+        0 if each.debond is None else each.debond.n_advances(each.tip.at_end) for each in solution.interface_tips
+    ]
     chosen = advancing_sites(criticality, n_advances, places, growth.advance)
-    if any(sites[site].kind != "crack" for site in chosen[chosen >= n_tips].tolist()):
+    starts = chosen[n_advances[chosen] == STARTS]
+    if any(solution.configuration.sites[site].kind != "crack" for site in starts.tolist()):
         # on rims and in rock equal ones are neighbours: the first relieves them
-        chosen = chosen[: np.count_nonzero(chosen < n_tips) + 1]
+        chosen = chosen[: len(chosen) - len(starts) + 1]
     return Advances(cracks, chosen)
 
 
+def site_places(solution: StepSolution) -> Floats:
+    """Where (n, 2) every site lies, lattice coordinates; after them the tips of cracked interfaces."""
+    points = [site.point for site in solution.configuration.sites]
+    return np.array([*points, *(each.tip.point for each in solution.interface_tips)]).reshape(-1, 2)
+
+
 def site_criticality(solution: StepSolution) -> Floats:
-    """Criticality (n,) of every site, -inf for a tip that must not grow."""
+    """Criticality (n,) of every site, then of the tips of cracked interfaces, -inf for a tip that must not grow."""
     tips = [
         tip.verdict.criticality if tip.verdict is not None and solution.cracks[index].can_grow(at_end) else -np.inf
         for tip, (index, at_end) in zip(solution.tips, solution.cover.tip_ends, strict=True)
     ]
-    return np.array([*tips, *(start.verdict.criticality for start in solution.starts)])
+    on_interfaces = np.nan_to_num([each.criticality for each in solution.interface_tips], nan=-np.inf)
+    return np.array([*tips, *(start.verdict.criticality for start in solution.starts), *on_interfaces])
 
 
 def _driving(solution: StepSolution) -> Floats:

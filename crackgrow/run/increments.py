@@ -13,6 +13,7 @@ import shapely
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import LoadHistory
+from crackgrow.case.surface import SurfaceName
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.solve import ContactOutcome, PointStates
@@ -157,13 +158,13 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
     jump = np.zeros(len(faces.lengths))  # at the integration points
     elastic, normal, tangential, dilation, risen, lost = np.zeros((6, n))
     closed = np.ones(n, dtype=bool)
-    numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
+    numbers = {_first_of_many(surface.name): n for n, surface in enumerate(configuration.cover.surfaces)}
     for index, surface in enumerate(old.cover.surfaces):
-        if surface.name not in numbers:
+        if (name := _first_of_many(surface.name)) not in numbers:
             continue
-        mine, s = _on_old_faces(faces.points, numbers[surface.name], surface)
+        mine, s = _on_old_faces(faces.points, numbers[name], surface)
         jump[mine] = old.gap_and_slip(state.level, points_at(old.cover, index, s), outcome.u)[1]
-        mine, s = _on_old_faces(faces.nodes, numbers[surface.name], surface)
+        mine, s = _on_old_faces(faces.nodes, numbers[name], surface)
         for values, found in (
             (elastic, old.contact.law.shear_compliance * points.tangential),
             (normal, points.normal),
@@ -178,6 +179,11 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     memory = ContactMemory(slip, lost, closed | (lost == 0.0), risen, normal, tangential, dilation)
     return Start(state.level, memory, state.energy, state.conjugates, state.round_off, grown=True)
+
+
+def _first_of_many(name: SurfaceName) -> SurfaceName:
+    """The name of a surface whether or not there are others like it: an interface may part at one more place."""
+    return replace(name, number=name.number or 0)
 
 
 def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Ints, Floats]:

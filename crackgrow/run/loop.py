@@ -15,11 +15,12 @@ from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
+from crackgrow.run.deflection import Way, way_on
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import Advances, chosen_advances, ended, time_of, unsolved
 from crackgrow.run.increments import FROM_REST
 from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load
-from crackgrow.run.propagation import BeforeAdvance, advance_tips
+from crackgrow.run.propagation import BeforeAdvance, advance_debonds, advance_tips
 from crackgrow.run.report import estimate_maker, step_result
 from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -72,7 +73,8 @@ def _steps(
     The error of the last step is estimated as it is known to be the last.
     """
     with single_threaded():
-        scene, begun = make_scene(case), beginning(case) if checkpoint is None else restored(case, checkpoint)
+        begun = beginning(case) if checkpoint is None else restored(case, checkpoint)
+        scene = make_scene(case).with_debonds(begun.debonds)
         if begun.errors is not None:
             scene = scene.with_grading(begun.errors.grading)
     if isinstance(case.loading, StrengthReduction):
@@ -117,13 +119,23 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         n_pieces = state.n_pieces or len(all_pieces(solution.cover))
         state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + time)
         grows_on = state.step < growth.steps
-        advances = chosen_advances(growth, solution, state.cracks) if grows_on else Advances(state.cracks)
-        yield _reported(state, solution, advances), solution
-        if len(advances.sites) == 0:
-            return ended(state, solution, growth)
-        at = BeforeAdvance(solution.scene, advances.cracks, state.step + 1, advances.lengths)
+        solved = solution
+        solution, way, told = way_on(solved, state.step + 1) if grows_on else (solved, Way(), [])
+        goes_on, alone = bool(way.debonds or way.cracks), growth.advance != "all"
+        chooses = grows_on and not (goes_on and alone)
+        advances = chosen_advances(growth, solution, state.cracks) if chooses else Advances(state.cracks)
+        yield _reported(state, solution, advances, solved), solution
+        if len(advances.sites) == 0 and not goes_on:
+            end = ended(state, solution, growth)
+            return replace(end, events=(*told, *end.events))
+        debonds, met = advance_debonds(solution, advances.sites, state.step + 1)
+        debonds = (*debonds, *way.debonds)
+        scene = scene.with_debonds(debonds)
+        cracks = (*advances.cracks, *way.cracks)
+        at = BeforeAdvance(solution.scene, cracks, state.step + 1, advances.lengths)
         advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
-        state = RunState(state.step + 1, advance.cracks, advance.events, state.n_pieces, time=state.time)
+        events = (*told, *met, *advance.events)
+        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 
@@ -171,8 +183,10 @@ def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
         return float("nan")
 
 
-def _reported(state: RunState, solution: StepSolution, advances: Advances | None = None) -> StepResult:
-    """The step's result, with what a run can go on from."""
+def _reported(
+    state: RunState, solution: StepSolution, advances: Advances | None = None, solved: StepSolution | None = None
+) -> StepResult:
+    """The step's result, with what a run can go on from: the solution as it was `solved`, or itself."""
     output = solution.scene.case.output
     result = step_result(state, solution, advances or Advances(state.cracks), output.frames != "none" or output.figures)
-    return replace(result, checkpoint=packed(state, solution))
+    return replace(result, checkpoint=packed(state, solved or solution))

@@ -23,6 +23,7 @@ from crackgrow.case.touching import scene_size
 from crackgrow.cover.shapes import body_index
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack, Segment, Start, advanced, started, without_tip
+from crackgrow.fracture.debond import Debond, ends_of
 from crackgrow.fracture.meeting import Meeting
 from crackgrow.fracture.opening import opening
 from crackgrow.geometry.tolerance import SAME_PLACE
@@ -81,6 +82,7 @@ def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, so
     Starts of new cracks come last.
     """
     n_tips, growth = len(solution.tips), before.scene.case.growth
+    chosen = chosen[chosen < len(solution.configuration.sites)]
     kinks: list[float] = []
     turns: dict[End, bool] = {}  # what starts, and shear, keep their directions
     for site in chosen.tolist():
@@ -99,6 +101,26 @@ def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, so
     if not implicit or not any(turning and first.cracks[n].can_grow(end) for (n, end), turning in turns.items()):
         return first
     return _without_shear(before, turns, np.array(kinks), first, solve)
+
+
+def advance_debonds(solution: StepSolution, chosen: Ints, step: int) -> tuple[tuple[Debond, ...], tuple[Event, ...]]:
+    """The cracked parts of interfaces after they have grown at those of their tips that are among some sites."""
+    scene, growth, events = solution.scene, solution.scene.case.growth, list[Event]()
+    grown = list(scene.debonds)
+    for number in chosen[chosen >= len(solution.configuration.sites)].tolist():
+        known = solution.interface_tips[number - len(solution.configuration.sites)]
+        assert growth is not None
+        assert known.debond is not None  # it was chosen by its toughness
+        index, at_end = scene.debonds.index(known.debond), known.tip.at_end
+        ends = ends_of(solution.cracks, grown)
+        grown[index], has_met = grown[index].advanced(at_end, growth.increment, step, ends)
+        if has_met:
+            name, place = str(solution.cover.surfaces[known.tip.surface].name), grown[index].points[-1 if at_end else 0]
+            on_others = shapely.dwithin(ends, shapely.Point(place), SAME_PLACE * scene.lattice.spacing)
+            kind: EventKind = "coalescence" if on_others else "break_through"
+            met = "the end of a crack" if on_others else "the end of the interface"
+            events.append(Event(step, kind, name, end_word(at_end), place, met))
+    return tuple(grown), tuple(events)
 
 
 def _advanced_by(before: BeforeAdvance, ends: Mapping[End, bool], kinks: Floats) -> AfterAdvance:

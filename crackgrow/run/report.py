@@ -14,16 +14,16 @@ from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors
 from crackgrow.accuracy.energy_norm import ErrorEstimate, error_estimate
 from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
+from crackgrow.case.segments import line_length
 from crackgrow.case.surface import end_word
 from crackgrow.cover.shapes import is_isotropic
 from crackgrow.fracture.advance import STARTS, advancing_sites
-from crackgrow.fracture.interface_tips import InterfaceTip, Release
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.checkpoint import RunState
-from crackgrow.run.evaluation import StepSolution, interface_releases
+from crackgrow.run.evaluation import InterfaceTipState, StepSolution
 from crackgrow.run.frame import make_frame
 from crackgrow.run.growth import Advances
 from crackgrow.run.result import (
@@ -65,7 +65,10 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         cracks=paths,
         events=state.events,
         tips=tuple(_tip(solution, tip, tip in advances.sites, errors, still) for tip in range(len(solution.tips))),
-        interface_tips=tuple(_interface_tip(solution, *known) for known in interface_releases(solution.state)),
+        interface_tips=tuple(
+            _interface_tip(solution, known, len(solution.configuration.sites) + number in advances.sites)
+            for number, known in enumerate(solution.interface_tips)
+        ),
         contact=contact,
         faces=faces,
         reactions=reactions(solution.state),
@@ -104,9 +107,9 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
     )
 
 
-def _interface_tip(solution: StepSolution, tip: InterfaceTip, release: Release) -> InterfaceTipResult:
+def _interface_tip(solution: StepSolution, known: InterfaceTipState, advances: bool) -> InterfaceTipResult:
     """The row of a tip of a cracked interface."""
-    lattice = solution.cover.lattice
+    lattice, tip, release = solution.cover.lattice, known.tip, known.release
     return InterfaceTipResult(
         crack=str(solution.cover.surfaces[tip.surface].name),
         tip=end_word(tip.at_end),
@@ -116,6 +119,9 @@ def _interface_tip(solution: StepSolution, tip: InterfaceTip, release: Release) 
         K=release.K,
         G_radius=tip.radius * lattice.spacing,
         cell_size=tip.size * lattice.spacing,
+        length=line_length(solution.cover.surfaces[tip.surface].line.points) * lattice.spacing,
+        criticality=known.criticality,
+        advanced=advances,
     )
 
 
@@ -222,6 +228,12 @@ def _growing(step: int, solution: StepSolution, advances: Advances) -> Iterator[
         energy = length * kinked_release(state.K, state.verdict.kink, material)
         place, name = cover.lattice.to_metres(cover.tips[tip].point), str(cover.cracks[index].name)
         yield Event(step, "growth", name, end_word(at_end), place, "", solution.state.factor, energy)
+    for number, known in enumerate(solution.interface_tips):
+        if len(solution.configuration.sites) + number in advances.sites:
+            assert growth is not None
+            place, name = cover.lattice.to_metres(known.tip.point), str(cover.surfaces[known.tip.surface].name)
+            energy, end = growth.increment * known.release.G, end_word(known.tip.at_end)
+            yield Event(step, "growth", name, end, place, "", solution.state.factor, energy)
 
 
 def _start(solution: StepSolution) -> StartResult | None:

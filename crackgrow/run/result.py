@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,6 +88,9 @@ class InterfaceTipResult:
     K: float  # Pa sqrt(m), size of the complex K
     G_radius: float  # m, of the disc
     cell_size: float  # m, side of the cells round the tip
+    length: float  # m, of the cracked part
+    criticality: float = float("nan")  # sqrt(G / G_c): >= 1 where it grows; nan without a toughness
+    advanced: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -174,8 +177,12 @@ class FrameOnDemand:
 
 
 EventKind = Literal[
-    "coalescence", "hole", "break_through", "interface", "initiation", "slip", "opening", "break", "growth", "parted"
-]
+    "coalescence", "hole", "break_through", "interface", "initiation", "slip", "opening", "break", "growth", "parted",
+    "stop", "deflection", "crossing",
+]  # fmt: skip
+
+VERBS: Final[Mapping[str, str]] = {"stop": "stops at", "deflection": "turns along", "crossing": "crosses"}
+"""What tips do at the interfaces that they have reached."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,7 +207,7 @@ class Event:
         at = place_text(self.point)
         if self.kind == "initiation":
             return f"crack '{self.crack}' starts on {self.met} at {at}"
-        return f"crack '{self.crack}' ({self.tip}) reached {self.met} at {at}"
+        return f"crack '{self.crack}' ({self.tip}) {VERBS.get(self.kind, 'reached')} {self.met} at {at}"
 
 
 def event_record(event: Event) -> dict[str, Any]:

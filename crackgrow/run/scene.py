@@ -20,6 +20,7 @@ from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.debond import Debond, bonds
 from crackgrow.fracture.sites import Site
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.surface_laws import SurfaceLaw, surface_law
@@ -66,6 +67,7 @@ class Scene:
     grading: Grading = BY_HAND
     course: Course | None = None  # of the stage; None: the case has no stages
     whole: Scene | None = None  # with the rock that is gone; None: none is
+    debonds: tuple[Debond, ...] = ()  # cracked parts of interfaces that have a toughness
 
     @property
     def at_start(self) -> Scene:
@@ -152,6 +154,25 @@ class Scene:
             crack_bodies=(*self.crack_bodies, *(body_index(case.bodies, crack.body) for crack in cracks)),
             laws=(*self.laws[:n], *laws, *self.laws[n:]),
         )
+
+    def with_debonds(self, debonds: tuple[Debond, ...]) -> Scene:
+        """The scene with interfaces cracked so far."""
+        if all(debond.is_as_given for debond in debonds):
+            return replace(self, debonds=debonds)
+        interfaces = list(self.case.interfaces)
+        for number, interface in enumerate(interfaces):
+            mine = [debond for debond in debonds if debond.bodies == interface.bodies]
+            if mine:
+                lines = bonds(interface.boundary, mine) if interface.beside_crack else [each.points for each in mine]
+                interfaces[number] = replace(interface, lines=tuple(lines))
+        case, n, n_founded = (
+            replace(self.case, interfaces=tuple(interfaces)),
+            len(self.case.cracks),
+            len(self.foundations),
+        )
+        geometries, laws = _on_interfaces(case, self.lattice)
+        laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - n_founded :])
+        return replace(self, case=case, interfaces=geometries, laws=laws, debonds=debonds)
 
     def _with_fluids_beyond(self, growing: Sequence[GrowingCrack]) -> tuple[model.Load, ...]:
         """The loads with each fluid in the cracks that it reaches: what starts on its crack, and where it is connected
@@ -251,7 +272,8 @@ def scene_of_stage(scene: Scene, number: int) -> Scene:
     if not gone:
         return replace(scene, course=course)
     left = _scene_on(without(scene.case, gone), scene.lattice)
-    return replace(left, grading=scene.grading, lengths=scene.lengths, course=course, whole=scene)
+    left = replace(left, grading=scene.grading, lengths=scene.lengths, debonds=scene.debonds)
+    return replace(left, course=course, whole=scene)
 
 
 def without(case: model.Case, gone: set[str]) -> model.Case:
@@ -276,11 +298,7 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
         plane_elasticity(m.young, m.poisson, case.plane, m.bedding) for m in (body.material for body in case.bodies)
     )
     crack_bodies = tuple(body_index(case.bodies, crack.body) for crack in case.cracks)
-    lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
-    interfaces = (
-        CrackGeometry(name, lattice.to_lattice(line), False, False)
-        for name, (_, line) in zip(numbered([interface.surface for interface, _ in lines]), lines, strict=True)
-    )
+    interfaces, laws = _on_interfaces(case, lattice)
     bodies = {body.name for body in case.bodies}
     supports = [each for each in case.supports if isinstance(each, model.ContactSupport) and each.region.body in bodies]
     names = numbered([support.surface for support in supports])
@@ -297,7 +315,7 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
             BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name, m.roots)
             for b, m in zip(case.bodies, materials, strict=True)
         ),
-        interfaces=tuple(interfaces),
+        interfaces=interfaces,
         foundations=tuple(
             Foundation(name, each.region, each.moves) for name, each in zip(names, supports, strict=True)
         ),
@@ -305,7 +323,20 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
         lengths=tuple(rim_lengths(rims, joined, held, loaded, case.origin)),
         laws=(
             *(surface_law(case, crack.contact, crack.body) for crack in case.cracks),
-            *(surface_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
+            *laws,
             *(surface_law(case, support.contact, support.region.body) for support in supports),
         ),
+    )
+
+
+def _on_interfaces(case: model.Case, lattice: Lattice) -> tuple[tuple[CrackGeometry, ...], tuple[SurfaceLaw, ...]]:
+    """The lines of the interfaces of a case on a lattice, and what holds each of them."""
+    lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
+    names = numbered([interface.surface for interface, _ in lines])
+    return (
+        tuple(
+            CrackGeometry(name, lattice.to_lattice(line), False, False)
+            for name, (_, line) in zip(names, lines, strict=True)
+        ),
+        tuple(surface_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
     )

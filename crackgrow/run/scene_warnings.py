@@ -19,6 +19,7 @@ from crackgrow.case.units import Metres, place_text
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import ends_at_bonds
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.debond import debond_number
 from crackgrow.geometry.tolerance import ON_LINE, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
 from crackgrow.run.scene import Scene
@@ -50,7 +51,9 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         yield WarningCause.UNMEASURED.at()
     if growth is not None and growth.steps > 0:
         sites = sites_of(scene, cover, tuple(map(GrowingCrack.given, case.cracks)))
-        growing = any(crack.tip_at_start or crack.tip_at_end for crack in case.cracks)
+        growing = any(each.toughness is not None for each in case.interfaces) or any(
+            crack.tip_at_start or crack.tip_at_end for crack in case.cracks
+        )
         if not growing and all(site.kind == "tip" for site in sites):
             yield WarningCause.NO_TIPS.at(steps=growth.steps)
     yield from _of_growth(scene)
@@ -67,11 +70,11 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
 
 
 def _of_cracked_interfaces(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
-    """Tips of cracked interfaces, which do not grow, and what is not known of them."""
+    """Tips of cracked interfaces that do not grow, and what is not known of them."""
     growth, tips = scene.case.growth, ends_at_bonds([surface.line for surface in cover.surfaces])
     varying = {body.name for body, of in zip(cover.bodies, scene.materials_at(1.0), strict=True) if of.initial.varying}
     for name in dict.fromkeys(cover.surfaces[number].name for number, _ in tips):
-        if growth is not None and growth.steps > 0:
+        if growth is not None and growth.steps > 0 and debond_number(scene.debonds, name) is None:
             yield WarningCause.BONDED_TIPS.at(name.words)
         if not varying.isdisjoint(name.of):
             yield WarningCause.UNKNOWN_G.at(name.words)

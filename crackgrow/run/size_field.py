@@ -113,10 +113,15 @@ def _tips(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:
 
 
 def _interface_tips(scene: Scene) -> Features:
-    """Tips of cracked interfaces, whose stress no function follows: as kinks, by the crack."""
+    """Tips of cracked interfaces, whose stress no function follows: by the crack, its last part, increments."""
+    growth = scene.case.growth
     for number, at_end in ends_at_bonds(scene.interfaces):
         points = scene.interfaces[number].seen_from(at_end)
-        yield shapely.Point(points[0]), _along(scene, line_length(points), "kink", scene.grading.rest)
+        beside = _along(scene, float(np.hypot(*(points[1] - points[0]))), "stretch", scene.grading.rest)
+        size = min(_along(scene, line_length(points), "kink", scene.grading.rest), beside)
+        if growth is not None and growth.steps > 0 and scene.debonds:
+            size = min(size, _along(scene, growth.increment / scene.lattice.spacing, "increment"))
+        yield shapely.Point(points[0]), size
 
 
 def _kinks(scene: Scene, cracks: Sequence[CrackGeometry]) -> Features:

@@ -64,9 +64,8 @@ def _start_regions(scene: Scene, growth: Growth) -> StartRegions:
 
 def start_at(scene: Scene, growing: Sequence[GrowingCrack], others: Sequence[Start], site: Site, mode: str) -> Start:
     """What starts at a site besides `others`, in `tension` or `shear`."""
-    names = {known.crack.name for known in growing} | {other.crack.name for other in others}
-    number = next(number for number in range(1, len(names) + 2) if f"new{number}" not in names)
-    crack = new_crack(scene.case, growing, f"new{number}", scene.case.bodies[site.body].name, site.crack)
+    name = new_name([*growing, *others])
+    crack = new_crack(scene.case, growing, name, scene.case.bodies[site.body].name, site.crack)
     place, where = _place(scene, growing, site), f"{_where(scene, growing, site)} ({mode})"
     return Start(crack, site.crack, mode == "shear", place, site.direction, site.both_ways, where)
 
@@ -84,6 +83,12 @@ def _place(scene: Scene, growing: Sequence[GrowingCrack], site: Site) -> Floats:
             return np.asarray(nearest)
         line = shapely.LineString(points)
     return np.asarray(shapely.get_coordinates(shapely.shortest_line(line, shapely.Point(place)))[0])
+
+
+def new_name(known: Sequence[GrowingCrack | Start]) -> str:
+    """The name of the next crack that starts."""
+    names = {each.crack.name for each in known}
+    return next(name for number in range(1, len(names) + 2) if (name := f"new{number}") not in names)
 
 
 def new_crack(case: Case, growing: Sequence[GrowingCrack], name: str, body: str, parent: int | None) -> Crack:

@@ -18,7 +18,7 @@ from crackgrow.contact.ripple import worst_ripple
 from crackgrow.geometry.polyline import kink_angles
 from crackgrow.geometry.tolerance import ROUND_OFF
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.growth import site_criticality
+from crackgrow.run.growth import site_criticality, site_places
 from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene_warnings import dry_joints, scene_warnings, unbalanced_loads
 from crackgrow.run.state_values import imbalance, mean_stress, reactions
@@ -233,7 +233,7 @@ def _unstable(solution: StepSolution) -> Iterator[StepWarning]:
     if criticality.max(initial=0.0) < cause.limit:
         return
     worst = int(np.argmax(criticality))
-    where = place_text(cover.lattice.to_metres(solution.configuration.sites[worst].point))
+    where = place_text(cover.lattice.to_metres(site_places(solution)[worst]))
     if worst < len(cover.tip_ends):
         index, at_end = cover.tip_ends[worst]
         where = cover.cracks[index].name.end(at_end)

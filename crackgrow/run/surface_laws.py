@@ -14,6 +14,7 @@ from crackgrow.contact.coulomb import ContactLaw, closed_by
 from crackgrow.contact.faces import ContactFaces
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.advance import GrowingCrack
+from crackgrow.fracture.debond import Debond, debond_number
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.geometry.tolerance import SAME_PLACE
 
@@ -70,7 +71,11 @@ def surface_law(case: Case, contact: CoulombContact | Literal["bonded"] | None, 
 
 
 def laws_at_points(
-    laws: Sequence[SurfaceLaw], cover: Cover, faces: ContactFaces, growing: Sequence[GrowingCrack]
+    laws: Sequence[SurfaceLaw],
+    cover: Cover,
+    faces: ContactFaces,
+    growing: Sequence[GrowingCrack],
+    debonds: Sequence[Debond],
 ) -> ContactLaw:
     """The law point by point. Faces that growth has made are broken from the start: they do not cohere."""
     compliance, along, weakening, rough = np.zeros((4, faces.n))
@@ -89,9 +94,13 @@ def laws_at_points(
         decays[mine], most[mine] = given.decay_length > 0.0, given.max_closure or np.inf
         if given.barton is not None:
             rough[mine], wall[mine] = np.deg2rad(given.barton.jrc), given.barton.jcs
-        if cover.surfaces[index].name.is_crack:
-            crack = growing[index]
-            rooted = arc_lengths(cover.lattice.to_lattice(crack.crack.points))[crack.rooted]
+        name = cover.surfaces[index].name
+        number = debond_number(debonds, name)
+        if name.is_crack or number is not None:
+            if number is None:
+                rooted = arc_lengths(cover.lattice.to_lattice(growing[index].crack.points))[growing[index].rooted]
+            else:
+                rooted = debonds[number].given / cover.lattice.spacing
             new = mine & ((faces.s < rooted[0] - SAME_PLACE) | (faces.s > rooted[-1] + SAME_PLACE))
             rows[1:, :, new] = rows[1:, -1:, new]
             rows[2:4, :, new] = 0.0

@@ -11,6 +11,7 @@ import pytest
 
 from crackgrow.case.model import Case
 from crackgrow.run.result import Checkpoint
+from tests.crack_at_bond import crack_at_bond
 from tests.scenes import CYCLES, SHORTER, shipped_case, slow_cracks
 from tests.solving import whole_run
 
@@ -24,6 +25,7 @@ POINTS = "output.points={mouth: {crack: flaw, at: [0, 0]}}"
 STARTS = ("growth.initiation.at=cracks", "bodies.rock.strength.cohesion=0.6", "growth.advance=all", LOADED)
 CYCLE = "loading.history=[0.4, 1, 0.7, -0.3, -1, -0.8, 0.6]"
 BLOCK = "loading.history=[0.3, 1.0, 0.1, 0.5]"
+ALONG = "growth={steps: 3, increment: 5, criterion: max_hoop_stress, unload_between_steps: false}"
 SCENES = {
     "unloaded between steps": ("compression30", "growth.steps=3", FRICTION),
     "history in every step": ("compression30", "growth.steps=2", FRICTION, "loading.history=[0.5, -0.2, 1.0]"),
@@ -37,14 +39,17 @@ SCENES = {
     "cycles": ("slow_cracks", SHORTER, *CYCLES),
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", BLOCK),
     "stages": ("tunnel_excavated", "numerics.spacing=2", "output.points={}"),
+    "interface that parts": ("17_interface", "interfaces.0.toughness=1", ALONG, "numerics.accuracy=draft"),
+    "cracks that cross a bond": ("crack_at_bond", "interfaces.0.toughness=14"),
+    "cracks that turn along a bond": ("crack_at_bond", "loading={history: [4]}", LOADED),
     "interface": ("interface_friction04", "numerics.spacing=0.2", BLOCK),
 }
 
 
 def scene(name: str) -> Case:
     file, *settings = SCENES[name]
-    if file == "slow_cracks":
-        return slow_cracks(*settings)
+    if file in ("slow_cracks", "crack_at_bond"):
+        return {"slow_cracks": slow_cracks, "crack_at_bond": crack_at_bond}[file](*settings)
     coarse = COARSE[1:] if any("spacing" in setting for setting in settings) else COARSE
     return shipped_case(file, [*coarse, *settings])
 

@@ -59,6 +59,7 @@ def stressed(pressure: float) -> list[str]:
 
 
 FLAW, BLOCKS, CAST = "compression30", "interface_friction01", "17_interface"
+ROCK = "bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40}"
 GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: outlines}"
 POINTS = ["numerics.spacing=3"]
 SHORTENED = "7.75e+05 N/m at supports.{}"
@@ -103,7 +104,8 @@ TOLD = {
     WarningCause.JUMP: [(FLAW, cohesive(0.0), []), (FLAW, cohesive(5.0), ["jumps to", "jumps to"])],
     WarningCause.BONDED_TIPS: [
         (CAST, [], []),
-        (CAST, ["bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40}", GROWS], ["do not grow"]),
+        (CAST, [ROCK, GROWS], ["do not grow"]),
+        (CAST, [ROCK, GROWS, "interfaces.0.toughness=1"], []),
     ],
     WarningCause.UNKNOWN_G: [
         (CAST, ["loads=[{body: rock, stress: [-1, -1, 0]}]"], []),

@@ -22,6 +22,8 @@ from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
+from tests.crack_at_bond import TOUGHNESS as TOUGHNESS_OF_ROCK
+from tests.crack_at_bond import crack_at_bond
 from tests.scenes import shipped_case
 from tests.solving import whole_run
 from tests.verification.solutions import QUIET, case_of
@@ -341,6 +343,70 @@ def _safety() -> Iterator[Row]:
     yield Row("a slab below a roof", "factor of safety", value, 0.1e6 / (2600 * 9.81), "tensile strength", 1e-3)
 
 
-@pytest.mark.parametrize("row", parameters(_growth(), _shear(), _safety()))
+@cache
+def parted_beam() -> list[tuple[float, float]]:
+    """The length (m) of the crack and the load factor of each step, of two beams of 10 mm that are pulled apart."""
+    length, high = 120.0, 10.0
+    ends = {"upper": (0.0, high), "lower": (-high, 0.0)}
+    return [
+        (result.interface_tips[0].length, result.load_factor)
+        for result in grow(
+            case_of(
+                {
+                    "title": "a double cantilever beam",
+                    "units": {"length": "mm", "stress": "MPa"},
+                    "plane": "strain",
+                    "bodies": {
+                        name: {
+                            "shape": {"polygon": [[0, low], [length, low], [length, high], [0, high]]},
+                            "material": {"young": "20 GPa", "poisson": 0.25},
+                        }
+                        for name, (low, high) in ends.items()
+                    },
+                    "interfaces": [
+                        {
+                            "between": ["upper", "lower"],
+                            "contact": {"friction": 0, "cohesion": 0},
+                            "cracked": [[0, 0], [30, 0]],
+                            "toughness": "50 J/m^2",
+                        }
+                    ],
+                    "supports": "minimal",
+                    "loads": [
+                        {"on": {"body": name, "edge": 3}, "traction": [0, t]}
+                        for name, t in (("upper", 1), ("lower", -1))
+                    ],
+                    "loading": "critical",
+                    "growth": {"steps": 2, "increment": 10, "criterion": "max_hoop_stress"},
+                    "numerics": {"accuracy": "standard"},
+                }
+            )
+        )
+    ]
+
+
+def ratio_at_bond() -> float:
+    """G of an increment along the bond over that of one straight on, by the loads at which a crack goes by each."""
+    shares = 0.24, 0.28  # of the toughness of the rock: with less it turns, with more it crosses
+    runs = [whole_run(crack_at_bond(f"interfaces.0.toughness={share * TOUGHNESS_OF_ROCK}"))[0] for share in shares]
+    assert [run[1].events[0].kind for run in runs] == ["deflection", "crossing"]
+    along, across = (run[0].load_factor for run in runs)
+    return float(shares[0] * (across / along) ** 2)
+
+
+def _along_interfaces() -> Iterator[Row]:
+    """Critical loads P of beams of a height h: G_c = 12 (P a)^2 / (E' h^3) (1 + 0.677 h / a)^2."""
+    source, high, modulus = "beams with the rotation at the root (Suo, Bao, Fan 1992)", 0.01, 20e9 / (1.0 - 0.25**2)
+    for step in range(3):
+        a = 0.03 + 0.01 * step
+        wanted = np.sqrt(50.0 * modulus * high**3 / 12.0) / (a + 0.677 * high) / (1e6 * high)
+        name = f"double cantilever beam after {step} increments"
+        yield Row(name, "load factor", partial(lambda n: parted_beam()[n][1], step), wanted, source, 3e-3)
+        yield Row(name, "length of the crack [m]", partial(lambda n: parted_beam()[n][0], step), a, "itself", 1e-9)
+    source = "He, Hutchinson 1989, equal bodies"
+    yield Row("a crack at right angles to a bond", "G along it over G straight on", ratio_at_bond, 0.26, source, 3e-2)
+
+
+@pytest.mark.parametrize("row", parameters(_growth(), _shear(), _safety(), _along_interfaces()))
 def test_value_is_within_its_tolerance(row: Row, record_property: Record) -> None:
     row.check(record_property)
