@@ -7,10 +7,10 @@ from itertools import pairwise
 import numpy as np
 import pytest
 import shapely
-from tests.solving import whole_run
 
 from crackgrow.fracture.debond import Debond, bonds
 from crackgrow.geometry.polyline import arc_lengths
+from tests.solving import whole_run
 from tests.unit.fracture.test_interface_tips import E_PRIME, scene
 from tests.verification.solutions import case_of
 

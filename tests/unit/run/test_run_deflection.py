@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.solving import whole_run
 
 from tests.crack_at_bond import TOUGHNESS, crack_at_bond
+from tests.solving import whole_run
 
 pytestmark = pytest.mark.physics
 
