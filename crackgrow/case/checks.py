@@ -16,6 +16,7 @@ from crackgrow.case.report import Faults, Path, quoted
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
 LARGEST_POISSON = 0.4999  # in plane strain; beyond, K of cracks is off by tens of per cent
+FARTHEST = 100.0  # factor between moduli of rock with bedding; beyond, fields on a circle are not resolved
 STIFFEST_GAUSS = 1e5  # numerics.contact.stiffness of gauss points; beyond, their tractions are nothing but waves
 
 
@@ -37,13 +38,19 @@ def check_material(scene: Scene) -> Faults:
 
 
 def _elastic_bedding(scene: Scene, name: str) -> Faults:
-    """Every stress stores energy: 1 - nu - 2 nu'^2 E / E' > 0 (Pickering 1970), by as much as without bedding."""
+    """Moduli are alike; every stress stores energy: 1 - nu - 2 nu'^2 E / E' > 0 (Pickering 1970)."""
     key = ("bodies", name, "material")
     bedding, young, poisson = (*key, "bedding"), scene.get(*key, "young"), scene.get(*key, "poisson")
-    across, softer = scene.get(*bedding, "poisson"), scene.get(*bedding, "young")
-    if None in (across, young, poisson, softer):
+    across, other = scene.get(*bedding, "poisson"), scene.get(*bedding, "young")
+    for which in ("young", "shear"):
+        modulus = scene.get(*bedding, which)
+        if None not in (young, modulus) and not 1.0 / FARTHEST < modulus / young < FARTHEST:
+            message = f"is {modulus / young:.3g} times the modulus along the planes"
+            yield (*bedding, which), f"{message}; wanted: within a factor of {FARTHEST:g} of it"
+    if None in (across, young, poisson, other):
         return
-    largest = math.sqrt(max(1.0 - poisson - (1.0 - 2.0 * LARGEST_POISSON), 0.0) * softer / (2.0 * young))
+    least = 1.0 - 2.0 * LARGEST_POISSON if scene.get("plane") == "strain" else 0.0
+    largest = math.sqrt(max(1.0 - poisson - least, 0.0) * other / (2.0 * young))
     if abs(across) > largest:
         wanted = f"wanted with these moduli: from {-largest:.6g} to {largest:.6g}, for the energy to be positive"
         yield (*bedding, "poisson"), f"{across:g} given; {wanted}"

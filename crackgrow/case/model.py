@@ -45,7 +45,7 @@ class Material:
     bedding: ElasticBedding | None = None
 
     @property
-    def softest(self) -> float:
+    def least_young(self) -> float:
         """The least Young's modulus (Pa) of all directions along and across planes."""
         return self.young if self.bedding is None else min(self.young, self.bedding.young)
 

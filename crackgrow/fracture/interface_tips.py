@@ -33,9 +33,9 @@ from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS
 from crackgrow.fracture.tip_rule import (
     FACE_PANEL,
     GROWTH,
-    N_ANGULAR,
     N_RADIAL,
     PANEL,
+    n_angular,
     panel_ends,
     panels_from_tip,
     weighted_by_fall,
@@ -138,7 +138,8 @@ def _of_half(
 ) -> Floats:
     """What the left half (0) or the right half (1) of the discs adds to G (radii,) J/m^2."""
     r, weight = panels_from_tip(panel_ends(radii, PANEL * tip.size, GROWTH), N_RADIAL)
-    x, w = gauss(N_ANGULAR)
+    in_tip_axes = material.turned(tip.rotation)
+    x, w = gauss(n_angular(in_tip_axes.roots))
     t = np.pi * (x - half)
     c, s = np.tile(np.cos(t), len(r)), np.tile(np.sin(t), len(r))
     places = tip.point + np.repeat(r, len(t))[:, None] * np.stack([c, s], axis=1) @ tip.rotation
@@ -149,7 +150,7 @@ def _of_half(
     xx, yy, xy = material.initial.uniform
     tensor = np.array([[xx, xy], [xy, yy]])
     initial = np.array([x_ @ tensor @ x_, y_ @ tensor @ y_, x_ @ tensor @ y_])
-    stress = strain @ material.matrix + initial
+    stress = strain @ in_tip_axes.matrix + initial
     energy = 0.5 * np.sum((stress + initial) * strain, axis=1)
     vectors = across(stress, np.stack([c, s], axis=1))
     flux = energy * c - vectors[:, 0] * gradient[0, 0] - vectors[:, 1] * gradient[1, 0]

@@ -119,7 +119,8 @@ def kinked_release(K: tuple[float, float], kink: float, material: PlaneElasticit
     """Energy (J/m^2) that a tip with K_I, K_II (Pa sqrt(m)) releases as it begins to grow along a kink (rad).
 
     It is that of the K right behind the kink, Cotterell, Rice 1980, with the material in the axes of the tip: to first
-    order in the kink, which is 2 % low at 20 degrees and 12 % at 72. Faces that would overlap release nothing by that.
+    order in the kink, which in isotropic rock is 2 % low at 20 degrees and 12 % at 72. Faces that would overlap release
+    nothing by that.
     """
     opens, shears = ahead(K, kink, material.roots)
     c, s = np.cos(kink), np.sin(kink)

@@ -17,7 +17,7 @@ from crackgrow.cover.tips import Tip
 from crackgrow.fracture.functionals import Functional
 from crackgrow.fracture.interaction import FIELDS, of_body_force, of_uniform_stress, weights_of
 from crackgrow.fracture.tip_disc import NOWHERE, Disc, disc_round, first_corner
-from crackgrow.fracture.tip_rule import TipRule, tip_rule
+from crackgrow.fracture.tip_rule import TipRule, n_angular, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.vectors import across
 
@@ -41,7 +41,7 @@ class StressIntensity:
     radius: float  # m, of the largest disc; nan where none fits
     small: bool  # whether the disc spans but few cells
     note: str  # why, in words; empty where it is not
-    opens: float = math.nan  # Pa sqrt(m): the K_I that alone opens the faces as far; below 0 these would overlap
+    K_opening: float = math.nan  # Pa sqrt(m): the K_I that alone opens the faces as far; below 0 these would overlap
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -129,25 +129,29 @@ def _in_disc(
     M += of_uniform @ _initial_gradient(material, cover.lattice.to_metres(tip.point)).ravel()
     M = M.reshape(-1, FIELDS)
     if body_force is not None:
-        rule = tip_rule(tip, tip.size, disc.radii)
+        rule = tip_rule(tip, tip.size, disc.radii, n_angular(in_tip_axes.roots))
         force = spacing * tip.rotation @ body_force(cover.lattice.to_metres(rule.circles.points(tip))).T
         M = M + of_body_force(in_tip_axes, rule, force)
-    of_stress, (across, along) = of_uniform_stress(in_tip_axes), traction(tip.from_start(np.zeros(1)))
+    of_stress, (pressing, shearing) = of_uniform_stress(in_tip_axes), traction(tip.from_start(np.zeros(1)))
     K_II, K_I = 0.5 * np.sqrt(spacing) * np.linalg.solve(in_tip_axes.release, M[:, 1::-1].T)
-    of_T = (M[:, 2] - of_stress[1] * float(across[0]) - of_stress[2] * float(along[0])) / of_stress[0]
+    of_T = (M[:, 2] - of_stress[1] * float(pressing[0]) - of_stress[2] * float(shearing[0])) / of_stress[0]
     found = np.stack([K_I, K_II, of_T], axis=1)
     (K_I, K_II, T), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
     _, (by_K_II, by_K_I) = in_tip_axes.release
-    opens, radius = K_I + float(by_K_II / by_K_I) * K_II, disc.radius * spacing
-    return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, radius, disc.small, note, opens)
+    K_opening, radius = K_I + float(by_K_II / by_K_I) * K_II, disc.radius * spacing
+    return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, radius, disc.small, note, K_opening)
 
 
 def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Functional]:
     """What the integrals of some discs read off."""
     if not discs:
         return []
-    rules = [tip_rule(disc.tip, disc.tip.size, disc.radii) for disc in discs]
+    rules = [
+        tip_rule(tip, tip.size, disc.radii, n_angular(materials[tip.body].turned(tip.rotation).roots))
+        for disc in discs
+        for tip in [disc.tip]
+    ]
     around = [rule.circles.points(disc.tip) for disc, rule in zip(discs, rules, strict=True)]
     elements = locate(cover.lattice, cover.elements, np.concatenate(around))
     found = []

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from crackgrow.arrays import Floats
+from crackgrow.cover.shapes import Roots, is_isotropic
 from crackgrow.cover.tips import TipView, crack_angle
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.geometry.tolerance import SAME_PART
@@ -17,6 +18,9 @@ N_RADIAL = 6
 
 N_ANGULAR = 40
 """Points on a circle, from face to face: with three times as many K changes by 3e-5, in discs of two cells by 2e-4."""
+
+ANGULAR_ERROR = 1e-5
+"""What Gauss' rule may leave of the fields of bedded rock on a circle; K is as good."""
 
 PANEL = 1.5
 """Longest panel on a ray near the tip, cells: the stress ripples from element to element."""
@@ -75,9 +79,21 @@ class TipRule:
     faces: FaceLine
 
 
-def tip_rule(tip: TipView, size: float, radii: Floats) -> TipRule:
-    """The rule of discs with increasing `radii` (n,) round a tip among cells of side `size`."""
-    return TipRule(radii, _circles(tip, size, radii), _face_line(tip, size, radii))
+def tip_rule(tip: TipView, size: float, radii: Floats, n: int = N_ANGULAR) -> TipRule:
+    """The rule of discs with increasing `radii` (m,) round a tip among cells of side `size`, n points on a circle."""
+    return TipRule(radii, _circles(tip, size, radii, n), _face_line(tip, size, radii))
+
+
+def n_angular(roots: Roots) -> int:
+    """Points on a circle in rock with these roots in the axes of the tip.
+
+    The fields are singular where cos t + s sin t = 0, at a distance d of t from the real axis: Gauss' rule of n points
+    over 2 pi leaves exp(-2 n d / pi).
+    """
+    if is_isotropic(roots):
+        return N_ANGULAR
+    distance = min(abs(np.arctan(1.0 / root).imag) for root in roots)
+    return max(N_ANGULAR, int(np.ceil(-0.5 * np.pi * np.log(ANGULAR_ERROR) / distance)))
 
 
 def weighted_by_fall(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
@@ -92,11 +108,11 @@ def weighted_by_step(r: Floats, weight: Floats, values: Floats, radii: Floats) -
     return np.asarray((weight * (1.0 - x) ** 3 * (1.0 + 3.0 * x)) @ values.T)
 
 
-def _circles(tip: TipView, size: float, radii: Floats) -> Circles:
+def _circles(tip: TipView, size: float, radii: Floats, n: int) -> Circles:
     kinks = tip.radii[1:][tip.radii[1:] < radii[-1]]
     kinks = kinks[np.unique(kinks // (KINK * size), return_index=True)[1]]
     r, weight = panels_from_tip(panel_ends(np.append(kinks, radii), PANEL * size, GROWTH), N_RADIAL)
-    x, w = gauss(N_ANGULAR)
+    x, w = gauss(n)
     t = crack_angle(tip, r)[:, None] - 2.0 * np.pi * (1.0 - x)
     return Circles(r, weight, t, 2.0 * np.pi * w)
 

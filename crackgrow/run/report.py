@@ -16,7 +16,6 @@ from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.segments import line_length
 from crackgrow.case.surface import end_word
-from crackgrow.cover.shapes import is_isotropic
 from crackgrow.fracture.advance import STARTS, advancing_sites
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.fracture.singular_stress import SingularStress
@@ -127,9 +126,8 @@ def _interface_tip(solution: StepSolution, known: InterfaceTipState, advances: b
 
 def estimate_maker(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
-    cover, isotropic = solution.cover, [is_isotropic(body.roots) for body in solution.cover.bodies]
-    near = [SingularStress(cover, n, tip.K) for n, tip in enumerate(solution.tips) if isotropic[cover.tips[n].body]]
-    return partial(error_estimate, cover, solution.state.materials, solution.outcome.u, near)
+    singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
+    return partial(error_estimate, solution.cover, solution.state.materials, solution.outcome.u, singular)
 
 
 def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:

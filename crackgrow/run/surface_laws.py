@@ -66,7 +66,7 @@ class SurfaceLaw:
 def surface_law(case: Case, contact: CoulombContact | Literal["bonded"] | None, *bodies: str) -> SurfaceLaw:
     """What holds the faces of a surface on some bodies, of which the case says this; E is that of the softer one."""
     kappa, law = case.numerics.contact.stiffness, contact if isinstance(contact, CoulombContact) else None
-    softer = min(body.material.softest for body in case.bodies if body.name in bodies)
+    softer = min(body.material.least_young for body in case.bodies if body.name in bodies)
     return SurfaceLaw(law, contact == "bonded", np.inf if kappa is None else kappa * softer)
 
 

@@ -171,7 +171,7 @@ def _sticks(state: LoadState, crack: int) -> bool:
 def _spread(state: LoadState, tip: Tip, known: StressIntensity) -> float:
     """What K of a tip says itself that it is off by (Pa sqrt(m))."""
     law = state.scene.laws[tip.crack]
-    overlap = 0.0 if law.contact is None or law.elastic else max(-known.opens, 0.0)
+    overlap = 0.0 if law.contact is None or law.elastic else max(-known.K_opening, 0.0)
     return float(np.nan_to_num(math.hypot(known.K_I_spread, known.K_II_spread, overlap)))
 
 
@@ -188,7 +188,7 @@ def _unresolved(state: LoadState, tip: Tip, known: TipState) -> float:
     friction = law.contact.worn[0]
     pressure = -float(outcome.normal[first])
     shear = max(abs(float(outcome.tangential[first])) - friction * max(pressure, 0.0), 0.0)
-    return unresolved_shear(known.intensity.opens, float(away.min()), pressure, shear)
+    return unresolved_shear(known.intensity.K_opening, float(away.min()), pressure, shear)
 
 
 def _jumps(state: LoadState) -> Floats:

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from crackgrow.accuracy.energy_norm import error_estimate
+from crackgrow.case.model import ElasticBedding
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
+from crackgrow.cover.shapes import turned_roots
 from crackgrow.cover.tips import tip_angle
 from crackgrow.fracture.near_tip import near_tip_gradient
 from crackgrow.fracture.singular_stress import SingularStress
-from crackgrow.solid.elasticity import plane_elasticity
+from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.recovery import stress_of
 from tests.conftest import Build
 from tests.unit.exact_fields import solved_under, true_error
@@ -64,15 +68,16 @@ def test_a_uniform_stress_has_no_error(build: type[Build], support: float) -> No
 
 K = (2.0, -1.0)
 MATERIAL = plane_elasticity(1.0, 0.25, "strain")
+BEDDED = plane_elasticity(1.0, 0.25, "strain", ElasticBedding(35.0, 0.4, 0.2, 0.3))
 
 
-def williams(cover: Cover, points: np.ndarray, elements: np.ndarray) -> np.ndarray:
+def williams(cover: Cover, points: np.ndarray, elements: np.ndarray, rock: PlaneElasticity = MATERIAL) -> np.ndarray:
     """Stress (n, 3) of K at the first tip."""
     tip = cover.tips[0]
     r, t = tip_angle(tip, points, cover.elements.reference[elements])
-    gradient = np.einsum("nmcd,m->ncd", near_tip_gradient(MATERIAL, r * cover.lattice.spacing, t), K)
+    gradient = np.einsum("nmcd,m->ncd", near_tip_gradient(rock.turned(tip.rotation), r * cover.lattice.spacing, t), K)
     turned = tip.rotation.T @ gradient @ tip.rotation
-    return stress_of([MATERIAL], turned, np.zeros(len(r), dtype=np.int64), np.zeros((len(r), 2)))
+    return stress_of([rock], turned, np.zeros(len(r), dtype=np.int64), np.zeros((len(r), 2)))
 
 
 def points_in(cover: Cover, low: tuple[float, float], high: tuple[float, float]) -> tuple[np.ndarray, np.ndarray]:
@@ -81,14 +86,21 @@ def points_in(cover: Cover, low: tuple[float, float], high: tuple[float, float])
     return points[elements >= 0], elements[elements >= 0]
 
 
+def in_bedded(cover: Cover) -> Cover:
+    """The cover in rock with bedding."""
+    return replace(cover, bodies=tuple(replace(body, roots=BEDDED.roots) for body in cover.bodies))
+
+
 @pytest.mark.parametrize("kink", [0.0, 1.0])
-def test_from_an_edge_it_is_the_field_of_williams(build: type[Build], kink: float) -> None:
+def test_from_an_edge_it_is_the_field_of_williams_and_that_of_bedded_rock(build: type[Build], kink: float) -> None:
     crack = build.crack([(0.0, 1.5), (2.1, 1.5), (3.0, 1.5 + kink)], tips=(False, True))
     cover = build.sample((0.0, 0.0), (6.0, 4.0), (crack,), spacing=0.5, support=2.0).cover
     points, elements = points_in(cover, (3.0, 2.0), (14.0, 10.0))
     np.testing.assert_allclose(
         SingularStress(cover, 0, K).at(points, elements), williams(cover, points, elements), rtol=1e-10, atol=1e-12
     )
+    found = SingularStress(in_bedded(cover), 0, K).at(points, elements)
+    np.testing.assert_allclose(found, williams(cover, points, elements, BEDDED), rtol=1e-10, atol=1e-12)
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.6])
@@ -112,6 +124,17 @@ def test_both_tips_of_a_straight_crack_make_the_field_of_griffith(build: type[Bu
     found = sum(SingularStress(cover, tip, K).at(points, elements) for tip in range(2))
     difference = found - np.stack([turned[:, 0, 0], turned[:, 1, 1], turned[:, 0, 1]], axis=1)
     assert np.abs(difference - difference[0]).max() < 1e-7  # uniform; tips are rounded to 1e-9 spacings
+    bedded, exact = in_bedded(cover), np.zeros((3, len(points)))
+    roots = turned_roots(BEDDED.roots, rotation)
+    for s, other in (roots, roots[::-1]):
+        z = local[:, 0] + s * local[:, 1]
+        Z = z / (np.sqrt(z - half) * np.sqrt(z + half))
+        exact += (np.array([[s * s], [1.0], [-s]]) * -(other * opening + sliding) / (s - other) * Z).real
+    xx, yy, xy = exact
+    turned = rotation.T @ np.stack([np.stack([xx, xy], axis=1), np.stack([xy, yy], axis=1)], axis=1) @ rotation
+    found = sum(SingularStress(bedded, tip, K).at(points, elements) for tip in range(2))
+    difference = found - np.stack([turned[:, 0, 0], turned[:, 1, 1], turned[:, 0, 1]], axis=1)
+    assert np.abs(difference - difference[0]).max() < 1e-7
 
 
 @pytest.mark.physics

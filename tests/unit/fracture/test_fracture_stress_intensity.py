@@ -15,7 +15,7 @@ from crackgrow.fracture.interaction import of_body_force, of_uniform_stress, wei
 from crackgrow.fracture.near_tip import near_tip_gradient, near_tip_stress
 from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_disc import KEPT_CLEAR, PARTS, SMALLEST_RADIUS, clearance
-from crackgrow.fracture.tip_rule import tip_rule
+from crackgrow.fracture.tip_rule import n_angular, tip_rule
 from crackgrow.geometry.polyline import arc_lengths, segment_directions
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.in_situ import InSitu
@@ -83,7 +83,7 @@ class ExactField:
 
     def found(self, radius: float = 2.5, size: float = 1.0) -> np.ndarray:
         """K_I, K_II and M of the third field, disc by disc."""
-        rule = tip_rule(self.tip, size, radius * PARTS)
+        rule = tip_rule(self.tip, size, radius * PARTS, n_angular(self.rock.roots))
         vectors, left, right = self.faces(rule.faces.arc)
         gradients = self.gradient(*rule.circles.polar).transpose(1, 2, 0)
         weights = weights_of(self.rock, rule)

@@ -520,6 +520,29 @@ def in_bedded(contact: str, stress: tuple[float, float, float]) -> Floats:
     return np.asarray(np.abs(found - exact).max(axis=0) / np.hypot(*exact[:2]))
 
 
+def bedded_interface_error(degrees: float) -> float:
+    """Error of G at both tips of a crack between two bodies of the same rock with bedding, over k . H k."""
+    slope, tip = math.tan(math.radians(degrees)), 20.0 * np.exp(1j * math.radians(degrees))
+    left, right = [-2000.0, -2000.0 * slope], [2000.0, 2000.0 * slope]
+    scene = yaml.safe_load(BEDDED.replace("CONTACT", "none").replace("STRESS", "[0.3, 1.0, 0.2]"))
+    material, law = scene["bodies"]["rock"]["material"], {"friction": 0, "cohesion": 0}
+    shapes = {
+        "upper": [left, right, [2000, 2600], [-2000, 2600]],
+        "lower": [[-2000, -2600], [2000, -2600], right, left],
+    }
+    scene["bodies"] = {name: {"shape": {"polygon": shape}, "material": material} for name, shape in shapes.items()}
+    cracked = [[-tip.real, -tip.imag], [tip.real, tip.imag]]
+    scene["interfaces"] = [{"between": [*shapes], "contact": law, "cracked": cracked}]
+    del scene["cracks"]
+    case = case_of(scene)
+    bedded, (c, s) = case.bodies[0].material, (tip.real / 20.0, tip.imag / 20.0)
+    axes = np.array([[c, s], [-s, c]])
+    release = plane_elasticity(bedded.young, bedded.poisson, case.plane, bedded.bedding).turned(axes).release
+    _, k = axes @ (MPA * np.array([[0.3, 0.2], [0.2, 1.0]])) @ axes.T * np.sqrt(np.pi * 0.02)
+    found = np.array([each.G for each in solve_case(case).result.interface_tips])
+    return float(np.abs(found / (k @ release @ k) - 1.0).max())
+
+
 def bedded_error(n: int, contact: str, stress: tuple[float, float, float]) -> float:
     """That of one of the three."""
     return float(in_bedded(contact, stress)[n])
@@ -535,6 +558,9 @@ def _bedded() -> Iterator[Row]:
         for n, name in enumerate(("K_I", "K_II", "T")[: 3 if contact == "none" else 2]):
             value = partial(bedded_error, n, contact, stress)
             yield Row(f"rock with bedding, {contact}", f"{name} in rock with bedding", value, 0.0, INFINITE, 3e-3)
+    for degrees in (30.0, -20.0):
+        name, value = f"rock with bedding, interface at {degrees:g} degrees", partial(bedded_interface_error, degrees)
+        yield Row(name, "G in rock with bedding", value, 0.0, INFINITE, 3e-3)
 
 
 @pytest.mark.parametrize(
