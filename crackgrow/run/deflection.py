@@ -32,6 +32,7 @@ from crackgrow.run.increments import held_loads, increment
 from crackgrow.run.loading import load
 from crackgrow.run.result import Event, EventKind
 from crackgrow.run.starting import new_crack, new_name
+from crackgrow.run.state_values import history_of
 
 SETTLED = 1e-3
 """At its critical load the criticality of a way is 1 but for this."""
@@ -111,8 +112,15 @@ def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
     if errors is not None:
         K, T = (tuple(share * value for value in values) for values in (errors.K, errors.T))
         errors = replace(errors, K=K, T=T, largest=share * errors.largest)
-    notes = tuple(note for note in solution.notes if note != NEVER_CRITICAL)
-    return replace(solution, state=found.state, tips=found.tips, starts=found.starts, notes=notes, errors=errors)
+    return replace(
+        found,
+        seconds=solution.seconds,
+        factorizations=solution.factorizations,
+        notes=tuple(note for note in solution.notes if note != NEVER_CRITICAL),
+        origin=solution.origin,
+        passed=history_of(found.state)[:-1],
+        errors=errors,
+    )
 
 
 def endings(solution: StepSolution) -> Iterator[Ending]:
@@ -171,7 +179,7 @@ def _across(solution: StepSolution, ending: Ending, step: int) -> Way:
 
 def _tried(solution: StepSolution, way: Way) -> Way:
     """The way with its criticality, zero where that is not known, in a trial; at a critical load by that of the way."""
-    scene = solution.scene.with_debonds((*solution.scene.debonds, *way.debonds))
+    scene = solution.scene.at_start.with_debonds((*solution.scene.debonds, *way.debonds))
     cracks, factor = (*solution.cracks, *way.cracks), solution.state.factor
     try:
         if not isinstance(scene.case.loading, CriticalLoad):

@@ -171,8 +171,8 @@ class Scene:
             len(self.foundations),
         )
         geometries, laws = _on_interfaces(case, self.lattice)
-        laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - n_founded :])
-        return replace(self, case=case, interfaces=geometries, laws=laws, debonds=debonds)
+        all_laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - n_founded :])
+        return replace(self, case=case, interfaces=tuple(geometries), laws=all_laws, debonds=debonds)
 
     def _with_fluids_beyond(self, growing: Sequence[GrowingCrack]) -> tuple[model.Load, ...]:
         """The loads with each fluid in the cracks that it reaches: what starts on its crack, and where it is connected
@@ -315,7 +315,7 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
             BodyGeometry(tuple(lattice.to_lattice(r.points) for r in b.rings), b.name, m.roots)
             for b, m in zip(case.bodies, materials, strict=True)
         ),
-        interfaces=interfaces,
+        interfaces=tuple(interfaces),
         foundations=tuple(
             Foundation(name, each.region, each.moves) for name, each in zip(names, supports, strict=True)
         ),
@@ -329,14 +329,14 @@ def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
     )
 
 
-def _on_interfaces(case: model.Case, lattice: Lattice) -> tuple[tuple[CrackGeometry, ...], tuple[SurfaceLaw, ...]]:
+def _on_interfaces(case: model.Case, lattice: Lattice) -> tuple[list[CrackGeometry], list[SurfaceLaw]]:
     """The lines of the interfaces of a case on a lattice, and what holds each of them."""
     lines = [(interface, line) for interface in case.interfaces for line in interface.lines]
     names = numbered([interface.surface for interface, _ in lines])
     return (
-        tuple(
+        [
             CrackGeometry(name, lattice.to_lattice(line), False, False)
             for name, (_, line) in zip(names, lines, strict=True)
-        ),
-        tuple(surface_law(case, interface.contact, *interface.bodies) for interface, _ in lines),
+        ],
+        [surface_law(case, interface.contact, *interface.bodies) for interface, _ in lines],
     )

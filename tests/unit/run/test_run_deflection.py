@@ -55,3 +55,18 @@ def test_it_goes_on_in_the_other_body_as_its_crack() -> None:
     new = results[-1].cracks[-1]
     assert new.name == "new1"
     np.testing.assert_allclose(new.points, [[0, 0], [1e-3, 0], [2e-3, 0]], atol=1e-5)
+
+
+def test_equal_cracks_go_on_together_and_the_step_is_that_of_their_load() -> None:
+    """Every step has the load factor at which something just grows: G of what grows is that of the toughness."""
+    two = {name: f"{{path: [[-30, {y}], [0, {y}]], contact: none, tips: none}}" for name, y in (("b", 7), ("a", -7))}
+    both = f"cracks={{{', '.join(f'{name}: {crack}' for name, crack in two.items())}}}"
+    case = crack_at_bond(both, toughness(0.1), "numerics.accuracy=draft", "growth.increment=2", "growth.steps=1")
+    results, _ = whole_run(case)
+    assert [(event.kind, event.crack) for event in results[1].events] == [("deflection", "a"), ("deflection", "b")]
+    one, other = results[1].cracks
+    assert len(results[1].interface_tips) == 4
+    G = np.sort([tip.G for tip in results[1].interface_tips if np.isfinite(tip.G)])
+    np.testing.assert_allclose(G, 0.1 * TOUGHNESS, rtol=1e-6)
+    assert len(one.points) == len(other.points) == 2
+    assert results[0].load_factor == pytest.approx(results[1].load_factor, rel=0.05)
