@@ -151,8 +151,11 @@ def solve_among_stuck(
     """The solution of a problem of many points, or that on the branches of an `active` set; loose pieces are settled.
 
     Points are loose that do not stick at the `start` (2 n + l,), and those that leave the others from then on, each
-    with the next ones. None where most points are loose, or this leads to nothing.
+    with the next ones. None where most points are loose, or this leads to nothing; also where faces that have slipped
+    dilate, whose opening while they stick is known by the sense of that slip alone.
     """
+    if (problem.dilation * problem.slipped).any():
+        return None
     (lying, unknowns), n = problem.settled(), problem.n_points
     stuck, x, loose, iterations = StuckPoints.of(lying.points), np.zeros(2 * n + problem.n_motions), ~problem.resists, 0
     if start is not None:
@@ -174,7 +177,7 @@ def solve_among_stuck(
         left = float(np.abs((jump - meant) / lying.points.scale).max()) / float(np.abs(x[: 2 * n]).max() or 1.0)
         if more >= 0 and (left <= ROUND_OFF or GAIN * last < left <= residual_floor(lying)):
             return ContactSolution(x[: 2 * n], "solved", iterations, now.states(), unknowns(x)[2 * n :])
-        if more < 0 or left > GAIN * last:
+        if more < 0 or not left <= GAIN * last:  # nan is not
             break
         last = left
     return None

@@ -20,6 +20,9 @@ from crackgrow.case.surface import SurfaceName
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 
+TOUCHES = 1e-6
+"""Increments: what is so close to the interface lies on it, but for round-off."""
+
 FROM_CORNERS = 0.5
 """Increments: closer to a corner of the interface a tip does not stop: G needs a disc in which that is straight."""
 
@@ -62,8 +65,9 @@ class Debond:
         """
         line, sign = shapely.LineString(self.line), 1.0 if at_end else -1.0
         turns = np.flatnonzero(np.abs(kink_angles(self.line)) > STRAIGHT) + 1
-        touched = shapely.get_coordinates(shapely.intersection(line, ends))
-        stops = np.append(shapely.line_locate_point(line, shapely.points(touched)), [0.0, line.length])
+        others = shapely.points(shapely.get_coordinates(ends))
+        touching = others[shapely.distance(line, others) < TOUCHES * increment]
+        stops = np.append(shapely.line_locate_point(line, touching), [0.0, line.length])
         tip = float(self.at[-1 if at_end else 0])
         ahead = stops[(stops - tip) * sign > CLEARANCE * increment]
         to = tip + sign * increment

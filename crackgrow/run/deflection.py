@@ -37,8 +37,11 @@ from crackgrow.run.state_values import history_of
 SETTLED = 1e-3
 """At its critical load the criticality of a way is 1 but for this."""
 
-MOST_LOADS = 8
+MOST_LOADS = 12
 """Load factors that are tried for it."""
+
+PARTS_OF_INCREMENTS = (1.0, 0.5, 0.25)
+"""By which a way along an interface is tried: the whole one, or less where that would reach something."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -87,7 +90,8 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
         for ending in sorted(endings(solution), key=lambda ending: tuple(ending.point))
     ]
     best = max((way.criticality for _, *ways in found for way in ways), default=0.0)
-    goes_on = best > max(site_criticality(solution).max(initial=0.0), 0.0 if critical else 1.0)
+    others = 0.0 if growth.advance == "all" and not critical else site_criticality(solution).max(initial=0.0)
+    goes_on = best > max(others, 0.0 if critical else 1.0 - TIE)
     load, events, way = best if goes_on and critical else 1.0, list[Event](), Way(criticality=best)
     for ending, along, across in found:
         most, crack = max(along, across, key=lambda way: way.criticality), solution.cracks[ending.crack]
@@ -151,15 +155,21 @@ def _along(solution: StepSolution, ending: Ending, step: int) -> Way:
     growth = solution.scene.case.growth
     assert growth is not None
     ends = ends_of(solution.cracks, solution.scene.debonds)
-    sides = [
-        _tried(solution, Way(debonds=(ending.debond.advanced(side, growth.increment, step, ends)[0],)))
-        for side in (False, True)
-    ]
+    parts = [_short_of_others(ending.debond, side, growth.increment, step, ends) for side in (False, True)]
+    sides = [_tried(solution, Way(debonds=(part,))) for part in parts]
     less, most = sorted(sides, key=lambda way: way.criticality)
     if less.criticality < (1.0 - TIE) * most.criticality or most.criticality == 0.0:
         return most
-    (debond,) = sides[0].debonds
-    return replace(most, debonds=(debond.advanced(True, growth.increment, step, ends)[0],))
+    return replace(most, debonds=(_short_of_others(parts[0], True, growth.increment, step, ends),))
+
+
+def _short_of_others(debond: Debond, side: bool, increment: float, step: int, ends: shapely.Geometry) -> Debond:
+    """It grown at its end (or start) by an increment (m), or by a part of it with which it has a tip to judge."""
+    for part in PARTS_OF_INCREMENTS:
+        grown, has_met = debond.advanced(side, part * increment, step, ends)
+        if not has_met:
+            break
+    return grown
 
 
 def _across(solution: StepSolution, ending: Ending, step: int) -> Way:
@@ -186,12 +196,19 @@ def _tried(solution: StepSolution, way: Way) -> Way:
             return replace(way, criticality=_criticality(load(scene, cracks, solution), way))
         configuration, at = assemble(scene, cracks), factor
         start = held_loads(configuration)
+        # held loads do not rise with the others: the root lies between a load that does not reach 1 and one that does
+        below, above = (0.0, 0.0), (math.inf, math.inf)
         for _ in range(MOST_LOADS):
             found = _criticality(evaluated(increment(configuration, start, at)), way)
-            if not found > 0.0 or abs(found - 1.0) < SETTLED:
-                break
-            at /= found
-        return replace(way, criticality=factor / at if found > 0.0 else 0.0)
+            if abs(found - 1.0) < SETTLED:
+                return replace(way, criticality=factor / at)
+            if found < 1.0:
+                below = at, found
+            else:
+                above = at, found
+            share = (1.0 - below[1]) / (above[1] - below[1]) if above[0] < math.inf else 0.0
+            at = below[0] + share * (above[0] - below[0]) if share else at * min(1.0 / found if found else 2.0, 2.0)
+        return way
     except (GeometryError, SolveError):
         return way
 

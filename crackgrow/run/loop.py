@@ -128,7 +128,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         if len(advances.sites) == 0 and not goes_on:
             end = ended(state, solution, growth)
             return replace(end, events=(*told, *end.events))
-        debonds, met = advance_debonds(solution, advances.sites, state.step + 1)
+        debonds, met = advance_debonds(solution, advances.sites, state.step + 1, way.debonds)
         debonds = (*debonds, *way.debonds)
         scene = scene.with_debonds(debonds)
         cracks = (*advances.cracks, *way.cracks)

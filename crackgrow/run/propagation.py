@@ -103,8 +103,13 @@ def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, so
     return _without_shear(before, turns, np.array(kinks), first, solve)
 
 
-def advance_debonds(solution: StepSolution, chosen: Ints, step: int) -> tuple[tuple[Debond, ...], tuple[Event, ...]]:
-    """The cracked parts of interfaces after they have grown at those of their tips that are among some sites."""
+def advance_debonds(
+    solution: StepSolution, chosen: Ints, step: int, new: Sequence[Debond]
+) -> tuple[tuple[Debond, ...], tuple[Event, ...]]:
+    """The cracked parts of interfaces after they have grown at those of their tips that are among some sites.
+
+    They end on the `new` ones, too, which begin in this step.
+    """
     scene, growth, events = solution.scene, solution.scene.case.growth, list[Event]()
     grown = list(scene.debonds)
     for number in chosen[chosen >= len(solution.configuration.sites)].tolist():
@@ -112,7 +117,7 @@ def advance_debonds(solution: StepSolution, chosen: Ints, step: int) -> tuple[tu
         assert growth is not None
         assert known.debond is not None  # it was chosen by its toughness
         index, at_end = scene.debonds.index(known.debond), known.tip.at_end
-        ends = ends_of(solution.cracks, grown)
+        ends = ends_of(solution.cracks, (*grown, *new))
         grown[index], has_met = grown[index].advanced(at_end, growth.increment, step, ends)
         if has_met:
             name, place = str(solution.cover.surfaces[known.tip.surface].name), grown[index].points[-1 if at_end else 0]

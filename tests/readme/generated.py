@@ -17,6 +17,7 @@ from typing import Final
 
 from crackgrow.case.accuracy import TARGETS, cells_along
 from crackgrow.case.keys import Key, case_keys
+from crackgrow.case.scalars import units_of
 from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import groups
 from crackgrow.cli.reference import FOLDERS, key_entry
@@ -77,7 +78,7 @@ def commands() -> str:
 
 def keys() -> str:
     """The units of quantities, and every key of a case, a table for each that a case begins with."""
-    units = {kind: next(key.units for key in case_keys() if kind in key.kind) for kind in UNITS}
+    units = {kind: units_of(kind) for kind in UNITS}
     units["stiffness"] = "a unit of stress over one of length, such as MPa/mm"
     parts, names = [table(("quantity", "units"), units.items())], {key.name for key in case_keys()}
     single = [found[0] for _, found in sections() if len(found) == 1]

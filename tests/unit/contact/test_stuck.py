@@ -72,3 +72,10 @@ def test_points_that_all_stick_take_one_solution(pieces: int) -> None:
 def test_where_most_points_slip_all_are_left_to_newtons_method() -> None:
     problem = pressed_block(40, 0, 0)
     assert solve_among_stuck(replace(problem, friction=np.full(40, 0.01))) is None
+
+
+def test_faces_that_dilate_and_have_slipped_are_left_to_newtons_method() -> None:
+    """They stand open while they stick."""
+    problem = pressed_block(40, 0, 0)
+    assert solve_among_stuck(problem) is not None
+    assert solve_among_stuck(replace(problem, dilation=np.full(40, 0.1), slipped=np.full(40, 1e-3))) is None

@@ -10,6 +10,7 @@ from tests.solving import whole_run
 
 pytestmark = pytest.mark.physics
 
+DRAFT = "numerics.accuracy=draft"
 LOADED = "loading={history: [3.8]}"  # G straight on is 0.957 of the toughness of the rock
 NO_STRENGTH = "bodies.right={shape: {polygon: [[0, -200], [200, -200], [200, 200], [0, 200]]}, material: " + (
     "{young: 20 GPa, poisson: 0.25}}"
@@ -47,6 +48,17 @@ def test_it_does_not_cross_into_rock_whose_strength_is_not_known() -> None:
     assert event.kind == "deflection"
     assert "unknown straight on" in event.met
     assert max(tip.criticality for tip in results[1].interface_tips) == pytest.approx(1.0)
+
+
+def test_under_a_pressure_that_is_held_the_load_at_which_it_goes_on_rises_by_that() -> None:
+    """By superposition: pressure and loads are the same but for their sign. The crack is closed at first."""
+    factors = [
+        whole_run(crack_at_bond(NO_STRENGTH, toughness(0.3), "growth.steps=1", DRAFT, pressed=pressed))[0][
+            0
+        ].load_factor
+        for pressed in (0.0, 2.0, 5.0)
+    ]
+    np.testing.assert_allclose(np.subtract(factors, factors[0]), [0.0, 2.0, 5.0], atol=5e-3 * factors[0])
 
 
 def test_it_goes_on_in_the_other_body_as_its_crack() -> None:
