@@ -12,15 +12,7 @@ import pytest
 import shapely
 from numpy.typing import ArrayLike, NDArray
 
-from crackgrow.case.model import (
-    Body,
-    EdgeRegion,
-    EdgeSupport,
-    EdgeTraction,
-    Material,
-    PointSupport,
-    Ring,
-)
+from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, EdgeTraction, Material, PointSupport, Ring
 from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice

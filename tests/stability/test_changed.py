@@ -27,11 +27,7 @@ SCALES = {
     "soft, large, much load": Change("", size=1e4 / WIDTH, stress=1e9 / STRESS, young=1.0 / YOUNG),
     "stiff, small, little load": Change("", size=1e-6 / WIDTH, stress=1e-6 / STRESS, young=1e12 / YOUNG),
 }
-MOVED = {
-    **CHANGES,
-    "turned by 180 degrees": Change("", -np.eye(2)),
-    "moved": Change("", shift=(3.0, -2.0)),
-}
+MOVED = {**CHANGES, "turned by 180 degrees": Change("", -np.eye(2)), "moved": Change("", shift=(3.0, -2.0))}
 SIDES = ("turned by 90 degrees", "turned by 180 degrees", "mirrored")
 
 COARSE = ("numerics.spacing=3", "growth.steps=2", "growth.tip_stress.radius=2")
