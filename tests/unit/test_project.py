@@ -115,7 +115,8 @@ for words in COMMANDS:
 sys.exit(" ".join(name for name in HEAVY if name in sys.modules) or 0)
 """
     code = code.replace("COMMANDS", str(commands)).replace("HEAVY", str(heavy)).replace("FOLDER", str(tmp_path))
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, cwd=ROOT, check=False)
+    words = [sys.executable, "-W", "ignore:only soft file lock", "-c", code]
+    done = subprocess.run(words, capture_output=True, text=True, cwd=ROOT, check=False)
     assert (done.returncode, done.stderr) == (0, "")
 
 
