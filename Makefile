@@ -22,7 +22,7 @@ help:
 	@echo "make verify                    references and exact solutions: a table in outputs/verification"
 	@echo "make lint                      ruff and mypy"
 	@echo "make check                     lint, test and test-physics"
-	@echo "make bench [ARGS=--quick]      speed beside an earlier commit, run in one go: tests/benchmarks/bench.csv"
+	@echo "make bench [ARGS=two_flaws]    speed beside an earlier commit, of all or some cases"
 	@echo "make wheel                     the package as a wheel, in dist"
 	@echo "make lock                      renew the pinned versions: .requirements.lock"
 	@echo "make readme                    run the commands of all READMEs"
@@ -86,7 +86,7 @@ lint: $(STAMP)
 check: lint test test-physics
 
 bench: $(STAMP)
-	@$(PY) -m tests.benchmarks.run $(ARGS)
+	@$(PY) -m tests.benchmarks.cost --against 473cd78 $(ARGS)
 
 # Without a build folder: setuptools would pack what an earlier build has left in it.
 wheel: $(STAMP)

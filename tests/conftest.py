@@ -1,4 +1,4 @@
-"""Small bodies and covers that several tests build, handed out as the fixture `build`."""
+"""Small bodies and covers that several tests build, handed out as the fixture `build`; symmetric matrices."""
 
 from __future__ import annotations
 
@@ -6,34 +6,27 @@ import signal
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 from numpy.typing import ArrayLike, NDArray
+from scipy.sparse import bsr_array, csc_array, csr_array, tril
 
-from crackgrow.case.model import (
-    Body,
-    EdgeRegion,
-    EdgeSupport,
-    EdgeTraction,
-    Material,
-    PointSupport,
-    Ring,
-)
+from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, EdgeTraction, Material, PointSupport, Ring
 from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.refinement import SizeField, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
-from crackgrow.linear import ConstrainedSystem
+from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.solid.elasticity import PlaneElasticity, plane_elasticity
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.places import boxes_of_functions
 from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
-from tests.symmetric_matrices import whole
 
 Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
@@ -177,3 +170,35 @@ def no_floating_point_faults() -> Iterator[None]:
 @pytest.fixture(scope="session")
 def build() -> type[Build]:
     return Build
+
+
+Ints = NDArray[np.int64]
+
+
+def symmetric(matrix: Any) -> SymmetricMatrix:
+    """A symmetric matrix (2 n, 2 n), dense or sparse, by its lower blocks."""
+    dense = matrix.toarray() if hasattr(matrix, "toarray") else np.asarray(matrix)
+    n = len(dense) // 2
+    row, column = np.tril_indices(n)
+    block = dense.reshape(n, 2, n, 2).transpose(0, 2, 1, 3)[row, column]
+    kept = (row == column) | (block != 0.0).any(axis=(1, 2))
+    return SymmetricMatrix(np.searchsorted(row[kept], np.arange(n + 1)), column[kept], block[kept])
+
+
+def whole(matrix: SymmetricMatrix) -> csc_array:
+    """All of a matrix."""
+    lower = bsr_array((matrix.block, matrix.column, matrix.start), shape=matrix.shape).tocsr()
+    total = csc_array(tril(lower) + tril(lower, -1).T)
+    total.eliminate_zeros()
+    return total
+
+
+def one_front(n: int) -> tuple[Ints, Ints]:
+    """Boxes of n functions that all overlap."""
+    alike = np.zeros((n, 2), dtype=np.int64)
+    return alike, alike + 1
+
+
+def dense_system(matrix: Any, constraints: csr_array) -> ConstrainedSystem:
+    """A matrix with constraints, factorized in one dense front."""
+    return ConstrainedSystem(symmetric(matrix), constraints, one_front(matrix.shape[0] // 2))

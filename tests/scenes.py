@@ -1,18 +1,24 @@
-"""Scenes as documents of a case: specimens and plates with flaws, for tests and benchmarks."""
+"""Scenes as documents of a case: specimens and plates with flaws, for tests and benchmarks; short runs of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Generator, Iterable, Sequence
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 import yaml
+from PIL import Image
 
 from crackgrow.case import Case, load_case
-from crackgrow.errors import CaseError, Fault
-from tests.verification.solutions import CASES
+from crackgrow.errors import CaseError, Fault, SolveError
+from crackgrow.results.writer import RunWriter
+from crackgrow.run import grow
+from crackgrow.run.loop import for_each
+from crackgrow.run.result import RunEnd, StepResult
+from tests.verification.solutions import CASES, case_of
 
 MPA = 1e6
 
@@ -109,6 +115,15 @@ def one_size(scene: str) -> tuple[str, ...]:
     return (f"numerics.spacing={SPACINGS[scene]}",) if scene in SPACINGS else ()
 
 
+STARTS = (
+    "growth.increment=2",
+    "growth.advance=all",
+    "cracks.flaw.contact.friction=0.3",
+    "bodies.rock.strength.cohesion=0.6",
+)
+"""So that cracks start in shear at the flaw of `compression30`."""
+
+
 # A plate under tension whose edge cracks grow below their toughness.
 
 STRENGTH = "{tension: 5, cohesion: 20, friction_angle: 40, toughness: 0.5 MPa sqrt(m)}"
@@ -126,3 +141,62 @@ SLOWLY = (f"bodies.rock.strength={STRENGTH}", f"growth={{{GROWTH}, {LAW}}}", "nu
 def slow_cracks(*settings: str) -> Case:
     """The plate with the edge crack `notch`, of 6 mm, at 0.39 of its toughness."""
     return shipped_case("edge_tension", [*SLOWLY, "output.frames=none", "output.figures=false", *settings])
+
+
+ROCK_TOUGHNESS = 1e12 / (20e9 / (1.0 - 0.25**2))
+"""J/m^2, G_c of the rock."""
+
+
+AT_BOND = """
+title: a crack that ends on the bond of two equal bodies
+units: {length: mm, stress: MPa}
+plane: strain
+materials: {rock: {young: 20 GPa, poisson: 0.25}}
+bodies:
+  left:
+    shape: {polygon: [[-200, -200], [0, -200], [0, 200], [-200, 200]]}
+    material: rock
+    strength: &strength {tension: 5, cohesion: 20, friction_angle: 40, toughness: 1 MPa sqrt(m)}
+  right: {shape: {polygon: [[0, -200], [200, -200], [200, 200], [0, 200]]}, material: rock, strength: *strength}
+cracks: {flaw: {path: [[-40, 0], [0, 0]], contact: none, tips: none}}
+interfaces: [{between: [left, right], contact: {friction: 0, cohesion: 0}, toughness: 10 J/m^2}]
+supports: minimal
+loads: [{far_field: [1, 1, 0]}]
+loading: critical
+growth: {steps: 2, increment: 1, criterion: max_hoop_stress}
+numerics: {accuracy: standard}
+"""
+
+
+def crack_at_bond(*settings: str) -> Case:
+    """It grows at its end alone, by an increment of a 20th of its half length of 20 mm, at its critical load."""
+    return case_of(AT_BOND, *settings)
+
+
+COARSE = ("numerics.spacing=4", "growth.steps=3", "output.frames=none", "output.figures=false")
+HOSTILE = '<script>document.title = "owned"</script> & "quotes" </title>'
+
+
+def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", case: str = "compression30") -> Path:
+    """Run a coarse scene into a folder; with `failing`, break it off for this reason after its second step."""
+    scene = shipped_case(case, [*COARSE, *overrides])
+    writer = RunWriter(scene, folder)
+    writer.begin()
+    try:
+        writer.finish(for_each(broken_off(grow(scene), failing) if failing else grow(scene), writer.add))
+    except SolveError as error:
+        writer.break_off(error)
+    return folder
+
+
+def broken_off(steps: Generator[StepResult, None, RunEnd], reason: str) -> Generator[StepResult, None, RunEnd]:
+    """The first two steps, then the failure."""
+    yield from islice(steps, 2)
+    raise SolveError(reason)
+
+
+def paint(folder: Path, steps: Sequence[int], size: tuple[int, int] = (60, 90)) -> None:
+    """Pictures as `crackgrow render` leaves them, a shade of grey for each step."""
+    (folder / "render" / "sigma_1").mkdir(parents=True)
+    for step in steps:
+        Image.new("RGB", size, (40 * step % 256,) * 3).save(folder / "render" / "sigma_1" / f"step_{step:04d}.png")

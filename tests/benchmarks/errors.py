@@ -17,12 +17,13 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from crackgrow.accuracy.companion import BOUND, EXPECTED, Errors, Quantities, errors_of
-from crackgrow.case import Case, load_case
+from crackgrow.case import Case
 from crackgrow.case.accuracy import target_of
 from crackgrow.case.model import CriticalLoad
 from crackgrow.errors import CrackgrowError
@@ -31,10 +32,10 @@ from crackgrow.run.layout import cover_of
 from crackgrow.run.loading import LoadsInTurn, NextStepSolver
 from crackgrow.run.loop import solved_steps
 from crackgrow.run.target import quantities
-from tests.benchmarks.tables import HERE, table
-from tests.benchmarks.target_scenes import SCENES, Known
-from tests.scenes import plate
-from tests.verification.solutions import CASES
+from tests.benchmarks.target_scenes import SCENES, Known, Truth
+from tests.scenes import plate, shipped_case
+
+HERE = Path(__file__).parent
 
 MOST_STEPS = 10
 
@@ -54,17 +55,6 @@ SHIPPED = (
 )  # fmt: skip
 
 HEAD = ("scene", "accuracy", "quantity", "error, %", "truth good to", "expected", "at most", "unknowns", "CPU s")
-
-Truth = dict[tuple[str, str], tuple[float, float]]
-
-
-@dataclass(frozen=True, slots=True)
-class Entry:
-    """A scene, by accuracy, and K of its tips in the first step where that is known."""
-
-    case: Callable[[str], Case]
-    K: Truth | None = None
-    within: float = 0.0  # of the largest K: what that is good to
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,41 +100,31 @@ def wings(seed: int, count: int = 40) -> Iterator[tuple[str, dict[str, Any]]]:
         yield f"wings {seed}.{number}: friction {friction:g}, lateral {lateral:g}", case
 
 
-def all_scenes(seeds: Sequence[int]) -> Iterator[tuple[str, Callable[[], Entry]]]:
+def all_scenes(seeds: Sequence[int]) -> Iterator[tuple[str, Callable[[], Known]]]:
     """All scenes by name."""
-    for name, make in SCENES.items():
-        yield name, partial(_known, make)
-    for name in SHIPPED:
-        yield name, partial(Entry, partial(_shipped, name))
-    for name, scene in (each for seed in seeds for each in wings(seed)):
-        yield name, partial(Entry, partial(_case, scene))
+    yield from SCENES.items()
+    yield from ((name, partial(Known, name)) for name in SHIPPED)
+    yield from ((name, partial(Known, scene)) for seed in seeds for name, scene in wings(seed))
 
 
-def _known(make: Callable[[], Known]) -> Entry:
-    known = make()
-    truth = known.truth and {key: K for key, K in known.truth.items() if math.isfinite(sum(K))}
-    return Entry(partial(_case, known.case), truth, known.within)
-
-
-def _case(scene: dict[str, Any], accuracy: str) -> Case:
-    return Case.from_dict({**scene, "numerics": {"accuracy": accuracy}})
-
-
-def _shipped(name: str, accuracy: str) -> Case:
-    case = load_case(CASES / f"{name}.yaml", [f"numerics.accuracy={accuracy}", "numerics.spacing=auto"])
+def case_of(scene: str | dict[str, Any], accuracy: str) -> Case:
+    """The case of a document, or a shipped one of few steps."""
+    if not isinstance(scene, str):
+        return Case.from_dict({**scene, "numerics": {"accuracy": accuracy}})
+    case = shipped_case(scene, [f"numerics.accuracy={accuracy}", "numerics.spacing=auto"])
     if case.growth is None:
         return case
     return replace(case, growth=replace(case.growth, steps=min(case.growth.steps, MOST_STEPS)))
 
 
-def rows_of(name: str, entry: Entry, accuracy: str) -> Iterator[Row]:
+def rows_of(name: str, known: Known, accuracy: str) -> Iterator[Row]:
     """The quantities of a scene in its first step and in its last one."""
     begun, steps = time.process_time(), []
-    for result, solution in solved_steps(entry.case(accuracy)):
+    for result, solution in solved_steps(case_of(known.case, accuracy)):
         make = partial(Row, accuracy=accuracy, n_dofs=result.n_dofs, seconds=time.process_time() - begun)
-        if entry.K is not None:
-            truth = replace(quantities(solution, 1.0), K=_in_turn(solution, entry.K))
-            yield from _rows(partial(make, name), solution, _off(solution, truth), entry.within)
+        if known.truth is not None:
+            truth = replace(quantities(solution, 1.0), K=_in_turn(solution, known.truth))
+            yield from _rows(partial(make, name), solution, _off(solution, truth), known.within)
             return
         steps.append((make, solution))
         begun = time.process_time()
@@ -272,7 +252,7 @@ def page(rows: Sequence[Row]) -> str:
         "in percent of a radian; of a crack the worse tip counts. Expected is D / 1.6, at most 3 D.\n\n"
         + "".join(f"{'' if line.startswith('  ') else '- '}{line}\n" for line in told(rows))
         + f"\n## Beyond their bound: {len(beyond)}\n\n"
-        + table(HEAD, [row.cells for row in beyond])
+        + "".join(f"| {' | '.join(line)} |\n" for line in (HEAD, ["---"] * len(HEAD), *(row.cells for row in beyond)))
     )
 
 

@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from crackgrow.results.report import write_report
-from tests.browser.chromium import Chromium
-from tests.report_runs import HOSTILE, make_run, paint
+from tests.browser.conftest import Chromium
+from tests.scenes import HOSTILE, make_run, paint
 
 pytestmark = pytest.mark.browser
 

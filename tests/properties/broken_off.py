@@ -15,14 +15,9 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 CASES = ROOT / "cases"
 TABLES = ("tips.csv", "contact.csv", "reactions.csv", "steps.csv", "events.csv")
-TIMES = (
-    "wall_seconds",
-    "cpu_seconds",
-    "peak_memory_mb",
-    "resumed_with_steps",
-    "git_commit",
-    "git_modified",
-)  # of the summary
+TIMES = ("wall_seconds", "cpu_seconds", "peak_memory_mb", "resumed_with_steps", "git_commit", "git_modified")
+"""Of the summary."""
+
 ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT), "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
 
 

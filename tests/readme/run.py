@@ -33,10 +33,7 @@ READMES = (
 )  # fmt: skip
 """All that is written for people, in the order in which one may read it; later ones use results of earlier ones."""
 
-NEEDS_A_WINDOW = (
-    "paraview outputs/compression30/compression30.pvd",
-    "paraview outputs/my_rock/my_rock.pvd",
-)
+NEEDS_A_WINDOW = ("paraview outputs/compression30/compression30.pvd", "paraview outputs/my_rock/my_rock.pvd")
 """Never run: the program is none of ours, and waits for its user."""
 
 EXIT_CODES = {"crackgrow trade cases/compression30.yaml --steps 4": 4}

@@ -15,8 +15,7 @@ from crackgrow.case.accuracy import CELLS
 from crackgrow.case.json_schema import case_schema
 from crackgrow.case.keys import case_keys
 from crackgrow.cli.reference import FOLDERS, key_entry
-from tests.readme.generated import CELL_RULES, PARTS, part_of
-from tests.readme.pictures import tutorial_settings
+from tests.readme.generated import CELL_RULES, PARTS, part_of, tutorial_settings
 from tests.readme.run import EXIT_CODES, NEEDS_A_WINDOW, READMES, ROOT, all_commands
 
 TEXTS = {name: (ROOT / name).read_text(encoding="utf-8") for name in READMES}

@@ -114,11 +114,7 @@ def check(solutions: list[StepSolution], expected: float) -> None:
 
 @pytest.mark.parametrize(
     ("spacing", "friction", "step"),
-    [
-        (3.0, 0.0, 22.5),
-        (3.0, 0.3, 36.0),
-        pytest.param(1.5, 0.3, 2.0, marks=pytest.mark.slow),
-    ],
+    [(3.0, 0.0, 22.5), (3.0, 0.3, 36.0), pytest.param(1.5, 0.3, 2.0, marks=pytest.mark.slow)],
 )
 def test_crack_at_all_angles(spacing: float, friction: float, step: float) -> None:
     """K_II follows the closed form wherever the lattice lies, within the spread, of the largest where there is none."""

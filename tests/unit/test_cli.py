@@ -201,15 +201,8 @@ def test_case_file_in_the_folder_of_the_results_is_not_replaced(
 
 
 def test_check_tells_its_plan_in_words_or_as_json_and_draws(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    words = [
-        "check",
-        COMPRESSION,
-        "--set",
-        "numerics.spacing=4",
-        "--set",
-        "cracks.flaw.contact.friction=0.3",
-        "--unique",
-    ]
+    settings = ("--set", "numerics.spacing=4", "--set", "cracks.flaw.contact.friction=0.3")
+    words = ["check", COMPRESSION, *settings, "--unique"]
     picture = tmp_path / "scene.png"
     assert cli.main([*words, "--picture", str(picture)]) == 0
     out = capsys.readouterr().out
@@ -236,18 +229,3 @@ def test_what_a_command_prints_is_not_lost_without_a_word() -> None:
         )
     assert done.returncode == 3
     assert done.stderr == "crackgrow: cannot write standard output: No space left on device\n"
-
-
-@pytest.mark.physics
-def test_nothing_is_loaded_that_posix_alone_has(tmp_path: Path) -> None:
-    code = (
-        "import sys; sys.modules |= dict.fromkeys(('fcntl', 'resource')); from crackgrow.cli import main; "
-        "sys.exit(main(sys.argv[1:]))"
-    )
-    case = [COMPRESSION, "--set", "numerics.spacing=4", "--set", "growth.steps=0"]
-    for words in (["check", *case], ["run", *case, "--out", str(tmp_path), "--quiet"]):
-        done = subprocess.run(
-            [sys.executable, "-c", code, *words], cwd=ROOT, capture_output=True, text=True, check=False
-        )
-        assert done.returncode == 0, done.stderr
-    assert json.loads((tmp_path / "summary.json").read_text())["status"] == "completed"

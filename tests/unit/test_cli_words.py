@@ -16,8 +16,8 @@ from crackgrow import cli, grow, load_case
 from crackgrow.cli.command_line import declared, groups
 from crackgrow.cli.start import SCHEMA_FILE, template_text
 from crackgrow.cli.tools import completion_script
+from tests.unit.case.scenes import read_yaml12
 from tests.verification.solutions import CASES
-from tests.yaml12 import read_yaml12
 
 
 @pytest.fixture(autouse=True)

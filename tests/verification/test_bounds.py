@@ -23,7 +23,7 @@ from crackgrow.run.result import StepResult, TipResult
 from crackgrow.run.warning_causes import WarningCause
 from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE
-from tests.scenes import shipped_case
+from tests.scenes import plate, shipped_case
 from tests.verification.solutions import QUIET, case_of
 
 QUICK = ("grown wings", "young wings", "wings, friction 0.3, 30", "friction 0.3, 45 degrees", "open, 20 degrees",
@@ -80,23 +80,15 @@ def test_faces_that_touch_next_to_a_tip_are_seen() -> None:
 
 def beside(what: str, room: float) -> dict[str, Any]:
     """A crack of 10 mm in a plate under tension whose right tip lies `room` (mm) beside a stiff body or a hole."""
-    x, soft = 5.0 + room, {"young": 10_000.0, "poisson": 0.25}
-    right = 50.0 if what == "hole" else x
-    rock: dict[str, Any] = {"shape": {"polygon": [[-50, -50], [right, -50], [right, 50], [-50, 50]]}, "material": soft}
-    scene: dict[str, Any] = {
-        "title": f"a tip beside a {what}",
-        "units": {"length": "mm", "stress": "MPa"},
-        "plane": "strain",
-        "bodies": {"rock": rock},
-        "cracks": {"flaw": {"path": {"points": [[-5, 0], [5, 0]]}, "contact": "none"}},
-        "supports": [{"at": [-50, -50], "displacement": {"x": 0, "y": 0}}, {"at": [50, -50], "displacement": {"y": 0}}],
-    }
+    scene, x = plate([[-5, 0], [5, 0]], 100.0, -1.0, 0.0, 0.0), 5.0 + room
+    scene["cracks"]["flaw"]["contact"] = "none"
     if what == "hole":
-        rock["shape"]["holes"] = [{"disk": {"center": [x + 4.0, 0], "radius": 4.0}}]
-    else:
-        other = {"polygon": [[x, -50], [50, -50], [50, 50], [x, 50]]}
-        scene["bodies"]["stiff"] = {"shape": other, "material": {**soft, "young": 30_000.0}}
-        scene["interfaces"] = [{"between": ["rock", "stiff"], "contact": "bonded"}]
+        scene["bodies"]["rock"]["shape"]["holes"] = [{"disk": {"center": [x + 4.0, 0], "radius": 4.0}}]
+        return scene
+    for name, low, high, young in (("rock", -50, x, 20_000), ("stiff", x, 50, 60_000)):
+        shape = {"polygon": [[low, -50], [high, -50], [high, 50], [low, 50]]}
+        scene["bodies"][name] = {"shape": shape, "material": {"young": young, "poisson": 0.25}}
+    scene["interfaces"] = [{"between": ["rock", "stiff"], "contact": "bonded"}]
     pulled = [(body, edge, sign) for body in scene["bodies"] for edge, sign in ((0, -1.0), (2, 1.0))]
     scene["loads"] = [{"on": {"body": body, "edge": edge}, "traction": [0, t]} for body, edge, t in pulled]
     return scene

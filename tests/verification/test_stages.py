@@ -147,11 +147,7 @@ ON_ROCK = "[{on: {body: low, edge: bottom}, contact: {friction: 0.5, cohesion: 0
 
 @pytest.mark.parametrize(
     ("contact", "supports"),
-    [
-        ("bonded", ON_ROLLERS),
-        ("{friction: 0.5, cohesion: 0}", ON_ROLLERS),
-        ("{friction: 0.5, cohesion: 0}", ON_ROCK),
-    ],
+    [("bonded", ON_ROLLERS), ("{friction: 0.5, cohesion: 0}", ON_ROLLERS), ("{friction: 0.5, cohesion: 0}", ON_ROCK)],
 )
 def test_a_column_rebounds_when_its_upper_part_is_taken_away(contact: str, supports: str) -> None:
     """Uniform strain: head = -(q h + w h^2 / 2) / E with q the pressure on it; energies of the column exactly."""

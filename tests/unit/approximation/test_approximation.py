@@ -14,8 +14,7 @@ from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import Roots
 from crackgrow.cover.tips import TipView, seen_from_tip
 from tests.conftest import Sample
-from tests.unit.cover_tables import gradient_rows
-from tests.unit.exact_fields import PAPER
+from tests.unit.exact_fields import PAPER, gradient_rows
 
 CRACK = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 PLACES = [CRACK[0], CRACK[2], (5.6, 4.9)]

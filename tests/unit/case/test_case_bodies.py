@@ -14,16 +14,7 @@ from crackgrow.case import Case, dump_case
 from crackgrow.case.load import read_case
 from crackgrow.case.model import FarField
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import (
-    EVERYTHING,
-    MATERIAL,
-    fault,
-    joint,
-    load,
-    plate,
-    rectangle,
-    with_body,
-)
+from tests.unit.case.scenes import EVERYTHING, MATERIAL, fault, joint, load, plate, rectangle, with_body
 
 
 def test_disks_run_counter_clockwise_and_as_holes_clockwise(tmp_path: Path):

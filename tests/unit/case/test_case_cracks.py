@@ -10,18 +10,7 @@ import pytest
 
 import crackgrow
 from crackgrow.plan.cost import sizes_of
-from tests.unit.case.scenes import (
-    blocks,
-    changed,
-    compression,
-    fault,
-    held,
-    joint,
-    load,
-    rectangle,
-    reread,
-    with_body,
-)
+from tests.unit.case.scenes import blocks, changed, compression, fault, held, joint, load, rectangle, reread, with_body
 
 # --- cracks that meet ------------------------------------------------------------------------------------------------
 

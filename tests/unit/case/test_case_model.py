@@ -16,9 +16,7 @@ from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.accuracy import REFINED_AT, TARGETS, cells_along
 from crackgrow.case.dump import written
 from crackgrow.case.load import read_case
-from crackgrow.case.model import (
-    LoadHistory,
-)
+from crackgrow.case.model import LoadHistory
 from crackgrow.case.sizing import Length, automatic_spacing
 from crackgrow.case.toughness import averaging_radius, shear_radius
 from crackgrow.errors import CaseError

@@ -22,8 +22,7 @@ from crackgrow.case.report import Place, Report, words_elsewhere
 from crackgrow.case.scalars import Context, Spec
 from crackgrow.case.units import QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import CASES, fault, held, load, rectangle, with_body
-from tests.yaml12 import read_yaml12
+from tests.unit.case.scenes import CASES, fault, held, load, read_yaml12, rectangle, with_body
 
 SCHEMA = json.loads(case_schema())
 AGREED = yaml.safe_load(Path(__file__).with_name("schema.yaml").read_text(encoding="utf-8"))

@@ -13,13 +13,7 @@ from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.solve import solve_contact_problem
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
-from crackgrow.run.uniqueness import (
-    SecondSolution,
-    friction_limit,
-    other_solutions,
-    second_solution,
-    unique_text,
-)
+from crackgrow.run.uniqueness import SecondSolution, friction_limit, other_solutions, second_solution, unique_text
 from tests.contact_problems import contact_law, every_solution, rock_of, spread_problem
 from tests.scenes import shipped_case
 from tests.solving import solve_contact

@@ -16,7 +16,7 @@ from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.tolerance import GRID
-from tests.unit.cover_tables import areas, tile_boxes
+from tests.unit.exact_fields import areas, tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]

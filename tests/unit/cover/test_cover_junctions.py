@@ -13,7 +13,7 @@ from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.geometry.tolerance import GRID, TOUCH
-from tests.unit.cover_tables import areas, function_table
+from tests.unit.exact_fields import areas, function_table
 
 SUPPORTS = (1.5, 2.0, 2.5)
 P = (3.5, 2.875)  # on the grid of the arrangement

@@ -11,7 +11,7 @@ import shapely
 
 from crackgrow.cover.gathered import RADIUS, STRAIGHT
 from crackgrow.cover.tips import crack_angle, seen_from_tip, tip_angle
-from tests.unit.cover_tables import cells_of, patch_table
+from tests.unit.exact_fields import cells_of, patch_table
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]

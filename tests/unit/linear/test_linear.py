@@ -12,7 +12,7 @@ from crackgrow.errors import SolveError
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.linear.factorization import Factorization
 from crackgrow.linear.fronts import fronts_of
-from tests.symmetric_matrices import dense_system, one_front, symmetric
+from tests.conftest import dense_system, one_front, symmetric
 
 N = 30
 

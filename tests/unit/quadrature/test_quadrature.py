@@ -13,7 +13,7 @@ from crackgrow.quadrature.elements import element_points, triangulate
 from crackgrow.quadrature.rims import rim_points
 from crackgrow.quadrature.rules import gauss, on_edges, on_tip_triangles, on_triangles, square, triangle
 from crackgrow.quadrature.subdivision import MOST_LEVELS, subdivided
-from tests.unit.cover_tables import areas, tile_boxes
+from tests.unit.exact_fields import areas, tile_boxes
 
 POINTS = (1, 2, 3, 4, 6)
 

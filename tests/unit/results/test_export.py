@@ -26,7 +26,7 @@ from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, export
 from crackgrow.results.field_picture import Look
 from crackgrow.results.folder import FolderError, open_run
-from tests.report_runs import make_run
+from tests.scenes import make_run
 
 pytestmark = pytest.mark.physics
 

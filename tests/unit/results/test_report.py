@@ -18,8 +18,7 @@ from crackgrow.errors import SolveError
 from crackgrow.results.folder import FolderError
 from crackgrow.results.report import write_report
 from crackgrow.results.writer import RunWriter
-from tests.report_runs import HOSTILE, make_run
-from tests.scenes import SLOWLY, shipped_case
+from tests.scenes import HOSTILE, SLOWLY, make_run, shipped_case
 
 VOID = ("meta", "input", "img")
 ROUNDING = 1e-5  # six digits are shown

@@ -1,4 +1,4 @@
-"""The output mesh and its fields, conforming and double along cracks alone; the course of named points."""
+"""The output mesh and its fields; the course of named points; what faces and tips do on the way."""
 
 from __future__ import annotations
 
@@ -8,16 +8,19 @@ import numpy as np
 import pytest
 
 from crackgrow.contact.jump import gap_and_slip
+from crackgrow.fracture.opening import kinked_release
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import OutputMesh, make_frame, output_mesh
 from crackgrow.run.layout import cover_of
 from crackgrow.run.loop import grow
-from crackgrow.run.result import Frame
+from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
+from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
 from tests.solving import face_vertices, seen, solve_case, steps_of, whole_run
+from tests.verification.solutions import QUIET
 
 NEAR = 1e-9
 """m: vertices lie on a grid of 1e-12 m; no two of them are nearer than 1e-6 m here."""
@@ -152,14 +155,6 @@ numerics: {spacing: 0.004}
 output: {frames: none, figures: false, points: {corner: {at: [0.01, 0.02]}, gauge: {between: [[0, -0.01], [0, 0.01]]}}}
 """
 
-FLAW_ON_ITS_WAY = (
-    "growth.steps=0",
-    "numerics.spacing=1.5",
-    "cracks.flaw.contact.friction=0.3",
-    "cracks.flaw.contact.cohesion=2",
-    "output.points={mouth: {crack: flaw, at: [0, 0]}}",
-)
-
 
 def test_points_of_a_bar_in_tension_have_its_exact_fields() -> None:
     steps, stress = steps_of(BAR), STRESS * np.array([0.5, -1.0])
@@ -174,12 +169,14 @@ def test_points_of_a_bar_in_tension_have_its_exact_fields() -> None:
 
 def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:
     """A flaw that sticks up to its cohesion and slips: slip lies on the line of one increment to the same load."""
+    law = "cracks.flaw.contact={friction: 0.3, cohesion: 2, cohesion_after_slip: kept}"
+    cells = ("growth.steps=0", "numerics.spacing=1.5", "output.points={mouth: {crack: flaw, at: [0, 0]}}")
     strong = "bodies.rock.strength={tension: 60, cohesion: 100, friction_angle: 40}"
-    kept = ("growth.criterion=max_hoop_stress", "cracks.flaw.contact.cohesion_after_slip=kept")
+    settings = (*cells, law, strong, "growth.criterion=max_hoop_stress")
 
     def under(loading: str) -> tuple[np.ndarray, np.ndarray]:
         """Load factors and slip, state by state."""
-        step = next(grow(shipped_case("compression30", [*FLAW_ON_ITS_WAY, strong, *kept, f"loading={loading}"])))
+        step = next(grow(shipped_case("compression30", [*settings, f"loading={loading}"])))
         assert step.history is not None
         return step.history.load_factor, seen([step], "mouth.slip")
 
@@ -188,3 +185,81 @@ def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:
     assert len(factors) > len(known[0]) > 1  # it makes for other loads first
     assert np.all(np.diff(factors) > 0.0)
     np.testing.assert_allclose(slip, np.interp(factors, *known), rtol=0, atol=1e-7 * np.abs(slip).max())
+
+
+FLAW = "cracks.flaw.contact"
+DRAFT = ("numerics.accuracy=draft", *QUIET)
+
+
+def energy(step: StepResult, kind: str) -> float:
+    """Of all emissions of a kind, J/m."""
+    return sum(event.energy for event in step.emissions if event.kind == kind)
+
+
+@pytest.mark.parametrize(
+    ("scene", "settings"),
+    [
+        ("cyclic_friction", ("numerics.spacing=5",)),  # slips to and fro
+        ("vein_in_tension", ()),  # breaks
+        ("09_wear", ()),  # wears by slip
+        ("interface_friction04", ()),
+        (
+            "confined30",
+            (f"{FLAW}.cohesion=5", "growth.steps=1", "numerics.spacing=3"),
+        ),  # slips, breaks and opens from rest, then grows
+    ],
+)
+def test_emissions_of_a_step_add_up_to_its_energies(scene: str, settings: tuple[str, ...]) -> None:
+    case = shipped_case(scene, (*DRAFT, *settings))
+    steps, _ = whole_run(case)
+    energies = np.array([(step.energy.dissipated, step.energy.released) for step in steps])
+    if case.growth is None:
+        energies = np.diff(energies, axis=0, prepend=np.zeros((1, 2)))
+    told = [(energy(step, "slip"), energy(step, "break")) for step in steps]
+    assert np.abs(energies).max() > 0.0
+    np.testing.assert_allclose(told, energies, rtol=0, atol=1e-12 * np.abs(energies).max())
+
+
+def flaw(y: float, angle: float) -> str:
+    """With cohesion and friction, at a height and an angle to x."""
+    return f"{{path: {{center: [0, {y}], length: 8, angle: {angle}}}, contact: {{friction: 0.2, cohesion: 3}}}}"
+
+
+def test_faces_slip_at_the_load_at_which_the_plane_through_them_would_and_the_first_is_told_first() -> None:
+    """Stress in the plate under 100 MPa is uniform until one slips: p sin cos = c + mu p cos^2."""
+    cracks = f"cracks={{flat: {flaw(14, 30)}, steep: {flaw(-14, 50)}}}"
+    (step,), _ = whole_run(shipped_case("compression30", (*DRAFT, cracks, "growth.steps=0")))
+    assert [event.kind for event in step.emissions if event.crack == "steep"][:2] == ["break", "slip"]
+    slips = {event.crack: event.load_factor for event in step.emissions if event.kind == "slip"}
+    assert list(slips) == ["steep", "flat"]
+    s, c = np.sin(np.deg2rad(50.0)), np.cos(np.deg2rad(50.0))
+    assert slips["steep"] == pytest.approx(3.0 / (s * c - 0.2 * c**2) / 100.0, rel=1e-7)
+
+
+def test_faces_open_where_they_were_pressed_and_the_load_takes_that_back() -> None:
+    """A plate is pressed by 6 MPa and pulled by as much as 10: its crack opens at 0.6 of that, and told it is once."""
+    loads = "loads=[{far_field: [0, -6, 0], held: true}, {far_field: [0, 10, 0]}]"
+    case = shipped_case("tension0", (*DRAFT, loads, f"{FLAW}={{friction: 0.3, cohesion: 0}}", "growth.steps=0"))
+    (step,), _ = whole_run(case)
+    (opening,) = (event for event in step.emissions if event.kind == "opening")
+    assert opening.load_factor == pytest.approx(0.6, rel=1e-6)
+
+
+def test_growth_under_load_releases_what_its_events_say() -> None:
+    """G rises by some percent along an increment of a fiftieth of the crack, and is told of its beginning."""
+    settings = ("growth.steps=2", "growth.increment=0.2", "growth.unload_between_steps=false", "loading={history: [1]}")
+    first, second, third = whole_run(shipped_case("tension0", (*DRAFT, *settings, "numerics.accuracy=fine")))[0]
+    for before, after in ((first, second), (second, third)):
+        released = after.energy.released - before.energy.released
+        assert 0.97 * released < energy(before, "growth") < released
+
+
+def test_a_tip_releases_what_Irwin_says_and_beside_it_what_a_kink_does() -> None:
+    """By the series of Amestoy and Leblond 1992 at 20 degrees, where the first order is 2 % low."""
+    rock = plane_elasticity(1.0, 0.3, "stress")
+    assert kinked_release((3.0, 4.0), 0.0, rock) == pytest.approx(25.0, rel=1e-15)
+    assert kinked_release((-3.0, 0.0), 0.0, rock) == 0.0  # faces that overlap
+    m = 1.0 / 9.0
+    k_1 = 1.5 * np.pi * m - (10.0 * np.pi / 3.0 + np.pi**3 / 16.0) * m**3
+    k_2 = 1.0 - (4.0 + 3.0 * np.pi**2 / 8.0) * m**2 + (8 / 3 + 29 * np.pi**2 / 18 - 5 * np.pi**4 / 128) * m**4
+    assert kinked_release((0.0, 1.0), -m * np.pi, rock) == pytest.approx(k_1**2 + k_2**2, rel=0.025)

@@ -14,17 +14,10 @@ from crackgrow.run import grow
 from crackgrow.run import target as target_file
 from crackgrow.run.result import StepResult
 from crackgrow.run.warning_causes import WarningCause
-from tests.scenes import shipped_case
+from tests.scenes import STARTS, shipped_case
 from tests.verification.solutions import QUIET
 
-SHEARED = (
-    "growth.steps=2",
-    "growth.increment=2",
-    "growth.advance=all",
-    "growth.initiation=ends",
-    "cracks.flaw.contact.friction=0.3",
-    "bodies.rock.strength.cohesion=0.6",
-)
+SHEARED = (*STARTS, "growth.steps=2", "growth.initiation=ends")
 """Shear cracks start at the ends of a flaw, beside its wings."""
 
 

@@ -111,16 +111,10 @@ TOLD = {
         (CAST, ["loads=[{body: rock, stress: [-1, -1, 0]}]"], []),
         (CAST, ["loads=[{body: rock, stress: [-1-x/100, -1, 0]}]"], ["a formula of the place"]),
     ],
-    WarningCause.SHORT_START: [
-        (FLAW, starting(0.9), ["below the averaging radius"]),
-        (FLAW, starting(1.0), []),
-    ],
-    WarningCause.WIDE_SHEAR: [
-        (FLAW, short_for_shear(0.045), []),
-        (FLAW, short_for_shear(0.055), ["crack 'flaw'"]),
-    ],
+    WarningCause.SHORT_START: [(FLAW, starting(0.9), ["below the averaging radius"]), (FLAW, starting(1.0), [])],
+    WarningCause.WIDE_SHEAR: [(FLAW, short_for_shear(0.045), []), (FLAW, short_for_shear(0.055), ["crack 'flaw'"])],
     WarningCause.CONTRADICTION: [
-        (FLAW, [f"supports=[{EDGE}, {NOT_AS_IT}, {OFF_IT}]"], ["supports.2 holds a point of an edge otherwise than"]),
+        (FLAW, [f"supports=[{EDGE}, {NOT_AS_IT}, {OFF_IT}]"], ["supports.2 holds a point of an edge otherwise than"])
     ],
 }
 """Scenes, settings, and words of the warnings, on either side of where each cause begins."""

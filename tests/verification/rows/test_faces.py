@@ -17,17 +17,7 @@ from crackgrow.quadrature.rules import gauss
 from crackgrow.run.increments import LoadState
 from crackgrow.run.loading import load_history
 from crackgrow.run.scene import make_scene
-from tests.verification.solutions import (
-    CASES,
-    Floats,
-    Solved,
-    before_growth,
-    jump_of,
-    rate,
-    relative_L2,
-    solved,
-    table,
-)
+from tests.verification.solutions import CASES, Floats, Solved, before_growth, jump_of, rate, relative_L2, solved, table
 from tests.verification.table import Record, Row, parameters
 
 

@@ -22,9 +22,7 @@ from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
-from tests.crack_at_bond import TOUGHNESS as TOUGHNESS_OF_ROCK
-from tests.crack_at_bond import crack_at_bond
-from tests.scenes import shipped_case
+from tests.scenes import ROCK_TOUGHNESS, crack_at_bond, shipped_case, specimen
 from tests.solving import whole_run
 from tests.verification.solutions import QUIET, case_of
 from tests.verification.table import Record, Row, parameters
@@ -55,20 +53,9 @@ def plate(
     if hole:
         shape["holes"] = [{"disk": {"center": [0, 0], "radius": hole}}]
     rock = {"shape": shape, "material": {"young": 20000, "poisson": 0.2}, "strength": dict(strength)}
-    return case_of(
-        {
-            "title": "a plate whose cracks grow",
-            "units": {"length": "mm", "stress": "MPa"},
-            "plane": "strain",
-            "bodies": {"rock": rock},
-            "cracks": dict(cracks),
-            "supports": "minimal",
-            "loads": loads,
-            "loading": loading,
-            "growth": {"steps": 0, "increment": 2, "advance": "all", "criterion": criterion, **growth},
-            "numerics": dict(numerics),
-        }
-    )
+    growth = {"steps": 0, "increment": 2, "advance": "all", "criterion": criterion, **growth}
+    more = {"supports": "minimal", "loads": loads, "loading": loading, "growth": growth, "numerics": dict(numerics)}
+    return case_of({**specimen(dict(cracks), **more), "bodies": {"rock": rock}})
 
 
 def held(along: float, across: float) -> dict[str, Any]:
@@ -343,52 +330,34 @@ def _safety() -> Iterator[Row]:
     yield Row("a slab below a roof", "factor of safety", value, 0.1e6 / (2600 * 9.81), "tensile strength", 1e-3)
 
 
+BEAMS = """
+title: two beams of 10 mm that are pulled apart
+units: {length: mm, stress: MPa}
+plane: strain
+materials: {rock: {young: 20 GPa, poisson: 0.25}}
+bodies:
+  upper: {shape: {polygon: [[0, 0], [120, 0], [120, 10], [0, 10]]}, material: rock}
+  lower: {shape: {polygon: [[0, -10], [120, -10], [120, 0], [0, 0]]}, material: rock}
+interfaces:
+  - {between: [upper, lower], contact: {friction: 0, cohesion: 0}, cracked: [[0, 0], [30, 0]], toughness: 50 J/m^2}
+supports: minimal
+loads: [{on: {body: upper, edge: 3}, traction: [0, 1]}, {on: {body: lower, edge: 3}, traction: [0, -1]}]
+loading: critical
+growth: {steps: 2, increment: 10, criterion: max_hoop_stress}
+numerics: {accuracy: standard}
+"""
+
+
 @cache
 def parted_beam() -> list[tuple[float, float]]:
-    """The length (m) of the crack and the load factor of each step, of two beams of 10 mm that are pulled apart."""
-    length, high = 120.0, 10.0
-    ends = {"upper": (0.0, high), "lower": (-high, 0.0)}
-    return [
-        (result.interface_tips[0].length, result.load_factor)
-        for result in grow(
-            case_of(
-                {
-                    "title": "a double cantilever beam",
-                    "units": {"length": "mm", "stress": "MPa"},
-                    "plane": "strain",
-                    "bodies": {
-                        name: {
-                            "shape": {"polygon": [[0, low], [length, low], [length, high], [0, high]]},
-                            "material": {"young": "20 GPa", "poisson": 0.25},
-                        }
-                        for name, (low, high) in ends.items()
-                    },
-                    "interfaces": [
-                        {
-                            "between": ["upper", "lower"],
-                            "contact": {"friction": 0, "cohesion": 0},
-                            "cracked": [[0, 0], [30, 0]],
-                            "toughness": "50 J/m^2",
-                        }
-                    ],
-                    "supports": "minimal",
-                    "loads": [
-                        {"on": {"body": name, "edge": 3}, "traction": [0, t]}
-                        for name, t in (("upper", 1), ("lower", -1))
-                    ],
-                    "loading": "critical",
-                    "growth": {"steps": 2, "increment": 10, "criterion": "max_hoop_stress"},
-                    "numerics": {"accuracy": "standard"},
-                }
-            )
-        )
-    ]
+    """The length (m) of the crack and the load factor of each step."""
+    return [(result.interface_tips[0].length, result.load_factor) for result in grow(case_of(BEAMS))]
 
 
 def ratio_at_bond() -> float:
     """G of an increment along the bond over that of one straight on, by the loads at which a crack goes by each."""
     shares = 0.24, 0.28  # of the toughness of the rock: with less it turns, with more it crosses
-    runs = [whole_run(crack_at_bond(f"interfaces.0.toughness={share * TOUGHNESS_OF_ROCK}"))[0] for share in shares]
+    runs = [whole_run(crack_at_bond(f"interfaces.0.toughness={share * ROCK_TOUGHNESS}"))[0] for share in shares]
     assert [run[1].events[0].kind for run in runs] == ["deflection", "crossing"]
     along, across = (run[0].load_factor for run in runs)
     return float(shares[0] * (across / along) ** 2)
