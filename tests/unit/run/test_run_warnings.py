@@ -59,6 +59,7 @@ def stressed(pressure: float) -> list[str]:
 
 
 FLAW, BLOCKS, CAST = "compression30", "interface_friction01", "17_interface"
+BONDED = "interfaces=[{between: [concrete, rock], contact: {friction: 0.6}, cracked: [[-17.3205, -10], [17.3205, 10]]}]"
 ROCK = "bodies.rock.strength={tension: 5, cohesion: 20, friction_angle: 40}"
 GROWS = "growth={steps: 1, increment: 5, criterion: max_hoop_stress, tip_stress: {radius: 1}, initiation: outlines}"
 POINTS = ["numerics.spacing=3"]
@@ -104,8 +105,8 @@ TOLD = {
     WarningCause.JUMP: [(FLAW, cohesive(0.0), []), (FLAW, cohesive(5.0), ["jumps to", "jumps to"])],
     WarningCause.BONDED_TIPS: [
         (CAST, [], []),
-        (CAST, [ROCK, GROWS], ["do not grow"]),
-        (CAST, [ROCK, GROWS, "interfaces.0.toughness=1"], []),
+        (CAST, [BONDED, "loading={history: [1]}", ROCK, GROWS], ["do not grow"]),
+        (CAST, [ROCK, GROWS], []),
     ],
     WarningCause.UNKNOWN_G: [
         (CAST, ["loads=[{body: rock, stress: [-1, -1, 0]}]"], []),
