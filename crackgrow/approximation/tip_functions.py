@@ -85,5 +85,6 @@ def _root(x: float, y: float, c: float, s: float) -> complex:
 
 @kernel
 def _inverse(z: complex) -> complex:
+    """1 / z, without the care for overflow that a division of complex numbers takes."""
     size = z.real * z.real + z.imag * z.imag
     return complex(z.real / size, -z.imag / size)

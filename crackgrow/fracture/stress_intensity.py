@@ -120,7 +120,7 @@ def _in_disc(
     if known.functional is None:
         return _no_room(disc)
     material, in_tip_axes = materials[tip.body], materials[tip.body].turned(tip.rotation)
-    arc, toward_tip, of_uniform, of_vectors = known.functional.more
+    arc, toward_tip, of_uniform, of_vectors, of_stress = known.functional.more
     normal, tangential = _less_varying(material, cover, tip, arc, traction)
     along_x, along_y = toward_tip.T
     vectors = np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
@@ -132,7 +132,7 @@ def _in_disc(
         rule = tip_rule(tip, tip.size, disc.radii, n_angular(in_tip_axes.roots))
         force = spacing * tip.rotation @ body_force(cover.lattice.to_metres(rule.circles.points(tip))).T
         M = M + of_body_force(in_tip_axes, rule, force)
-    of_stress, (pressing, shearing) = of_uniform_stress(in_tip_axes), traction(tip.from_start(np.zeros(1)))
+    pressing, shearing = traction(tip.from_start(np.zeros(1)))
     K_II, K_I = 0.5 * np.sqrt(spacing) * np.linalg.solve(in_tip_axes.release, M[:, 1::-1].T)
     of_T = (M[:, 2] - of_stress[1] * float(pressing[0]) - of_stress[2] * float(shearing[0])) / of_stress[0]
     found = np.stack([K_I, K_II, of_T], axis=1)
@@ -147,16 +147,16 @@ def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequ
     """What the integrals of some discs read off."""
     if not discs:
         return []
+    rocks = [materials[disc.tip.body].turned(disc.tip.rotation) for disc in discs]
     rules = [
-        tip_rule(tip, tip.size, disc.radii, n_angular(materials[tip.body].turned(tip.rotation).roots))
-        for disc in discs
-        for tip in [disc.tip]
+        tip_rule(disc.tip, disc.tip.size, disc.radii, n_angular(rock.roots))
+        for disc, rock in zip(discs, rocks, strict=True)
     ]
     around = [rule.circles.points(disc.tip) for disc, rule in zip(discs, rules, strict=True)]
     elements = locate(cover.lattice, cover.elements, np.concatenate(around))
     found = []
-    for disc, rule, own, there in zip(
-        discs, rules, around, np.split(elements, np.cumsum([len(p) for p in around])[:-1]), strict=True
+    for disc, rock, rule, own, there in zip(
+        discs, rocks, rules, around, np.split(elements, np.cumsum([len(p) for p in around])[:-1]), strict=True
     ):
         beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
         faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
@@ -164,24 +164,23 @@ def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequ
         at = np.concatenate([own, on_faces, on_faces])
         left_right = [faces.plus, faces.minus] if disc.tip.at_end else [faces.minus, faces.plus]
         basis = basis_at(cover, at, np.concatenate([there, *left_right]))
-        found.append(_functional(materials[disc.tip.body], disc, rule, beyond, basis))
+        found.append(_functional(rock, disc, rule, beyond, basis))
     return found
 
 
 def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis) -> Functional:
-    """What the integrals of a disc read off, of the `basis` at its points.
+    """What the integrals of a disc read off, of the `basis` at its points, for a material in the axes of its tip.
 
     These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
     derivative along the faces does not matter.
     """
-    turn = disc.tip.rotation
-    weights = weights_of(material.turned(turn), rule)
+    weights, turn = weights_of(material, rule), disc.tip.rotation
     at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
     turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
     functions, sums = basis.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))
     of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
     of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
-    more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors)
+    more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors, of_uniform_stress(material))
     return Functional(functions, np.ascontiguousarray(sums.T), more)
 
 
