@@ -210,7 +210,7 @@ SCENES = {
     "cycles": ("slow_cracks", SHORTER, *CYCLES),
     "block on a foundation": ("block_rigid", "numerics.spacing=0.5", BLOCK),
     "stages": ("tunnel_excavated", "numerics.spacing=2", "output.points={}"),
-    "interface that parts": ("17_interface", "interfaces.0.toughness=1", ALONG, "numerics.accuracy=draft"),
+    "interface that parts": ("17_interface", "loading={history: [1]}", "interfaces.0.toughness=1", ALONG),
     "cracks that cross a bond": ("crack_at_bond", "interfaces.0.toughness=14"),
     "cracks that turn along a bond": ("crack_at_bond", "loading={history: [4]}", LOADED),
     "interface": ("interface_friction04", "numerics.spacing=0.2", BLOCK),
