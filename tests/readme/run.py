@@ -43,7 +43,7 @@ BESIDE = " &"
 """How a command ends that the next ones need running: it must run until all are done."""
 
 COPIED = (
-    "Makefile", "README.md", "pyproject.toml", ".requirements.lock", "crackgrow", "cases", "tests", "outputs/README.md",
+    "Makefile", "README.md", "pyproject.toml", ".requirements.lock", "cases", "tests", "outputs/README.md",
 )  # fmt: skip
 TIMEOUT = 1800  # s
 SHOWN_LINES = 30  # of a command that fails, its last ones
@@ -121,7 +121,7 @@ def all_commands(files: Sequence[str] = READMES) -> list[Command]:
 
 
 def checkout(folder: Path) -> Path:
-    """A copy of what is needed of the checkout, with its environment: commands may write what they like."""
+    """A copy of what commands read and write, with the environment of the checkout, which has the package itself."""
     for name in COPIED:
         if (ROOT / name).is_dir():
             shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("__pycache__"))
@@ -166,7 +166,7 @@ def run_beside(command: Command, folder: Path) -> Iterator[None]:
 
 
 def environment(folder: Path) -> dict[str, str]:
-    """That of the commands: programs of the checkout's environment, modules of the copy."""
+    """That of the commands: programs of the checkout's environment, tests of the copy."""
     path = os.pathsep.join([str(ROOT / ".venv/bin"), os.environ["PATH"]])
     return {**os.environ, "PATH": path, "PYTHONPATH": str(folder)}
 
