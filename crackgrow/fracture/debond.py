@@ -16,7 +16,7 @@ from shapely.ops import substring
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.cracked import STRAIGHT
 from crackgrow.case.model import Case
-from crackgrow.case.surface import SurfaceName
+from crackgrow.case.surface import SurfaceName, numbered
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
 
@@ -46,6 +46,15 @@ class Debond:
     def points(self) -> Floats:
         """Its vertices (m, 2) m, from start to end."""
         return _part(self.line, self.at[0], self.at[-1])
+
+    @property
+    def path(self) -> tuple[Floats, Ints]:
+        """Its vertices (m, 2) m with the ends to which it came, and the step (m,) whose advance has made each."""
+        line, along = shapely.LineString(self.line), arc_lengths(self.line)
+        s = np.union1d(self.at, along[(along > self.at[0]) & (along < self.at[-1])])
+        places = shapely.get_coordinates(shapely.line_interpolate_point(line, s))
+        after, before = np.searchsorted(self.at, s), np.searchsorted(self.at, s, side="right") - 1
+        return places, np.maximum(self.steps[before], self.steps[after])
 
     @property
     def given(self) -> Floats:
@@ -112,6 +121,11 @@ def place_of(case: Case, debond: Debond) -> tuple[int, int]:
     """The numbers of its interface, and of the line that it lies on."""
     number = next(n for n, interface in enumerate(case.interfaces) if interface.bodies == debond.bodies)
     return number, next(n for n, line in enumerate(case.interfaces[number].boundary) if line is debond.line)
+
+
+def names_of(debonds: Sequence[Debond]) -> list[SurfaceName]:
+    """Their names: those of one interface have numbers."""
+    return numbered([SurfaceName("interface", debond.bodies) for debond in debonds])
 
 
 def debond_number(debonds: Sequence[Debond], name: SurfaceName) -> int | None:

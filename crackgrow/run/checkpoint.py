@@ -15,7 +15,7 @@ from crackgrow.accuracy.companion import Errors, errors_of_record
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import ContactMemory
 from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.fracture.debond import Debond, debond_on, debonds_of, place_of
+from crackgrow.fracture.debond import Debond, debond_on, debonds_of, names_of, place_of
 from crackgrow.run.configuration import Excavated, LoadLevel
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.increments import Origin, Start
@@ -43,8 +43,12 @@ class RunState:
 
     @property
     def paths(self) -> tuple[CrackPath, ...]:
-        """The cracks as they lie."""
-        return tuple(CrackPath(g.crack.name, g.crack.points, g.steps) for g in self.cracks)
+        """The cracks as they lie, then the cracked parts of interfaces."""
+        debonds = zip(names_of(self.debonds), self.debonds, strict=True)
+        return (
+            *(CrackPath(g.crack.name, g.crack.points, g.steps) for g in self.cracks),
+            *(CrackPath(str(name), *debond.path) for name, debond in debonds),
+        )
 
 
 def beginning(case: Case) -> RunState:

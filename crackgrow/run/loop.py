@@ -135,7 +135,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         at = BeforeAdvance(solution.scene, cracks, state.step + 1, advances.lengths)
         advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
         events = (*told, *met, *advance.events)
-        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time)
+        here = scene.debonds
+        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time, debonds=here)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 
@@ -157,7 +158,7 @@ def _static(scene: Scene, begun: RunState) -> Steps:
             solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
         elif scene.case.numerics.measured:
             solution = solved_to_target(solution, solver)
-        yield _reported(RunState(step, cracks), solution), solution
+        yield _reported(RunState(step, cracks, debonds=begun.debonds), solution), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, begun.paths)
 
@@ -169,7 +170,7 @@ def _reduced(scene: Scene, begun: RunState) -> Steps:
         safety = replace(safety, error=100.0 * (BOUND * _factor_apart(scene, begun, safety) + NARROW))
     for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
-            yield _reported(RunState(step, begun.cracks), solution), solution
+            yield _reported(RunState(step, begun.cracks, debonds=begun.debonds), solution), solution
     return RunEnd("completed", str(safety), begun.paths, safety=safety)
 
 

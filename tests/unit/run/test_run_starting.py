@@ -196,8 +196,11 @@ def test_equal_cracks_go_on_together_and_the_step_is_that_of_their_load() -> Non
     case = crack_at_bond(both, toughness(0.1), "numerics.accuracy=draft", "growth.increment=2", "growth.steps=1")
     results, _ = whole_run(case)
     assert [(event.kind, event.crack) for event in results[1].events] == [("deflection", "a"), ("deflection", "b")]
-    one, other = results[1].cracks
+    one, other, *debonds = results[1].cracks
     assert len(results[1].interface_tips) == 4
+    for y, along in zip(sorted([-7e-3, 7e-3]), debonds, strict=True):
+        np.testing.assert_allclose(np.abs(along.points - [0.0, y]).sum(axis=1).max(), 2e-3, rtol=1e-6)
+        assert 1 in along.steps.tolist(), along
     G = np.sort([tip.G for tip in results[1].interface_tips if np.isfinite(tip.G)])
     np.testing.assert_allclose(G, 0.1 * ROCK_TOUGHNESS, rtol=1e-6)
     assert len(one.points) == len(other.points) == 2
