@@ -28,8 +28,8 @@ from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stag
 from crackgrow.case.on_map import case_on_map
 from crackgrow.case.segments import line_length
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.folder import RunFolder
 from crackgrow.results.places import component_text, extent, length_unit
+from crackgrow.results.run import Run
 from crackgrow.results.signs import LAW, LOAD, Sheet
 from crackgrow.results.style import own_style, wrapped
 
@@ -72,7 +72,7 @@ def draw_scene(path: Path, case: Case, squares: Floats) -> None:
 
 
 @own_style()
-def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
+def scene_svg(run: Run, steps: Iterable[int]) -> Markup:
     """The scene with its cracks at the end, as SVG.
 
     What step N has made is in a group `step-N`, the given cracks in `step-0`. For each of `steps` its tips are in a
@@ -80,8 +80,8 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     """
     case = case_on_map(run.case)
     figure, sheet = _begun(case, SIDE_OF_PAGE)
-    tables = run.table("paths").by("crack").values()
-    lines = [(np.column_stack([of.numbers("x"), of.numbers("y")]), of.steps()) for of in tables]
+    cracks = run.table("paths").by("crack").values()
+    lines = [(np.column_stack([of["x"], of["y"]]), of["step"]) for of in cracks]
     if not lines:  # nothing was solved: the cracks are those given
         lines = [(crack.points, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
     last = max((int(steps.max()) for _, steps in lines), default=1)
@@ -95,10 +95,10 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
         sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks), autolim=False)
     of_steps = run.table("tips").by("step")
     for step in steps:
-        tips = of_steps[(str(step),)]
-        fills = ["#f0a202" if word == "true" else "white" for word in tips.words("advanced")]
+        tips = of_steps[(step,)]
+        fills = ["#f0a202" if advanced else "white" for advanced in tips["advanced"]]
         looks = {"s": 14, "c": fills, "edgecolors": "black", "linewidths": 0.8, "zorder": 7.2, "gid": f"tips-{step}"}
-        sheet.axes.scatter(tips.numbers("x"), tips.numbers("y"), **looks)
+        sheet.axes.scatter(tips["x"], tips["y"], **looks)
     part_labels(sheet, np.concatenate([np.zeros((0, 2)), *(points for points, _ in lines)]))
     file = io.StringIO()
     figure.savefig(file, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))

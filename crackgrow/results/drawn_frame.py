@@ -12,7 +12,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.results.folder import FolderError, RunFolder
+from crackgrow.results.atomic import FolderError
+from crackgrow.results.folder import RunFolder
 from crackgrow.run.result import Frame
 
 if TYPE_CHECKING:

@@ -20,10 +20,10 @@ from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawing import body_path, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, on_specimen, png_of
-from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
 from crackgrow.results.places import extent, length_unit
 from crackgrow.results.report.charts import Chart, load_curves, stress_strain
+from crackgrow.results.run import Run
 from crackgrow.results.style import has_bar_beside, in_rows, own_style, with_bar
 from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
@@ -130,7 +130,7 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
 
 
 @own_style()
-def draw_curves(folder: Path, run: RunFolder) -> None:
+def draw_curves(folder: Path, run: Run) -> None:
     """Plot the load curve and the stress-strain curve of a run, if it has them. Raises OutputError.
 
     Points are named by their steps: every so many, or in a history of loads those where it turns.
@@ -138,7 +138,7 @@ def draw_curves(folder: Path, run: RunFolder) -> None:
     n_steps = len(run.solved)
     some = list(range(0, n_steps, -(-n_steps // MOST_STEP_TICKS)))
     if curves := load_curves(run):
-        factor = run.table("steps").numbers("load_factor")
+        factor = run.table("steps")["load_factor"]
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
         named = some if run.case.growth is not None else [0, *turns.tolist(), n_steps - 1]
         _draw_charts(folder / "load_curve.png", f"{run.case.title} (points: steps)", curves, named)

@@ -43,8 +43,8 @@ def render(
     """
     run = open_run(folder)
     frames = [drawn_frame(run, step, field) for step in run.frames_of(steps)]
-    factors = run.table("steps").numbers("load_factor").tolist()
-    loads = {step: load_words(run.case, factor) for step, factor in zip(run.solved, factors, strict=True)}
+    factors = zip(run.solved, run.table("steps")["load_factor"].tolist(), strict=True)
+    loads = {step: load_words(run.case, factor) for step, factor in factors}
     pictures = FieldPictures(run.case.title, field, frames, loads, look)
     target = (folder / "render" if out is None else out) / field
     remove_files(own.path for own in own_files(target, names=["step_NNNN.png", "animation.gif", "animation.mp4"]))

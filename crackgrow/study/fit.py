@@ -289,11 +289,11 @@ def run_line(folder: Path, measured: Measured) -> Floats:
     assert measured.x is not None  # the file was checked
     assert measured.y is not None
     run = RunFolder(folder)
-    in_steps = {measured.x, measured.y} <= set(run.table("steps").columns)
+    in_steps = {measured.x, measured.y} <= set(run.table("steps"))
     table = run.table("steps" if in_steps or not run.has("history.csv") else "history")
-    for name in sorted({measured.x, measured.y} - set(table.columns)):
-        raise SolveError(f"the run in {folder} has no column {name}; {table.path.name} has {', '.join(table.columns)}")
-    line = np.stack([table.numbers(name) for name in (measured.x, measured.y)], axis=1)
+    for name in sorted({measured.x, measured.y} - set(table)):
+        raise SolveError(f"the run in {folder} has no column {name}; {table.path.name} has {', '.join(table)}")
+    line = np.stack([table[name] for name in (measured.x, measured.y)], axis=1)
     if not (np.diff(line[:, 0]) >= 0.0).all():
         raise SolveError(f"{measured.x} of the run in {folder} does not rise; measure over what does")
     return line

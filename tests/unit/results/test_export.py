@@ -21,11 +21,11 @@ from crackgrow import cli
 from crackgrow.cli.command_line import declared
 from crackgrow.errors import CaseError
 from crackgrow.results import field_picture, render, view
-from crackgrow.results.atomic import OutputError
+from crackgrow.results.atomic import FolderError, OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, export
 from crackgrow.results.field_picture import Look
-from crackgrow.results.folder import FolderError, open_run
+from crackgrow.results.folder import open_run
 from tests.scenes import make_run
 
 pytestmark = pytest.mark.physics
