@@ -31,7 +31,7 @@ from crackgrow.results.atomic import write_atomically
 from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.run import Run
 from crackgrow.results.signs import LAW, LOAD, Sheet
-from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.style import give_title, own_style
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE, SIDE_OF_PAGE = 6.5, 4.5  # inches, the longer one of the scene: words are larger beside it on a page
@@ -154,7 +154,7 @@ def _begun(case: Case, side: float, title: str = "") -> tuple[Figure, Sheet]:
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     _dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
     _dimension(axes, low, np.array([low[0], high[1]]), left, f"{(high - low)[1] * scale:g} {unit}")
-    figure.suptitle(wrapped(title, figure), fontsize=9, y=0.995, va="top")
+    give_title(figure, title, size=9.0)
     return figure, sheet
 
 

@@ -25,7 +25,7 @@ from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
 from crackgrow.errors import CaseError
 from crackgrow.results.drawn_frame import INCHES, LINE, DrawnFrame, areas_of, percentiles
-from crackgrow.results.style import has_bar_beside, own_style, with_bar
+from crackgrow.results.style import add_bar, give_title, has_bar_beside, own_style
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given
@@ -91,7 +91,8 @@ class FieldPictures:
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
         title = f"{self.title}\nstep {frame.step}{load}, displacement x {factor_text(self.warp)}"
-        with_bar(figure, axes, ScalarMappable(self.norm, self.colormap), title, extend="both", label=label)
+        give_title(figure, title)
+        add_bar(figure, axes, ScalarMappable(self.norm, self.colormap), extend="both", label=label)
         return png_of(figure)
 
     def _moved(self, frame: DrawnFrame) -> Floats:
@@ -112,7 +113,7 @@ def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) 
     fitting = 2 * np.round(shares * LONG_SIDE / shares.max() / 2)
     width, height = size or fitting
     dpi = LONG_SIDE / INCHES * min(width / fitting[0], height / fitting[1])
-    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi)
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, layout="constrained")
     axes = figure.add_subplot()
     (left, bottom), (right, top) = (low - margin) / length, (high + margin) / length
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")

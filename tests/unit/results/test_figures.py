@@ -35,7 +35,7 @@ from tests.unit.results.synthetic import make_case, make_frame, make_paths, make
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The figures that a test draws, in place of their files."""
     found: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda path, figure: found.append(figure))
+    monkeypatch.setattr(figures, "png_of", lambda figure: found.append(figure) or b"")
     return found
 
 
