@@ -87,13 +87,14 @@ def run_case(case: Case, out: str | Path | None = None) -> SolvedRun:
     if out is None:
         return _collected(case, steps, lambda result: None)
     writer = RunWriter(case, Path(out))
-    writer.begin()
-    try:
-        run = _collected(case, steps, writer.add)
-        writer.finish(run.end)
-    except BaseException as error:
-        writer.break_off(error)
-        raise
+    with writer.held():
+        writer.begin()
+        try:
+            run = _collected(case, steps, writer.add)
+            writer.finish(run.end)
+        except BaseException as error:
+            writer.break_off(error)
+            raise
     return run
 
 

@@ -25,11 +25,12 @@ from crackgrow.errors import CaseError, Fault, SolveError
 from crackgrow.results.atomic import write_text
 from crackgrow.results.declarations import FILES
 from crackgrow.results.folder import RunFolder
+from crackgrow.results.lock import locked
 from crackgrow.results.units import counted
 from crackgrow.run.loop import for_each
 from crackgrow.study.path_files import read_paths, read_points
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
-from crackgrow.study.runs import Row, Values, locked, run_study
+from crackgrow.study.runs import Row, Values, run_study
 from crackgrow.study.sweep import short_names
 from crackgrow.study.sweep_file import FitFile, Measured, read_fit_file
 from crackgrow.study.trade_plan import UNWRITTEN
@@ -165,7 +166,7 @@ def fit(
     far as what was measured, or where that does not tell the keys apart.
     """
     runs = _Runs(plan, Workers(workers, scheduler, memory, timeout), resume, show)
-    with locked(runs.study(())):
+    with locked(plan.folder, runs.study(()).words):
         place, residual, jacobian, converged = least_squares_of(runs.residuals, len(plan.names), _scale(plan))
         found = _fit_of(plan, place, residual, jacobian, len(runs.runs), converged)
         write_text(plan.folder / "fit.json", json.dumps(asdict(found), indent=2) + "\n")

@@ -69,6 +69,11 @@ class Study:
     responses: tuple[str, ...] | None = None  # columns that the picture of a sweep shows; None: it chooses
 
     @property
+    def words(self) -> str:
+        """What it is called by those who find its folder locked."""
+        return f"{self.command} {self.name}"
+
+    @property
     def asked(self) -> tuple[Run, ...]:
         """The runs without those that are there for others to be held against."""
         against = {run.reference for run in self.runs}

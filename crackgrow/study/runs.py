@@ -15,7 +15,7 @@ from crackgrow.errors import reason_of
 from crackgrow.results.atomic import FolderError, OccupiedError, remove_files, write_text
 from crackgrow.results.declarations import columns_of, declared
 from crackgrow.results.folder import SUMMARY, RunFolder
-from crackgrow.results.lock import FolderLock, LockedError, earlier_files
+from crackgrow.results.lock import LockedError, earlier_files, locked
 from crackgrow.results.resume import ResumeError, find_resumption
 from crackgrow.results.run import FINISHED
 from crackgrow.results.tables import csv_text
@@ -189,11 +189,6 @@ def run_study(
     return table
 
 
-def locked(study: Study) -> contextlib.AbstractContextManager[None]:
-    """The folder of a study is written by it alone; raises LockedError."""
-    return FolderLock(study.folder, f"{study.command} {study.name}").held()
-
-
 def _values(run: Run, future: Future[str]) -> Values:
     """What has become of a run; raises ClusterError where that was lost with all others."""
     try:
@@ -218,8 +213,5 @@ def _remove_earlier(study: Study, run: Run, resume: bool) -> None:
             find_resumption(run.case, run.folder)
             return
     # Where it must not be changed, the run itself is refused, and the others are made.
-    with (
-        contextlib.suppress(OccupiedError, LockedError),
-        FolderLock(run.folder, f"{study.command} {study.name}").held(),
-    ):
+    with contextlib.suppress(OccupiedError, LockedError), locked(run.folder, study.words):
         remove_files(earlier_files(run.folder, run.case.name))

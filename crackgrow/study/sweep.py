@@ -15,8 +15,9 @@ from crackgrow.case import Case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
+from crackgrow.results.lock import locked
 from crackgrow.study.plan import CaseFile, Run, Study, folder_names
-from crackgrow.study.runs import TAKEN, Row, locked, response_columns, run_study
+from crackgrow.study.runs import TAKEN, Row, response_columns, run_study
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
 from crackgrow.study.workers import Workers
 
@@ -133,7 +134,7 @@ def sweep(
     ClusterError and OutputError; what has ended is in the table then. A run that fails is a row like any other.
     """
     there = Workers(workers, scheduler, memory, timeout)
-    with locked(study):
+    with locked(study.folder, study.words):
         table = yield from run_study(study, there, resume)
         from crackgrow.study.pictures import draw_sweep  # here: it loads matplotlib
 

@@ -11,10 +11,11 @@ from crackgrow.case.units import Metres
 from crackgrow.errors import SolveError
 from crackgrow.results.atomic import write_text
 from crackgrow.results.declarations import columns_of, declared
+from crackgrow.results.lock import locked
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import INTENSITIES, aligned, or_null, unit_of
 from crackgrow.study.findings import DISPLACEMENT, MODES, Findings, Quantity, findings
-from crackgrow.study.runs import Row, Table, Values, locked, run_study
+from crackgrow.study.runs import Row, Table, Values, run_study
 from crackgrow.study.trade_plan import OWN, TradePlan
 from crackgrow.study.workers import Workers
 
@@ -41,7 +42,7 @@ def trade(
     """
     there = Workers(workers, scheduler, memory, timeout)
     study = plan.study
-    with locked(study):
+    with locked(study.folder, study.words):
         table = yield from run_study(study, there, resume)
         for run in study.runs:
             row = table.row(run)
