@@ -97,11 +97,12 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
     file = read_fit_file(path)
     case = _case_in_middle(file)
     _check_measured(file, case)
-    points = _measured(file.base_folder / file.measured.file, file.measured)
+    measured = path.parent / file.measured.file
+    points = _measured(measured, file.measured)
     n_keys = len(file.parameters)
     if len(points) <= n_keys:
         has, wanted = counted(len(points), "measured point"), f"{n_keys + 1} or more, of {counted(n_keys, 'key')}"
-        raise CaseError.at(file.base_folder / file.measured.file, f"has {has}; wanted: {wanted}")
+        raise CaseError.at(measured, f"has {has}; wanted: {wanted}")
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     return FitPlan(file, case.title, folder, short_names(tuple(file.parameters)), points)
 

@@ -14,8 +14,7 @@ from crackgrow.study.fit import FitPlan, _fit_of, _measured, _scale, least_squar
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.plan import folder_names
 from crackgrow.study.sweep import combinations, plan_sweep
-from crackgrow.study.sweep_file import FitFile, Measured, SweepFile, read_sweep_file
-from crackgrow.study.values import Range
+from crackgrow.study.sweep_file import FitFile, Measured, Range, SweepFile, read_sweep_file
 from tests.scenes import make_run
 
 CASES = Path(__file__).parents[3] / "cases"
