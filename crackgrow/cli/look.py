@@ -11,7 +11,7 @@ from crackgrow.cli.console import say
 
 def do_report(folder: Path) -> None:
     """`crackgrow report`: the page about a run, made again."""
-    from crackgrow.results.report import write_report  # only now: it loads numpy
+    from crackgrow.results.report.page import write_report  # only now: it loads numpy
 
     say(str(write_report(folder)))
 

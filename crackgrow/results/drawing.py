@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,7 +23,7 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
 from crackgrow.case.on_map import case_on_map
 from crackgrow.case.segments import line_length
@@ -84,20 +84,19 @@ def scene_svg(run: Run, steps: Iterable[int]) -> Markup:
     lines = [(np.column_stack([of["x"], of["y"]]), of["step"]) for of in cracks]
     if not lines:  # nothing was solved: the cracks are those given
         lines = [(crack.points, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
-    last = max((int(steps.max()) for _, steps in lines), default=1)
-    segments: dict[int, list[Floats]] = {}
-    for points, steps_of in lines:
-        for start, step in enumerate(np.maximum(steps_of[:-1], steps_of[1:]).tolist()):  # that of its younger vertex
-            segments.setdefault(step, []).append(points[start : start + 2])
-    for step, parts in sorted(segments.items()):
-        colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
-        looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
-        sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks), autolim=False)
+    draw_steps(sheet.axes, lines)
     of_steps = run.table("tips").by("step")
     for step in steps:
         tips = of_steps[(step,)]
         fills = ["#f0a202" if advanced else "white" for advanced in tips["advanced"]]
-        looks = {"s": 14, "c": fills, "edgecolors": "black", "linewidths": 0.8, "zorder": 7.2, "gid": f"tips-{step}"}
+        looks: dict[str, Any] = {
+            "s": 14,
+            "c": fills,
+            "edgecolors": "black",
+            "linewidths": 0.8,
+            "zorder": 7.2,
+            "gid": f"tips-{step}",
+        }
         sheet.axes.scatter(tips["x"], tips["y"], **looks)
     part_labels(sheet, np.concatenate([np.zeros((0, 2)), *(points for points, _ in lines)]))
     file = io.StringIO()
@@ -107,6 +106,19 @@ def scene_svg(run: Run, steps: Iterable[int]) -> Markup:
     text = re.sub(r'<g id="title: (.*?)">', r"<g><title>\1</title>", text)  # in place of ids, which are not one each
     label = Markup("{}: specimen, supports, loads and cracks").format(run.case.title)
     return Markup(text.replace("<svg", f'<svg id="scene" role="img" aria-label="{label}"', 1))
+
+
+def draw_steps(axes: Axes, cracks: Sequence[tuple[Floats, Ints]], scale: float = 1.0) -> None:
+    """Draw lines (n, 2) m times a factor, what each step (n,) has made in its colour and in a group `step-N`."""
+    last = max((int(steps.max()) for _, steps in cracks), default=1)
+    segments: dict[int, list[Floats]] = {}
+    for points, steps in cracks:
+        for start, step in enumerate(np.maximum(steps[:-1], steps[1:]).tolist()):  # that of its younger vertex
+            segments.setdefault(step, []).append(scale * points[start : start + 2])
+    for step, parts in sorted(segments.items()):
+        colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
+        looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
+        axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks), autolim=False)
 
 
 def step_colour(step: int, last: int) -> str:

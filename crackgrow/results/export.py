@@ -13,7 +13,7 @@ import pyvista
 
 from crackgrow.arrays import Floats
 from crackgrow.results.atomic import FolderError, OutputError, write_atomically, write_text
-from crackgrow.results.drawn_frame import COMPONENTS, cells_of
+from crackgrow.results.drawn_frame import by_component, cells_of
 from crackgrow.results.folder import FACES, RunFolder, of_step, open_run
 from crackgrow.results.units import or_null, spans_text
 
@@ -90,21 +90,11 @@ def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh
     return meshio.Mesh(
         np.asarray(grid.points, dtype=float),
         [(kind, cells[numbers, : CORNERS[kind]]) for _, kind, numbers in blocks],
-        _fields(grid.point_data),
-        {name: [values[numbers] for *_, numbers in blocks] for name, values in _fields(grid.cell_data).items()},
+        by_component(grid.point_data),
+        {name: [values[numbers] for *_, numbers in blocks] for name, values in by_component(grid.cell_data).items()},
         field_data={name: np.array([number, 2]) for number, name in enumerate(bodies, 1)},  # 2: surfaces
         cell_sets=sets,
     )
-
-
-def _fields(data: pyvista.DataSetAttributes) -> dict[str, Floats]:
-    """Numbers (n,) or vectors (n, 3) by name, those of stress component by component."""
-    fields: dict[str, Floats] = {}
-    for name in data:
-        values = np.asarray(data[name], dtype=float)
-        parts = dict(zip(COMPONENTS, np.ascontiguousarray(values.T), strict=False))
-        fields |= parts if name == "stress" else {name: values}
-    return fields
 
 
 def _write(path: Path, mesh: meshio.Mesh, to: str) -> None:

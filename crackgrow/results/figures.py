@@ -4,11 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
@@ -17,7 +15,7 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.case.on_map import case_on_map
 from crackgrow.results.atomic import write_bytes
-from crackgrow.results.drawing import body_path, step_colour
+from crackgrow.results.drawing import body_path, draw_steps, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, on_specimen, png_of
 from crackgrow.results.log import load_words
@@ -44,20 +42,14 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     figure, axes, length = on_specimen(*extent(case))
     for body in case.bodies:
         axes.add_patch(PathPatch(body_path(body, 1.0 / length), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
+    draw_steps(axes, [(crack.points, crack.steps) for crack in cracks], 1.0 / length)
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
-    colours = ["black", *(step_colour(step, last) for step in range(1, last + 1))]  # of given cracks, of each step
+    colours = [step_colour(step, last) for step in range(1, last + 1)]
     for crack in cracks:
-        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) / length
-        made = np.maximum(crack.steps[:-1], crack.steps[1:])  # a segment is as young as its younger vertex
-        for given, width in ((False, 2.0), (True, 2.4)):
-            mine = (made == 0) == given
-            looks: dict[str, Any] = {"colors": [colours[step] for step in made[mine]], "linewidths": width}
-            lines = LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks)
-            axes.add_collection(lines, autolim=False)
         x, y = (crack.points[crack.steps > 0] / length).T
-        axes.scatter(x, y, s=7, color=[colours[step] for step in crack.steps if step > 0], zorder=4)
+        axes.scatter(x, y, s=7, color=[colours[step - 1] for step in crack.steps if step > 0], zorder=8)
     if last > 0:
-        scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours[1:]))
+        scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours))
         ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
         add_bar(figure, axes, scale_of_steps, ticks=ticks, label=label).minorticks_off()
     _save(path, figure, case.title)

@@ -31,7 +31,7 @@ def complete_output(case: Case, folder: Path) -> None:
     """Delete the half-written files of a finished run, and write its report where it is missing. Raises OutputError."""
     remove_files(own.path for own in own_files(folder, case.name) if not own.whole)
     if case.output.report and not (folder / REPORT).is_file():
-        from crackgrow.results.report import write_report  # here: a run without it needs none of it
+        from crackgrow.results.report.page import write_report  # here: a run without it needs none of it
 
         write_report(folder)
 
@@ -167,7 +167,7 @@ class RunWriter:
             for text in (*warnings, *filter(None, [self.error_line]), f"{end.status}: {end.reason}"):
                 self._log.tell(text)
         if self.case.output.report:
-            from crackgrow.results.report import write_report  # here: a run without it needs none of it
+            from crackgrow.results.report.page import write_report  # here: a run without it needs none of it
 
             write_report(self.folder, self.case)  # made from the files, so it comes last
 

@@ -1,6 +1,7 @@
 """The page: what its template, `page.html`, shows of a run and of its steps, which move with the slider, and the file.
 
-Pictures are those of `crackgrow render`, or else the figures of the run.
+`chart.js` draws what `charts` has, `page.js` moves with the slider. Pictures are those of `crackgrow render`, or else
+the figures of the run.
 """
 
 from __future__ import annotations
