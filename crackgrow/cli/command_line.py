@@ -24,6 +24,8 @@ from crackgrow.cli.console import (
     EXIT_INTERRUPTED,
     EXIT_UNSOLVED,
     complain,
+    hand_out,
+    say,
     spelled,
     write_any_character,
 )
@@ -41,8 +43,13 @@ def main(argv: Sequence[str] | None = None) -> int:
     write_any_character()
     group, name, given = parsed(sys.argv[1:] if argv is None else argv)
     try:
-        command = getattr(import_module(f"crackgrow.cli.{group}"), f"do_{name}")
-        return command(**given) or EXIT_DONE
+        module, function = groups()[group][name].get("calls", f"cli.{group}:do_{name}").split(":")
+        found = getattr(import_module(f"crackgrow.{module}"), function)(**given)
+        if isinstance(found, Path):  # of what was written
+            say(str(found))
+        elif isinstance(found, str):
+            hand_out(found, end="\n")
+        return found if isinstance(found, int) else EXIT_DONE
     except CrackgrowError as error:
         for fault in error.faults if isinstance(error, CaseError) else [f"crackgrow: {error}"]:
             complain(str(fault))
@@ -140,15 +147,13 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where the examples are; exit code 2."""
-        unknown = [word for word in self._words if word.startswith("--") and not self._takes(word)]
+        options = self._option_string_actions
+        begun = {word: word.partition("=")[0] for word in self._words if word.startswith("--")}
+        unknown = [word for word, begin in begun.items() if not any(option.startswith(begin) for option in options)]
         if message.startswith("the following arguments are required") and unknown:
             message += f"; unknown: {shlex.join(unknown)}{self.hint(unknown)}"
         self.print_usage(sys.stderr)
         self.exit(2, f"{self.prog}: {message}\n`{self.prog} --help` has all options, and examples\n")
-
-    def _takes(self, word: str) -> bool:
-        """Whether a word is an option, or the beginning of one."""
-        return any(option.startswith(word.partition("=")[0]) for option in self._option_string_actions)
 
     def hint(self, rest: Sequence[str]) -> str:
         """What may have been meant by words that a command does not take."""

@@ -1,19 +1,11 @@
-"""The commands that look at the results of a run: `crackgrow report`, `render`, `view` and `export`."""
+"""`crackgrow render`."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
 
-import crackgrow
 from crackgrow.cli.console import say
-
-
-def do_report(folder: Path) -> None:
-    """`crackgrow report`: the page about a run, made again."""
-    from crackgrow.results.report.page import write_report  # only now: it loads numpy
-
-    say(str(write_report(folder)))
 
 
 def do_render(
@@ -41,15 +33,3 @@ def do_render(
         write = write_mp4 if animation == "mp4" else write_gif
         write(path, pictures)
         say(str(path))
-
-
-def do_view(folder: Path, field: str, warp: float | None) -> None:
-    """`crackgrow view`: a window on the frames of a run."""
-    from crackgrow.results.view import view  # only now: it loads pyvista
-
-    view(folder, field, warp)
-
-
-def do_export(folder: Path, to: str, step: int | None, out: Path | None) -> None:
-    """`crackgrow export`: a frame as a mesh file, or crack paths."""
-    say(str(crackgrow.export(folder, to, step, out)))
