@@ -9,7 +9,7 @@ import shlex
 import sys
 import tomllib
 import traceback
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -45,10 +45,11 @@ def main(argv: Sequence[str] | None = None) -> int:
     try:
         module, function = groups()[group][name].get("calls", f"cli.{group}:do_{name}").split(":")
         found = getattr(import_module(f"crackgrow.{module}"), function)(**given)
-        if isinstance(found, Path):  # of what was written
-            say(str(found))
-        elif isinstance(found, str):
+        if isinstance(found, str):
             hand_out(found, end="\n")
+        elif isinstance(found, Path | Iterator):  # of what was written
+            for path in [found] if isinstance(found, Path) else found:
+                say(str(path))
         return found if isinstance(found, int) else EXIT_DONE
     except CrackgrowError as error:
         for fault in error.faults if isinstance(error, CaseError) else [f"crackgrow: {error}"]:

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
@@ -45,35 +44,33 @@ COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth col
 THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """What can be chosen of pictures of a field."""
-
-    warp: float | None = None  # factor of the displacements; None: a visible one
-    size: tuple[int, int] | None = None  # width and height in pixels; None: what fits the specimen
-    limits: tuple[str, str] | None = None  # of the colours, with a unit or in that of the colour bar; None: the values'
-
-
-USUAL: Final = Look()
-
-
 class FieldPictures:
     """A field on the displaced specimen, in one extent, magnification, colour scale and size for all frames.
 
     loads: what loads each step, for the captions
+    warp: factor of the displacements; None: a visible one
+    size: width and height in pixels; None: what fits the specimen
+    limits: of the colours, with a unit or in that of the colour bar; None: those of the values
     """
 
     def __init__(
-        self, title: str, field: str, frames: Sequence[DrawnFrame], loads: Mapping[int, str], look: Look = USUAL
+        self,
+        title: str,
+        field: str,
+        frames: Sequence[DrawnFrame],
+        loads: Mapping[int, str],
+        warp: float | None = None,
+        size: tuple[int, int] | None = None,
+        limits: tuple[str, str] | None = None,
     ) -> None:
         """Raises CaseError for limits that the field cannot have."""
-        self.title, self.field, self.loads, self.size = title, field, loads, look.size
-        self.warp = min(frame.magnification() for frame in frames) if look.warp is None else look.warp
+        self.title, self.field, self.loads, self.size = title, field, loads, size
+        self.warp = min(frame.magnification() for frame in frames) if warp is None else warp
         values = np.concatenate([frame.values for frame in frames])
         weights = np.concatenate([frame.areas(by_point=frame.by_point) for frame in frames])
         self.unit, self.norm, self.colormap = colours_of(field, values, weights)
-        if look.limits is not None:
-            low, high = limits_of(field, look.limits, self.unit)
+        if limits is not None:
+            low, high = limits_of(field, limits, self.unit)
             self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
         moved = np.concatenate([self._moved(frame) for frame in frames])
         self.corners = moved.min(axis=0), moved.max(axis=0)
