@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -29,11 +29,10 @@ from crackgrow.results.lock import locked
 from crackgrow.results.units import counted
 from crackgrow.run.loop import for_each
 from crackgrow.study.path_files import read_paths, read_points
-from crackgrow.study.plan import CaseFile, Run, Study, folder_names
+from crackgrow.study.plan import Run, Study, folder_names
 from crackgrow.study.runs import Row, Values, run_study
 from crackgrow.study.sweep import short_names
 from crackgrow.study.sweep_file import FitFile, Measured, read_fit_file
-from crackgrow.study.trade_plan import UNWRITTEN
 from crackgrow.study.workers import Workers
 
 STEP: Final = 0.02  # of the range of a key: over less than that what cells and events leave of runs counts
@@ -109,12 +108,12 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
 
 def _case_in_middle(file: FitFile) -> Case:
     """The case in the middle of all ranges, if it is one at their ends too; else raises CaseError."""
-    case, wrong = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).tried()
+    case, wrong = file.case_file(_texts(file, np.full(len(file.parameters), 0.5))).tried()
     faults: dict[str, Fault] = {}  # the first one of each range
     for index, key in enumerate(file.parameters):
         for part in (0.0, 1.0, 0.5):
             texts = _texts(file, np.where(np.arange(len(file.parameters)) == index, part, 0.5))
-            for fault in _case_file(file, texts).tried()[1]:
+            for fault in file.case_file(texts).tried()[1]:
                 own = fault.source == f"--set {key}"
                 if own or not wrong:
                     message = f"at {texts[index]}: {fault.message if own else fault}"
@@ -275,7 +274,7 @@ class _Runs:
     def _run(self, values: tuple[str, ...]) -> Run:
         """The next run."""
         name = " ".join(f"{name}={value}" for name, value in zip(self.plan.names, values, strict=True))
-        file, number = _case_file(self.plan.file, values), len(self.runs)
+        file, number = self.plan.file.case_file(values), len(self.runs)
         case, faults = file.tried()
         refusal = "; ".join(map(str, faults))
         return Run(number, name, self.plan.folder / folder_names([name])[0], values, file, case, refusal)
@@ -344,8 +343,3 @@ def _measured(path: Path, measured: Measured) -> Floats:
 def _texts(file: FitFile, place: Floats) -> tuple[str, ...]:
     """The values of the keys at a place in the unit cube, as an override takes them."""
     return tuple(values.at(part)[0] for values, part in zip(file.parameters.values(), place[:, None], strict=True))
-
-
-def _case_file(file: FitFile, values: Sequence[str]) -> CaseFile:
-    given: Mapping[str, Any] = {**file.settings, **dict(zip(file.parameters, values, strict=True))}
-    return CaseFile(file.base, (*UNWRITTEN, *(f"{key}={text}" for key, text in given.items())))

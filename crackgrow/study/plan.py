@@ -13,6 +13,7 @@ from typing import Final
 from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError, Fault
 
+UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")  # of runs that tell by tables
 LONGEST: Final = 120  # bytes: file systems take 255
 
 

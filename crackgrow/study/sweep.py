@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
@@ -16,7 +16,7 @@ from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
 from crackgrow.results.lock import locked
-from crackgrow.study.plan import CaseFile, Run, Study, folder_names
+from crackgrow.study.plan import Run, Study, folder_names
 from crackgrow.study.runs import TAKEN, Row, response_columns, run_study
 from crackgrow.study.sweep_file import SweepFile, read_sweep_file
 from crackgrow.study.workers import Workers
@@ -60,7 +60,7 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
     names = short_names(tuple(file.parameters))
     settings = [dict(zip(file.parameters, values, strict=True)) for values in combinations(file)]
     n_asked = len(settings)
-    tried = [_case_file(file, given).tried() for given in settings]
+    tried = [file.case_file(given).tried() for given in settings]
     finer: dict[Combination, int] = {}  # numbers of the runs that others are held against
     against: list[int | None] = []
     for given, (case, _) in zip(list(settings), tried, strict=True):
@@ -69,7 +69,7 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
         if has_one and tuple(held.values()) not in finer:
             settings.append(held)
         against.append(finer.setdefault(tuple(held.values()), len(settings) - 1) if has_one else None)
-    tried += [_case_file(file, given).tried() for given in settings[n_asked:]]
+    tried += [file.case_file(given).tried() for given in settings[n_asked:]]
     _refuse_all(file, [faults for _, faults in tried[:n_asked]])
     _refuse_all(file, [faults for _, faults in tried[n_asked:]])
     values = [tuple(given[key] for key in file.parameters) for given in settings]
@@ -79,7 +79,7 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
     for number, words in enumerate(folder_names(titles)):
         case, faults = tried[number]
         refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
-        one, other = _case_file(file, settings[number]), against[number] if number < n_asked else None
+        one, other = file.case_file(settings[number]), against[number] if number < n_asked else None
         runs.append(Run(number, titles[number], folder / words, values[number], one, case, refusal, other))
     cases = [run.case for run in runs if run.case is not None]
     _check_responses(file, cases)
@@ -151,10 +151,6 @@ def short_names(keys: Sequence[str]) -> tuple[str, ...]:
         return next(known, key)
 
     return tuple(map(shortest, keys))
-
-
-def _case_file(file: SweepFile, settings: Mapping[str, str]) -> CaseFile:
-    return CaseFile(file.base, (*file.fixed, *(f"{key}={value}" for key, value in settings.items())))
 
 
 def _name(names: Sequence[str], values: Sequence[str]) -> str:

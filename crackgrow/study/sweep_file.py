@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from collections.abc import Mapping as AnyMapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,6 +20,7 @@ from crackgrow.case.report import Path as KeyPath
 from crackgrow.case.report import Place, Report, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
 from crackgrow.case.units import QuantityError, Units, parse_number
+from crackgrow.study.plan import UNWRITTEN, CaseFile
 
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
 MOST_KEYS: Final = 3  # of one fit: more are seldom told apart by a curve
@@ -189,11 +190,10 @@ class SweepFile:
     responses: tuple[str, ...] | None
     seed: int = 0
 
-    @property
-    def fixed(self) -> tuple[str, ...]:
-        """Overrides that all runs have."""
+    def case_file(self, values: AnyMapping[str, str]) -> CaseFile:
+        """The case with what all runs have and these values of keys."""
         kept = (f"output.{key}={str(value).lower()}" for key, value in FORMAT.written(self.output).items())
-        return (*kept, *(f"{key}={text}" for key, text in self.settings.items()))
+        return CaseFile(self.base, (*kept, *(f"{key}={text}" for key, text in {**self.settings, **values}.items())))
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,6 +216,11 @@ class FitFile:
     parameters: AnyMapping[str, Range]
     settings: AnyMapping[str, str]
     measured: Measured
+
+    def case_file(self, texts: Sequence[str]) -> CaseFile:
+        """The case with these values of the parameters, without what a fit does not need of its runs."""
+        given = {**self.settings, **dict(zip(self.parameters, texts, strict=True))}
+        return CaseFile(self.base, (*UNWRITTEN, *(f"{key}={text}" for key, text in given.items())))
 
 
 def read_sweep_file(path: Path) -> SweepFile:

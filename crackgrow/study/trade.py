@@ -55,19 +55,15 @@ def trade(
             of_path: Values = {"path_apart": apart.distance, "path_share": apart.share} if apart else {}
             table.found[run.number] |= {"error": found.error(run.name), **of_path}
         table.write()
-        write_text(study.folder / "convergence.csv", convergence_csv(found))
+        write_text(study.folder / "convergence.csv", csv_text(COLUMNS, _rows(found)))
         from crackgrow.study.pictures import draw_trade  # here: it loads matplotlib
 
         draw_trade(study.folder / "trade.png", found, table)
     return found, table
 
 
-def convergence_csv(found: Findings) -> str:
-    """All rows."""
-    return csv_text(COLUMNS, _rows(found))
-
-
 def _rows(found: Findings) -> list[list[Value | None]]:
+    """What convergence.csv has."""
     return [
         [q.step, q.crack, q.tip, q.name, name, value, q.error(name), q.limit.order, q.limit.value]
         for q in found.quantities
