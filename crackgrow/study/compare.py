@@ -57,7 +57,7 @@ class Pair:
     end_distance: float | None  # m, between the tips; None like `whole`
     common: (
         Deviation | None
-    )  # without what goes on beyond the other's end; None where A or B has not grown, or is given
+    )  # without what goes on beyond the other's end; None where A or B is given, or has not grown
 
     @property
     def deviation(self) -> Deviation:
