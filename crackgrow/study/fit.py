@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Final
 
@@ -32,7 +32,7 @@ from crackgrow.study.path_files import read_paths, read_points
 from crackgrow.study.plan import Run, Study, folder_names
 from crackgrow.study.runs import Row, Values, run_study
 from crackgrow.study.sweep import short_names
-from crackgrow.study.sweep_file import FitFile, Measured, read_fit_file
+from crackgrow.study.sweep_file import FitFile, Measured, placed, read_fit_file
 from crackgrow.study.workers import Workers
 
 STEP: Final = 0.02  # of the range of a key: over less than that what cells and events leave of runs counts
@@ -114,19 +114,13 @@ def _case_in_middle(file: FitFile) -> Case:
         for part in (0.0, 1.0, 0.5):
             texts = _texts(file, np.where(np.arange(len(file.parameters)) == index, part, 0.5))
             for fault in file.case_file(texts).tried()[1]:
-                own = fault.source == f"--set {key}"
+                own = fault.of_override == key
                 if own or not wrong:
                     message = f"at {texts[index]}: {fault.message if own else fault}"
                     faults.setdefault(key, Fault(str(file.path), None, f"parameters.{key}", message))
     if faults or case is None:
-        others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]
-        others = [
-            replace(fault, source=str(file.path), key=f"set.{fault.key}")
-            if fault.source.removeprefix("--set ") in file.settings
-            else fault
-            for fault in others
-        ]
-        raise CaseError([*faults.values(), *others])
+        others = (fault for fault in wrong if fault.of_override not in file.parameters)
+        raise CaseError([*faults.values(), *placed(file, others)])
     return case
 
 

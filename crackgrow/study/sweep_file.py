@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Mapping as AnyMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal
 
@@ -20,6 +20,7 @@ from crackgrow.case.report import Path as KeyPath
 from crackgrow.case.report import Place, Report, did_you_mean, quoted
 from crackgrow.case.scalars import INVALID, Context, refuse
 from crackgrow.case.units import QuantityError, Units, parse_number
+from crackgrow.errors import Fault
 from crackgrow.study.plan import UNWRITTEN, CaseFile
 
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
@@ -212,6 +213,7 @@ class FitFile:
     """A fit file that has no faults of its own."""
 
     path: Path
+    places: AnyMapping[KeyPath, Place]
     base: Path
     parameters: AnyMapping[str, Range]
     settings: AnyMapping[str, str]
@@ -249,7 +251,17 @@ def read_fit_file(path: Path) -> FitFile:
             report.fault(("measured", "file"), f"there is no file {path.parent / measured['file']}")
     if report.faults:
         raise report.error()
-    return FORMAT.made(FitFile, values, path=path, base=base)
+    return FORMAT.made(FitFile, values, path=path, base=base, places=report.places)
+
+
+def placed(file: SweepFile | FitFile, faults: Iterable[Fault]) -> list[Fault]:
+    """Faults that a case has found in values, with the line of the file that gives them."""
+    found = []
+    for fault in faults:
+        given = (file.places.get((part, fault.of_override)) for part in ("parameters", "reference", "set"))
+        place = next(filter(None, given), None)
+        found.append(replace(fault, source=place.source, line=place.line) if place else fault)
+    return found
 
 
 def _read(path: Path, part: str, command: str, example: str) -> tuple[Any, Path, Report]:

@@ -23,7 +23,7 @@ LENGTHS = ("crack_length", "load_factor")
 
 
 def plan_of(points: np.ndarray, **ranges: Range) -> FitPlan:
-    file = FitFile(Path("fit.yaml"), Path("case.yaml"), ranges, {}, Measured("measured.csv", "x", "y"))
+    file = FitFile(Path("fit.yaml"), {}, Path("case.yaml"), ranges, {}, Measured("measured.csv", "x", "y"))
     return FitPlan(file, "", Path("out"), tuple(ranges), points)
 
 
