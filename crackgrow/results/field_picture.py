@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -74,6 +74,7 @@ class FieldPictures:
             self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
         moved = np.concatenate([self._moved(frame) for frame in frames])
         self.corners = moved.min(axis=0), moved.max(axis=0)
+        self._layouts: dict[int, list[Any]] = {}  # places of the title and of axes, by the number of its lines
 
     @own_style()
     def png(self, frame: DrawnFrame) -> bytes:
@@ -88,9 +89,18 @@ class FieldPictures:
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
         title = f"{self.title}\nstep {frame.step}{load}, displacement x {factor_text(self.warp)}"
-        give_title(figure, title)
+        words = give_title(figure, title)
         add_bar(figure, axes, ScalarMappable(self.norm, self.colormap), extend="both", label=label)
-        return png_of(figure)
+        n_lines = words.get_text().count("\n")
+        if n_lines in self._layouts:  # else matplotlib measures all words again
+            figure.set_layout_engine("none")
+            title_at, *axes_at = self._layouts[n_lines]
+            words.set_position(title_at)
+            for each, place in zip(figure.axes, axes_at, strict=True):
+                each.set_position(place)
+        picture = png_of(figure)
+        self._layouts[n_lines] = [words.get_position(), *(each.get_position(original=True) for each in figure.axes)]
+        return picture
 
     def _moved(self, frame: DrawnFrame) -> Floats:
         """Points (n, 2) m of a frame, displaced without the mean translation."""

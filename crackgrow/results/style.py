@@ -14,6 +14,7 @@ if TYPE_CHECKING:  # this module is on the command line's way: no matplotlib
     from matplotlib.cm import ScalarMappable
     from matplotlib.colorbar import Colorbar
     from matplotlib.figure import Figure
+    from matplotlib.text import Text
 
 LETTER: Final = 0.085  # inches that a letter of a title takes
 WIDE: Final = 2.0  # width over height from which a colour bar lies below, where its words have room
@@ -49,10 +50,10 @@ def own_style() -> Iterator[None]:
         yield
 
 
-def give_title(figure: Figure, title: str, size: float = 10.0) -> None:
+def give_title(figure: Figure, title: str, size: float = 10.0) -> Text:
     """Give a figure its title, in lines that fit its width: matplotlib itself takes what it wraps for formulas."""
     most = max(20, int(figure.get_figwidth() / LETTER))
-    figure.suptitle("\n".join(textwrap.fill(line, most) for line in title.splitlines()), fontsize=size)
+    return figure.suptitle("\n".join(textwrap.fill(line, most) for line in title.splitlines()), fontsize=size)
 
 
 def has_bar_beside(width: float, height: float) -> bool:
