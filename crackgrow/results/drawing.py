@@ -25,13 +25,13 @@ from matplotlib.transforms import Bbox
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
-from crackgrow.case.on_map import case_on_map
+from crackgrow.case.on_map import case_on_map, extent, length_unit
 from crackgrow.case.segments import line_length
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.places import component_text, extent, length_unit
 from crackgrow.results.run import Run
 from crackgrow.results.signs import LAW, LOAD, Sheet
 from crackgrow.results.style import give_title, own_style
+from crackgrow.results.units import component_text
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE, SIDE_OF_PAGE = 6.5, 4.5  # inches, the longer one of the scene: words are larger beside it on a page

@@ -13,13 +13,12 @@ from matplotlib.patches import PathPatch
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.case.on_map import case_on_map
+from crackgrow.case.on_map import case_on_map, extent, length_unit
 from crackgrow.results.atomic import write_bytes
 from crackgrow.results.drawing import body_path, draw_steps, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, on_specimen, png_of
 from crackgrow.results.log import load_words
-from crackgrow.results.places import extent, length_unit
 from crackgrow.results.report.charts import Chart, load_curves, stress_strain
 from crackgrow.results.run import Run
 from crackgrow.results.style import add_bar, give_title, own_style

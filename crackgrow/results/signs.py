@@ -17,7 +17,8 @@ from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
-from crackgrow.results.places import component_text, length_unit
+from crackgrow.case.on_map import length_unit
+from crackgrow.results.units import component_text
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it

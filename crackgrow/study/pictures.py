@@ -14,9 +14,9 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
 from crackgrow.arrays import Floats
+from crackgrow.case.on_map import length_unit
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.places import length_unit
 from crackgrow.results.style import give_title, own_style
 from crackgrow.study.findings import Findings
 from crackgrow.study.path_files import read_paths
