@@ -10,13 +10,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from crackgrow.api import Run, Solution, run_case, solve
+    from crackgrow.api import Solution, run_case, solve
     from crackgrow.case import load_case
     from crackgrow.case.model import Case
     from crackgrow.errors import CaseError, CrackgrowError, GeometryError, SolveError
-    from crackgrow.results.atomic import OccupiedError, OutputError
+    from crackgrow.results.atomic import FolderError, OccupiedError, OutputError
     from crackgrow.results.export import export
-    from crackgrow.results.folder import FolderError, RunFolder, open_run
+    from crackgrow.results.folder import open_run
+    from crackgrow.results.run import Run
     from crackgrow.run import grow
     from crackgrow.study.compare import compare_paths
     from crackgrow.study.fit import fit, plan_fit
@@ -35,7 +36,6 @@ __all__ = [
     "OccupiedError",
     "OutputError",
     "Run",
-    "RunFolder",
     "Solution",
     "SolveError",
     "__version__",
@@ -56,13 +56,14 @@ __all__ = [
 
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
 _HOMES = {
-    "api": "Run Solution run_case solve",
+    "api": "Solution run_case solve",
     "case": "load_case",
     "case.model": "Case",
     "errors": "CaseError CrackgrowError GeometryError SolveError",
-    "results.atomic": "OccupiedError OutputError",
+    "results.atomic": "FolderError OccupiedError OutputError",
     "results.export": "export",
-    "results.folder": "FolderError RunFolder open_run",
+    "results.folder": "open_run",
+    "results.run": "Run",
     "run": "grow",
     "study.compare": "compare_paths",
     "study.fit": "fit plan_fit",

@@ -5,14 +5,13 @@
 
 from __future__ import annotations
 
-import html
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 from numpy.typing import ArrayLike
 
 from crackgrow.arrays import Floats, Ints
@@ -22,14 +21,15 @@ from crackgrow.cover.elements import locate
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import load_words
+from crackgrow.results.run import Columns, Run, Tables
 from crackgrow.results.summary import Tally, peak_memory_mb, summarize
-from crackgrow.results.tables import Row, RunTables, end_rows, frame_of_results, path_rows
+from crackgrow.results.tables import end_rows, table_of
 from crackgrow.results.vtk_frames import as_pyvista
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.loop import Steps, for_each, solved_steps
 from crackgrow.run.report import estimate_maker, frame_maker
-from crackgrow.run.result import CrackPath, Frame, RunEnd, StepResult
+from crackgrow.run.result import Frame, RunEnd, StepResult
 from crackgrow.solid import recovery
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def solve(case: Case) -> Solution:
     return _solution(case, solved_steps(_checked(case)))
 
 
-def run_case(case: Case, out: str | Path | None = None) -> Run:
+def run_case(case: Case, out: str | Path | None = None) -> SolvedRun:
     """Run a case to its end, as `crackgrow run` does; with a folder `out` it leaves there what that leaves.
 
         >>> import crackgrow
@@ -87,52 +87,33 @@ def run_case(case: Case, out: str | Path | None = None) -> Run:
     if out is None:
         return _collected(case, steps, lambda result: None)
     writer = RunWriter(case, Path(out))
-    writer.begin()
-    try:
-        run = _collected(case, steps, writer.add)
-        writer.finish(run.end)
-    except BaseException as error:
-        writer.break_off(error)
-        raise
+    with writer.held():
+        writer.begin()
+        try:
+            run = _collected(case, steps, writer.add)
+            writer.finish(run.end)
+        except BaseException as error:
+            writer.break_off(error)
+            raise
     return run
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Tables(RunTables):
-    """Tables of some steps."""
+class Solution(Tables):
+    """A solved step."""
 
-    case: Case
-    results: tuple[StepResult, ...]  # step by step, frozen NumPy arrays: contact points, crack faces, energies ...
+    def __init__(self, case: Case, result: StepResult, solved: StepSolution) -> None:
+        """`result` is the step as frozen NumPy arrays: contact points, crack faces, tips, reactions, energies."""
+        self.case, self.result, self._solved = case, result, solved
+
+    def read(self, name: str) -> Columns:
+        return table_of(name, [self.result], self.result.cracks, ())
 
     @property
     def warnings(self) -> tuple[str, ...]:
-        """What is unsure in these steps, and why, one sentence a cause as in summary.json; empty if nothing is."""
+        """What is unsure in the step, and why, one sentence a cause; empty if nothing is."""
         gathered = Gathered()
-        for result in self.results:
-            gathered.add(result.step, result.step_warnings)
+        gathered.add(self.result.step, self.result.step_warnings)
         return tuple(gathered.sentences())
-
-    def _frame(self, name: str) -> pd.DataFrame:
-        cracks, events = self._at_the_end
-        more = {"paths": path_rows(cracks), "events": events}
-        return frame_of_results(name, self.results, more.get(name, ()))
-
-    @property
-    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Row]]:
-        """The cracks, and the rows of events after the last of the steps."""
-        return self.results[-1].cracks, ()
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Solution(_Tables):
-    """A solved step."""
-
-    _solved: StepSolution = field(repr=False)
-
-    @property
-    def result(self) -> StepResult:
-        """The step as frozen NumPy arrays: contact points, crack faces, tips, reactions, energies, warnings."""
-        return self.results[0]
 
     @property
     def frame(self) -> Frame:
@@ -195,7 +176,7 @@ class Solution(_Tables):
         return f"<Solution of {self.case.name}: {self._words()}>"
 
     def _repr_html_(self) -> str:
-        return _summary(self, self._words(), self.tips)
+        return self._html(self._words(), self.warnings, self.result.step)
 
     def _words(self) -> str:
         result = self.result
@@ -205,34 +186,23 @@ class Solution(_Tables):
         return ", ".join(words)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Run(_Tables):
-    """A run that has ended."""
+class SolvedRun(Run):
+    """A run in memory."""
 
-    end: RunEnd
-    last: Solution  # the last step that was solved
+    def __init__(self, case: Case, results: tuple[StepResult, ...], end: RunEnd, last: Solution) -> None:
+        """`results` are those of the steps, frozen NumPy arrays; `last` is the last one of them."""
+        self.case, self.results, self.end, self.last = case, results, end, last
 
-    @property
-    def status(self) -> str:
-        """How the run ended: completed, arrested, broke_through or failed."""
-        return self.end.status
+    def read(self, name: str) -> Columns:
+        return table_of(name, self.results, self.end.cracks, end_rows(self.end))
 
-    @property
-    def reason(self) -> str:
-        """Why it ended, in words."""
-        return self.end.reason
-
-    @property
-    def summary(self) -> dict[str, object]:
+    @cached_property
+    def summary(self) -> dict[str, Any]:
         """What summary.json says: the factor of safety, error estimates, events, warnings; times are without files."""
         tally = Tally()
         for result in self.results:
             tally.add(result)
         return summarize(self.case, tally, self.end, sum(tally.seconds.values()), peak_memory_mb())
-
-    @property
-    def _at_the_end(self) -> tuple[Sequence[CrackPath], Sequence[Row]]:
-        return self.end.cracks, end_rows(self.end)
 
     def solution(self, step: int) -> Solution:
         """A step with its fields, for stress and displacement at points; raises IndexError if there is no such step.
@@ -244,12 +214,11 @@ class Run(_Tables):
             >>> crackgrow.run_case(case).solution(1).stress_at([0.0, 0.02]).round(-5)   # Pa: xx, yy, xy
             array([ -1500000., -98300000.,   -500000.])
         """
-        numbers = [result.step for result in self.results]
-        if step not in numbers:
-            raise IndexError(f"step {step}: the run has steps {numbers[0]} to {numbers[-1]}")
+        if step not in self.solved:
+            raise IndexError(f"step {step}: the run has steps {self.solved[0]} to {self.solved[-1]}")
         if step == self.last.result.step:
             return self.last
-        return _solution(self.case, solved_steps(self.case, self.results[numbers.index(step)].checkpoint))
+        return _solution(self.case, solved_steps(self.case, self.results[self.solved.index(step)].checkpoint))
 
     def mesh(self, step: int) -> pyvista.UnstructuredGrid:
         """The specimen in a step for pyvista, as `Solution.mesh`; solved again but for the last one, as `solution`."""
@@ -257,9 +226,6 @@ class Run(_Tables):
 
     def __repr__(self) -> str:
         return f"<Run of {self.case.name}: {self.status}: {self.reason}>"
-
-    def _repr_html_(self) -> str:
-        return _summary(self, f"{self.status}: {self.reason}; tips of step {self.last.result.step}:", self.last.tips)
 
 
 def _checked(case: Case) -> Case:
@@ -272,10 +238,10 @@ def _checked(case: Case) -> Case:
 def _solution(case: Case, steps: Steps) -> Solution:
     """The first of some steps."""
     result, solved = next(steps)
-    return Solution(case, (result,), solved)
+    return Solution(case, result, solved)
 
 
-def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> Run:
+def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> SolvedRun:
     """The run with all its steps, each handed to `add` as it comes."""
     results: list[StepResult] = []
     last: Solution | None = None
@@ -285,16 +251,8 @@ def _collected(case: Case, steps: Steps, add: Callable[[StepResult], None]) -> R
         result, solved = step
         add(result)
         results.append(replace(result, mesh=None))  # the mesh would keep the fields of every step
-        last = Solution(case, (result,), solved)
+        last = Solution(case, result, solved)
 
     end = for_each(steps, collect)
     assert last is not None  # step 0 can be solved, or raises
-    return Run(case, tuple(results), end, last)
-
-
-def _summary(shown: Solution | Run, text: str, tips: pd.DataFrame) -> str:
-    """A heading, a line, the warnings and a table, as HTML."""
-    title = f"<b>{html.escape(shown.case.name)}</b>: {html.escape(shown.case.title)}"
-    lines = [title, html.escape(text), *(html.escape(f"warning: {warning}") for warning in shown.warnings)]
-    table = tips[["crack", "tip", "x", "y", "K_I", "K_II"]].to_html(index=False)
-    return f"<div>{'<br>'.join(lines)}{table}</div>"
+    return SolvedRun(case, tuple(results), end, last)

@@ -34,6 +34,11 @@ class Fault:
     key: str  # dotted key path, "" for the whole file
     message: str  # what was given, what is allowed
 
+    @property
+    def of_override(self) -> str:
+        """The key of the override that is wrong; empty where a file is."""
+        return self.source.partition("--set ")[2]
+
     def __str__(self) -> str:
         place = self.source if self.line is None else f"{self.source}:{self.line}"
         inner = f"{self.key}.".removeprefix(f"{place.removeprefix('--set ')}.").removesuffix(".")

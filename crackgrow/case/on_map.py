@@ -7,6 +7,7 @@ from typing import Any, Final, TypeVar
 
 import numpy as np
 
+from crackgrow.arrays import Floats
 from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.model import Case
 
@@ -24,6 +25,18 @@ def on_map(thing: T, origin: tuple[float, float]) -> T:
 def case_on_map(case: Case) -> Case:
     """The case as it is drawn over its results; it is not for computing: coordinates of a map lose digits."""
     return replace(on_map(case, case.origin), origin=(0.0, 0.0)) if any(case.origin) else case
+
+
+def extent(case: Case) -> tuple[Floats, Floats]:
+    """Lower left and upper right corner (2,) m of the box round all bodies, on the map."""
+    outlines = np.concatenate([body.outline for body in case.bodies]) + case.origin
+    return outlines.min(axis=0), outlines.max(axis=0)
+
+
+def length_unit(case: Case) -> tuple[float, str]:
+    """How many of the unit that suits the scene are a metre, and its name."""
+    low, high = extent(case)
+    return (1e3, "mm") if (high - low).max() < 1 else (1.0, "m")
 
 
 def _moved(value: Any, by: Any, name: str) -> Any:

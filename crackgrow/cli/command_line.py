@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import argparse
 import difflib
+import math
 import re
 import shlex
 import sys
 import tomllib
 import traceback
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -17,13 +18,14 @@ from typing import Any, Final, NoReturn
 
 import crackgrow
 from crackgrow.blas import one_thread
-from crackgrow.cli.arguments import reader_of
 from crackgrow.cli.console import (
     EXIT_BUG,
     EXIT_DONE,
     EXIT_INTERRUPTED,
     EXIT_UNSOLVED,
     complain,
+    hand_out,
+    say,
     spelled,
     write_any_character,
 )
@@ -32,6 +34,7 @@ from crackgrow.results.style import pass_over_settings
 from crackgrow.results.units import aligned
 
 NO_COMMANDS: Final = ("shared", "words")  # tables of commands.toml that are no groups of commands
+MOST_PIXELS: Final = 8000  # of a side
 
 
 def main(argv: Sequence[str] | None = None) -> int:
@@ -41,8 +44,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     write_any_character()
     group, name, given = parsed(sys.argv[1:] if argv is None else argv)
     try:
-        command = getattr(import_module(f"crackgrow.cli.{group}"), f"do_{name}")
-        return command(**given) or EXIT_DONE
+        module, function = groups()[group][name].get("calls", f"cli.{group}:do_{name}").split(":")
+        found = getattr(import_module(f"crackgrow.{module}"), function)(**given)
+        if isinstance(found, str):
+            hand_out(found, end="\n")
+        elif isinstance(found, Path | Iterator):  # of what was written
+            for path in [found] if isinstance(found, Path) else found:
+                say(str(path))
+        return found if isinstance(found, int) else EXIT_DONE
     except CrackgrowError as error:
         for fault in error.faults if isinstance(error, CaseError) else [f"crackgrow: {error}"]:
             complain(str(fault))
@@ -140,15 +149,13 @@ class Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         """Say what is wrong and where the examples are; exit code 2."""
-        unknown = [word for word in self._words if word.startswith("--") and not self._takes(word)]
+        options = self._option_string_actions
+        begun = {word: word.partition("=")[0] for word in self._words if word.startswith("--")}
+        unknown = [word for word, begin in begun.items() if not any(option.startswith(begin) for option in options)]
         if message.startswith("the following arguments are required") and unknown:
             message += f"; unknown: {shlex.join(unknown)}{self.hint(unknown)}"
         self.print_usage(sys.stderr)
         self.exit(2, f"{self.prog}: {message}\n`{self.prog} --help` has all options, and examples\n")
-
-    def _takes(self, word: str) -> bool:
-        """Whether a word is an option, or the beginning of one."""
-        return any(option.startswith(word.partition("=")[0]) for option in self._option_string_actions)
 
     def hint(self, rest: Sequence[str]) -> str:
         """What may have been meant by words that a command does not take."""
@@ -188,3 +195,61 @@ def _keys_of(name: str) -> list[str]:
 def commands_of(parser: argparse.ArgumentParser) -> argparse._SubParsersAction[Any]:
     """The commands of a parser."""
     return next(action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+
+
+def reader_of(kind: str) -> Callable[[str], Any]:
+    """What reads an argument of a kind, for argparse: what it cannot read is told with what is wanted."""
+    pattern, read, wanted = KINDS[kind]
+
+    def reader(text: str) -> Any:
+        try:
+            if re.fullmatch(pattern, text):
+                return read(text)
+        except ValueError:
+            pass
+        raise argparse.ArgumentTypeError(f"{text!r}: {wanted}")
+
+    reader.__name__ = kind
+    return reader
+
+
+def _warp(text: str) -> float | None:
+    factor = None if text == "auto" else float(text)
+    if factor is not None and not 0.0 <= factor < math.inf:
+        raise ValueError(text)
+    return factor
+
+
+def _span(text: str) -> range:
+    first, dash, last = text.partition("-")
+    span = range(int(first), int(last if dash else first) + 1)
+    if not span:
+        raise ValueError(text)
+    return span
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, height = map(int, text.split("x"))
+    if not all(100 <= side <= MOST_PIXELS for side in (width, height)):
+        raise ValueError(text)
+    return width, height
+
+
+ANY: Final = "(?s).*"
+KINDS: Final[dict[str, tuple[str, Callable[[str], Any], str]]] = {
+    "path": ("(?s).+", Path, "an empty name; the current folder is '.'"),  # mostly a variable that is not set
+    "picture": (r"(?si).+\.(png|svg)", Path, "a name that ends in .png or .svg is wanted"),
+    "count": (r"0*[1-9]\d*", int, "a whole number from 1 on is wanted"),
+    "step": (r"\d+", int, "the number of a step is wanted, from 0 on"),
+    "number": (ANY, int, "a whole number is wanted"),
+    "seconds": (ANY, float, "a number of seconds is wanted"),
+    "warp": (ANY, _warp, "auto, or a number from 0 on is wanted"),
+    "span": (r"\d+(-\d+)?", _span, "a step such as 4, or a span such as 4-10 is wanted"),
+    "size": (r"\d+x\d+", _size, f"WIDTHxHEIGHT in pixels, each from 100 to {MOST_PIXELS}, is wanted"),
+    "names": (
+        r"[^,]*[^,\s][^,]*,[^,]*[^,\s][^,]*",
+        lambda text: tuple(map(str.strip, text.split(","))),
+        "two column names are wanted, that of x and that of y: X,Y",
+    ),
+}
+"""What a text of a kind looks like, what reads it and may raise ValueError, and what is wanted."""

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import difflib
 import re
+import shutil
 from collections.abc import Iterator
 from textwrap import TextWrapper
 from typing import Final, NamedTuple
 
 from crackgrow.case.keys import NAME, NUMBER, Key, case_keys
+from crackgrow.errors import CaseError
 from crackgrow.results.declarations import RUN, Column, File, columns_of, declared
 
 FOLDERS: Final = {"run": RUN} | {command: declared(files) for command, files in columns_of("study").items()}
@@ -53,6 +55,20 @@ def first_entries() -> list[Entry]:
     return [Entry("keys of a case", keys), Entry("files of a run", {file.name: file.doc for file in RUN})]
 
 
+def explained(name: str) -> str:
+    """`crackgrow explain`: what is to be known of a key, a file or a column, in lines of the terminal's width.
+
+    Raises CaseError for a name that there is not.
+    """
+    found = explain(name) if name else first_entries()
+    if not found:
+        near = nearest(name)
+        hint = f"; did you mean {' or '.join(near)}?" if near else "; `crackgrow explain` lists what there is"
+        raise CaseError.at("explain", f"is no key of a case, file or column of results{hint}", name)
+    width = shutil.get_terminal_size().columns
+    return "\n".join(line for entry in found for line in entry.lines(width, None if name else 1))
+
+
 def explain(name: str) -> list[Entry]:
     """What there is of a name: a key with those below it, a file with its columns, or a column of any file.
 
@@ -61,7 +77,8 @@ def explain(name: str) -> list[Entry]:
     keys = case_keys()
     exact = [key for key in keys if _is(key.name, name)]
     if exact:
-        return [key_entry(key) for key in keys if key in exact or _is_below(key.name, name)]
+        n = name.count(".") + 1
+        return [key_entry(key) for key in keys if key in exact or _is(".".join(key.name.split(".")[:n]), name)]
     found = []
     for command, file in _files():
         if file.name == name:
@@ -96,11 +113,6 @@ def _is(pattern: str, name: str) -> bool:
     """Whether a name is that of a key, with any words for NAME and N."""
     parts, given = pattern.split("."), name.split(".")
     return len(parts) == len(given) and all(a in (NAME, NUMBER) or a == b for a, b in zip(parts, given, strict=True))
-
-
-def _is_below(pattern: str, name: str) -> bool:
-    given = name.count(".") + 1
-    return _is(".".join(pattern.split(".")[:given]), name)
 
 
 def _files() -> Iterator[tuple[str, File]]:

@@ -59,7 +59,14 @@ def _run(writer: RunWriter, found: Resumption | None, quiet: bool, again: str) -
         complain(f"warning: {remark}")
     with _uninterrupted():
         writer.begin() if found is None else writer.resume(found)
-    progress = _progress(case, quiet, 0 if found is None else found.checkpoint.step, expected)
+    live = not quiet and sys.stdout is not None and sys.stdout.isatty()
+    progress = Progress(
+        case,
+        (lambda text, end: None) if quiet else say,
+        width=shutil.get_terminal_size().columns - 1 if live else None,
+        first=0 if found is None else found.checkpoint.step,
+        expected=expected.words if expected else "",
+    )
     before_compiling(lambda: complain("compiling the kernels: once after installation, less than a minute"))
     try:
         end = _write_steps(steps, writer, progress)
@@ -114,14 +121,6 @@ def _expected(case: Case) -> Cost | None:
         if isinstance(error, GeometryError) or is_out_of_memory(error):
             return None
         raise
-
-
-def _progress(case: Case, quiet: bool, first: int, expected: Cost | None) -> Progress:
-    """What tells of a run that begins with step `first`, on a live line where there is a terminal."""
-    live = not quiet and sys.stdout is not None and sys.stdout.isatty()
-    width = shutil.get_terminal_size().columns - 1 if live else None
-    tell = (lambda text, end: None) if quiet else say
-    return Progress(case, tell, width=width, first=first, expected=expected.words if expected else "")
 
 
 def _write_steps(steps: Generator[StepResult, None, RunEnd], writer: RunWriter, progress: Progress) -> RunEnd:

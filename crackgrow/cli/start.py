@@ -1,9 +1,8 @@
-"""The commands that one starts with: `crackgrow list`, `new`, `check` and `explain`."""
+"""The commands that one starts with: `crackgrow list`, `new` and `check`."""
 
 from __future__ import annotations
 
 import shlex
-import shutil
 from collections.abc import Callable, Iterator
 from importlib.resources import files
 from pathlib import Path
@@ -122,16 +121,3 @@ def do_check(case: Path, overrides: list[str], picture: Path | None, as_json: bo
             told.append(line)
     if as_json:
         hand_out_json(record)
-
-
-def do_explain(name: str) -> None:
-    """`crackgrow explain`: print what is to be known of a key, a file or a column."""
-    from crackgrow.cli.reference import explain, first_entries, nearest  # only now: they load numpy
-
-    found = explain(name) if name else first_entries()
-    if not found:
-        near = nearest(name)
-        hint = f"; did you mean {' or '.join(near)}?" if near else "; `crackgrow explain` lists what there is"
-        raise CaseError.at("explain", f"is no key of a case, file or column of results{hint}", name)
-    width = shutil.get_terminal_size().columns
-    hand_out("\n".join(line for entry in found for line in entry.lines(width, None if name else 1)) + "\n")

@@ -38,13 +38,8 @@ def do_schema(out: Path | None) -> None:
         write_text(out, case_schema())
 
 
-def do_completion(shell: str) -> None:
-    """`crackgrow completion`: print what a shell needs to complete a command line."""
-    hand_out(completion_script(shell))
-
-
 def completion_script(shell: str) -> str:
-    """The script for a shell."""
+    """`crackgrow completion`: what a shell needs to complete a command line."""
     import shtab  # only now: no other command needs it
 
     parser = command_line()

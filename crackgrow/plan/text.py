@@ -13,14 +13,14 @@ from crackgrow.case.accuracy import STANDARD, name_of
 from crackgrow.case.changes import changes_of
 from crackgrow.case.layout import ON_OUTLINE
 from crackgrow.case.model import Case, CoulombContact, Crack
+from crackgrow.case.on_map import length_unit
 from crackgrow.case.segments import line_length, meeting_places
 from crackgrow.case.touching import scene_size
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius
 from crackgrow.case.units import Metres
 from crackgrow.plan.cost import Cost, Sizes, estimated_cost, estimated_nodes, sizes_of
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.places import component_text, length_unit
-from crackgrow.results.units import counted, stress_text
+from crackgrow.results.units import component_text, counted, stress_text
 from crackgrow.run.warning_causes import StepWarning, WarningCause
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up

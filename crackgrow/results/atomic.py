@@ -26,6 +26,17 @@ class OccupiedError(CrackgrowError):
     exit_code = 2
 
 
+class FolderError(CrackgrowError):
+    """A folder that holds no results, or not those that are wanted; the message says what is missing."""
+
+    exit_code = 3
+
+
+def damaged(path: Path, what: str) -> FolderError:
+    """The error of a file that can't be read as what it should be."""
+    return FolderError(f"{path} is damaged, or of another version: {what}; run the case again")
+
+
 def refused(path: Path, error: OSError) -> OutputError:
     """What to say of a file that the system does not let be written."""
     room = "make room there or " if error.errno in FULL else ""

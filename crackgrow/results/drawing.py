@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import io
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -23,15 +23,15 @@ from matplotlib.patches import PathPatch
 from matplotlib.path import Path as Outline
 from matplotlib.transforms import Bbox
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, Case, Crack, FarField, InSituStress, Stages
-from crackgrow.case.on_map import case_on_map
+from crackgrow.case.on_map import case_on_map, extent, length_unit
 from crackgrow.case.segments import line_length
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.folder import RunFolder
-from crackgrow.results.places import component_text, extent, length_unit
+from crackgrow.results.run import Run
 from crackgrow.results.signs import LAW, LOAD, Sheet
-from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.style import give_title, own_style
+from crackgrow.results.units import component_text
 
 MOST_NAMES, MOST_WHOLE_NAMES = 12, 2  # of more cracks none is named; of more the names alone are written
 SIDE, SIDE_OF_PAGE = 6.5, 4.5  # inches, the longer one of the scene: words are larger beside it on a page
@@ -72,7 +72,7 @@ def draw_scene(path: Path, case: Case, squares: Floats) -> None:
 
 
 @own_style()
-def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
+def scene_svg(run: Run, steps: Iterable[int]) -> Markup:
     """The scene with its cracks at the end, as SVG.
 
     What step N has made is in a group `step-N`, the given cracks in `step-0`. For each of `steps` its tips are in a
@@ -80,25 +80,24 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     """
     case = case_on_map(run.case)
     figure, sheet = _begun(case, SIDE_OF_PAGE)
-    tables = run.table("paths").by("crack").values()
-    lines = [(np.column_stack([of.numbers("x"), of.numbers("y")]), of.steps()) for of in tables]
+    cracks = run.table("paths").by("crack").values()
+    lines = [(np.column_stack([of["x"], of["y"]]), of["step"]) for of in cracks]
     if not lines:  # nothing was solved: the cracks are those given
         lines = [(crack.points, np.zeros(len(crack.points), dtype=np.int64)) for crack in case.cracks]
-    last = max((int(steps.max()) for _, steps in lines), default=1)
-    segments: dict[int, list[Floats]] = {}
-    for points, steps_of in lines:
-        for start, step in enumerate(np.maximum(steps_of[:-1], steps_of[1:]).tolist()):  # that of its younger vertex
-            segments.setdefault(step, []).append(points[start : start + 2])
-    for step, parts in sorted(segments.items()):
-        colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
-        looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
-        sheet.axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks), autolim=False)
+    draw_steps(sheet.axes, lines)
     of_steps = run.table("tips").by("step")
     for step in steps:
-        tips = of_steps[(str(step),)]
-        fills = ["#f0a202" if word == "true" else "white" for word in tips.words("advanced")]
-        looks = {"s": 14, "c": fills, "edgecolors": "black", "linewidths": 0.8, "zorder": 7.2, "gid": f"tips-{step}"}
-        sheet.axes.scatter(tips.numbers("x"), tips.numbers("y"), **looks)
+        tips = of_steps[(step,)]
+        fills = ["#f0a202" if advanced else "white" for advanced in tips["advanced"]]
+        looks: dict[str, Any] = {
+            "s": 14,
+            "c": fills,
+            "edgecolors": "black",
+            "linewidths": 0.8,
+            "zorder": 7.2,
+            "gid": f"tips-{step}",
+        }
+        sheet.axes.scatter(tips["x"], tips["y"], **looks)
     part_labels(sheet, np.concatenate([np.zeros((0, 2)), *(points for points, _ in lines)]))
     file = io.StringIO()
     figure.savefig(file, format="svg", metadata=dict.fromkeys(("Creator", "Date", "Format", "Type")))
@@ -107,6 +106,19 @@ def scene_svg(run: RunFolder, steps: Iterable[int]) -> Markup:
     text = re.sub(r'<g id="title: (.*?)">', r"<g><title>\1</title>", text)  # in place of ids, which are not one each
     label = Markup("{}: specimen, supports, loads and cracks").format(run.case.title)
     return Markup(text.replace("<svg", f'<svg id="scene" role="img" aria-label="{label}"', 1))
+
+
+def draw_steps(axes: Axes, cracks: Sequence[tuple[Floats, Ints]], scale: float = 1.0) -> None:
+    """Draw lines (n, 2) m times a factor, what each step (n,) has made in its colour and in a group `step-N`."""
+    last = max((int(steps.max()) for _, steps in cracks), default=1)
+    segments: dict[int, list[Floats]] = {}
+    for points, steps in cracks:
+        for start, step in enumerate(np.maximum(steps[:-1], steps[1:]).tolist()):  # that of its younger vertex
+            segments.setdefault(step, []).append(scale * points[start : start + 2])
+    for step, parts in sorted(segments.items()):
+        colour, width = (step_colour(step, last), 1.8) if step else ("black", 2.2)
+        looks: dict[str, Any] = {"colors": colour, "linewidths": width, "capstyle": "round", "gid": f"step-{step}"}
+        axes.add_collection(LineCollection(parts, zorder=7 - step / (last + 1), **looks), autolim=False)
 
 
 def step_colour(step: int, last: int) -> str:
@@ -154,7 +166,7 @@ def _begun(case: Case, side: float, title: str = "") -> tuple[Figure, Sheet]:
     corner, below, left = np.array([high[0], low[1]]), np.array([0.0, -0.87 * margin]), np.array([-0.87 * margin, 0.0])
     _dimension(axes, low, corner, below, f"{(high - low)[0] * scale:g} {unit}")
     _dimension(axes, low, np.array([low[0], high[1]]), left, f"{(high - low)[1] * scale:g} {unit}")
-    figure.suptitle(wrapped(title, figure), fontsize=9, y=0.995, va="top")
+    give_title(figure, title, size=9.0)
     return figure, sheet
 
 

@@ -12,7 +12,8 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.results.folder import FolderError, RunFolder
+from crackgrow.results.atomic import FolderError
+from crackgrow.results.folder import RunFolder
 from crackgrow.run.result import Frame
 
 if TYPE_CHECKING:
@@ -185,10 +186,16 @@ def _fields(grid: pyvista.UnstructuredGrid) -> dict[str, tuple[bool, Floats]]:
     """
     found: dict[str, tuple[bool, Floats]] = {}
     for by_point, data in ((True, grid.point_data), (False, grid.cell_data)):
-        fields = {"displacement": np.linalg.norm(data["displacement"], axis=1)} if by_point else {}
-        if "stress" in data:
-            fields |= zip(COMPONENTS, data["stress"].T, strict=False)
-        fields |= {name: data[name] for name in data if data[name].ndim == 1}
-        for name, values in fields.items():
-            found.setdefault(name, (by_point, np.asarray(values, dtype=float)))
+        for name, values in by_component(data).items():
+            found.setdefault(name, (by_point, values if values.ndim == 1 else np.linalg.norm(values, axis=1)))
     return found
+
+
+def by_component(data: pyvista.DataSetAttributes) -> dict[str, Floats]:
+    """Numbers (n,) or vectors (n, 3) by name, those of stress component by component."""
+    fields: dict[str, Floats] = {}
+    for name in data:
+        values = np.asarray(data[name], dtype=float)
+        parts = dict(zip(COMPONENTS, np.ascontiguousarray(values.T), strict=False))
+        fields |= parts if name == "stress" else {name: values}
+    return fields

@@ -12,9 +12,9 @@ import numpy as np
 import pyvista
 
 from crackgrow.arrays import Floats
-from crackgrow.results.atomic import OutputError, write_atomically, write_text
-from crackgrow.results.drawn_frame import COMPONENTS, cells_of
-from crackgrow.results.folder import FACES, FolderError, RunFolder, of_step, open_run
+from crackgrow.results.atomic import FolderError, OutputError, write_atomically, write_text
+from crackgrow.results.drawn_frame import by_component, cells_of
+from crackgrow.results.folder import FACES, RunFolder, of_step, open_run
 from crackgrow.results.units import or_null, spans_text
 
 FORMATS: Final = ("msh", "inp", "vtk", "xdmf", "geojson", "dxf")
@@ -90,21 +90,11 @@ def frame_mesh(grid: pyvista.UnstructuredGrid, bodies: list[str]) -> meshio.Mesh
     return meshio.Mesh(
         np.asarray(grid.points, dtype=float),
         [(kind, cells[numbers, : CORNERS[kind]]) for _, kind, numbers in blocks],
-        _fields(grid.point_data),
-        {name: [values[numbers] for *_, numbers in blocks] for name, values in _fields(grid.cell_data).items()},
+        by_component(grid.point_data),
+        {name: [values[numbers] for *_, numbers in blocks] for name, values in by_component(grid.cell_data).items()},
         field_data={name: np.array([number, 2]) for number, name in enumerate(bodies, 1)},  # 2: surfaces
         cell_sets=sets,
     )
-
-
-def _fields(data: pyvista.DataSetAttributes) -> dict[str, Floats]:
-    """Numbers (n,) or vectors (n, 3) by name, those of stress component by component."""
-    fields: dict[str, Floats] = {}
-    for name in data:
-        values = np.asarray(data[name], dtype=float)
-        parts = dict(zip(COMPONENTS, np.ascontiguousarray(values.T), strict=False))
-        fields |= parts if name == "stress" else {name: values}
-    return fields
 
 
 def _write(path: Path, mesh: meshio.Mesh, to: str) -> None:
@@ -163,13 +153,13 @@ def path_features(run: RunFolder, step: int | None = None) -> Iterator[Feature]:
     """The cracks as they began, what each step added to them, and their tips in the last solved step, or in `step`."""
     shown = run.solved[-1] if step is None else step
     K = {
-        (crack, tip, int(number)): {name: or_null(float(row.numbers(name)[0])) for name in ("K_I", "K_II")}
-        for (crack, tip, number), row in run.table("tips").by("crack", "tip", "step").items()
+        place: {name: or_null(float(row[name][0])) for name in ("K_I", "K_II")}
+        for place, row in run.table("tips").by("crack", "tip", "step").items()
     }
     jumps = _jumps(run, shown)
     for (crack,), rows in run.table("paths").by("crack").items():
-        there = rows if step is None else rows.where((rows.steps() <= step).tolist())
-        made, points = there.steps(), np.column_stack([there.numbers("x"), there.numbers("y")])
+        there = rows if step is None else rows.rows(rows["step"] <= step)
+        made, points = there["step"], np.column_stack([there["x"], there["y"]])
         if len(points) < 2:  # a crack that starts later
             continue
         along = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
@@ -201,10 +191,7 @@ def _jumps(run: RunFolder, step: int) -> dict[str, tuple[Floats, Floats, Floats]
     path = run.folder / of_step(FACES, step)
     if not path.is_file():
         contact = run.table("contact").of_steps([step]).by("crack")
-        return {
-            crack: (points.numbers("s"), points.numbers("slip"), points.numbers("opening"))
-            for (crack,), points in contact.items()
-        }
+        return {crack: (points["s"], points["slip"], points["opening"]) for (crack,), points in contact.items()}
     mesh: Any = pyvista.read(path)
     names = mesh.GetFieldData().GetAbstractArray("crack_names")
     of_cracks = [mesh.get_cell(number).point_ids for number in range(mesh.n_cells)]

@@ -7,8 +7,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -25,7 +24,7 @@ from crackgrow.case.report import quoted
 from crackgrow.case.units import QuantityError, Units, is_number, parse_number, parse_quantity
 from crackgrow.errors import CaseError
 from crackgrow.results.drawn_frame import INCHES, LINE, DrawnFrame, areas_of, percentiles
-from crackgrow.results.style import has_bar_beside, own_style, with_bar
+from crackgrow.results.style import add_bar, give_title, has_bar_beside, own_style
 from crackgrow.results.units import LENGTHS, STRESSES, Unit, factor_text, unit_of
 
 LONG_SIDE = 1000  # pixels, where no size is given
@@ -45,38 +44,37 @@ COMPRESSION = 3  # of PNG: 6, which is usual, takes twice as long for smooth col
 THIN = 2e-3  # of the size: cells thinner than that are drawn first, under their neighbours, since they come out wider
 
 
-@dataclass(frozen=True, slots=True)
-class Look:
-    """What can be chosen of pictures of a field."""
-
-    warp: float | None = None  # factor of the displacements; None: a visible one
-    size: tuple[int, int] | None = None  # width and height in pixels; None: what fits the specimen
-    limits: tuple[str, str] | None = None  # of the colours, with a unit or in that of the colour bar; None: the values'
-
-
-USUAL: Final = Look()
-
-
 class FieldPictures:
     """A field on the displaced specimen, in one extent, magnification, colour scale and size for all frames.
 
     loads: what loads each step, for the captions
+    warp: factor of the displacements; None: a visible one
+    size: width and height in pixels; None: what fits the specimen
+    limits: of the colours, with a unit or in that of the colour bar; None: those of the values
     """
 
     def __init__(
-        self, title: str, field: str, frames: Sequence[DrawnFrame], loads: Mapping[int, str], look: Look = USUAL
+        self,
+        title: str,
+        field: str,
+        frames: Sequence[DrawnFrame],
+        loads: Mapping[int, str],
+        warp: float | None = None,
+        size: tuple[int, int] | None = None,
+        limits: tuple[str, str] | None = None,
     ) -> None:
         """Raises CaseError for limits that the field cannot have."""
-        self.title, self.field, self.loads, self.size = title, field, loads, look.size
-        self.warp = min(frame.magnification() for frame in frames) if look.warp is None else look.warp
+        self.title, self.field, self.loads, self.size = title, field, loads, size
+        self.warp = min(frame.magnification() for frame in frames) if warp is None else warp
         values = np.concatenate([frame.values for frame in frames])
         weights = np.concatenate([frame.areas(by_point=frame.by_point) for frame in frames])
         self.unit, self.norm, self.colormap = colours_of(field, values, weights)
-        if look.limits is not None:
-            low, high = limits_of(field, look.limits, self.unit)
+        if limits is not None:
+            low, high = limits_of(field, limits, self.unit)
             self.norm, self.colormap = Normalize(low, high), "RdBu_r" if low == -high else "viridis"  # white is zero
         moved = np.concatenate([self._moved(frame) for frame in frames])
         self.corners = moved.min(axis=0), moved.max(axis=0)
+        self._layouts: dict[int, list[Any]] = {}  # places of the title and of axes, by the number of its lines
 
     @own_style()
     def png(self, frame: DrawnFrame) -> bytes:
@@ -91,8 +89,18 @@ class FieldPictures:
         label = f"{NAMES.get(self.field, self.field.replace('_', ' '))}{unit}"
         load = f", {self.loads[frame.step]}" if frame.step in self.loads else ""
         title = f"{self.title}\nstep {frame.step}{load}, displacement x {factor_text(self.warp)}"
-        with_bar(figure, axes, ScalarMappable(self.norm, self.colormap), title, extend="both", label=label)
-        return png_of(figure)
+        words = give_title(figure, title)
+        add_bar(figure, axes, ScalarMappable(self.norm, self.colormap), extend="both", label=label)
+        n_lines = words.get_text().count("\n")
+        if n_lines in self._layouts:  # else matplotlib measures all words again
+            figure.set_layout_engine("none")
+            title_at, *axes_at = self._layouts[n_lines]
+            words.set_position(title_at)
+            for each, place in zip(figure.axes, axes_at, strict=True):
+                each.set_position(place)
+        picture = png_of(figure)
+        self._layouts[n_lines] = [words.get_position(), *(each.get_position(original=True) for each in figure.axes)]
+        return picture
 
     def _moved(self, frame: DrawnFrame) -> Floats:
         """Points (n, 2) m of a frame, displaced without the mean translation."""
@@ -112,7 +120,7 @@ def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) 
     fitting = 2 * np.round(shares * LONG_SIDE / shares.max() / 2)
     width, height = size or fitting
     dpi = LONG_SIDE / INCHES * min(width / fitting[0], height / fitting[1])
-    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi)
+    figure = Figure(figsize=(width / dpi, height / dpi), dpi=dpi, layout="constrained")
     axes = figure.add_subplot()
     (left, bottom), (right, top) = (low - margin) / length, (high + margin) / length
     axes.set(xlim=(left, right), ylim=(bottom, top), aspect="equal", xlabel=f"x [{unit}]", ylabel=f"y [{unit}]")

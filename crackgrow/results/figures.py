@@ -4,31 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import LineCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.case.on_map import case_on_map
+from crackgrow.case.on_map import case_on_map, extent, length_unit
 from crackgrow.results.atomic import write_bytes
-from crackgrow.results.drawing import body_path, step_colour
+from crackgrow.results.drawing import body_path, draw_steps, step_colour
 from crackgrow.results.drawn_frame import frame_with_sigma_1
 from crackgrow.results.field_picture import FieldPictures, on_specimen, png_of
-from crackgrow.results.folder import RunFolder
 from crackgrow.results.log import load_words
-from crackgrow.results.places import extent, length_unit
 from crackgrow.results.report.charts import Chart, load_curves, stress_strain
-from crackgrow.results.style import has_bar_beside, in_rows, own_style, with_bar
+from crackgrow.results.run import Run
+from crackgrow.results.style import add_bar, give_title, own_style
 from crackgrow.results.units import STRESSES, unit_of
 from crackgrow.run.result import OPEN, SLIP, STATE_NAMES, STICK, CrackPath, StepResult
 
-LONG_SIDE = 7.0  # inches, of the specimen
 DPI = 150
 MOST_CONTACT_ROWS = 6  # surfaces in one figure
 MOST_STEP_TICKS = 11  # on the colour bar of steps, and of points named by their step
@@ -42,33 +38,20 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     Raises OutputError.
     """
     case = case_on_map(case)
-    low, high = extent(case)
-    figure, axes, length = on_specimen(low, high)
-    width, height = LONG_SIDE * (high - low) / (high - low).max()  # title and colour bar have as much room at any size
-    beside, below = (max(width, 2.5) + 2.2, max(height, 2.2) + 1.2), (width + 1.0, max(height, 0.7) + 2.4)
-    figure.set_size_inches(beside if has_bar_beside(*np.ptp([axes.get_xlim(), axes.get_ylim()], axis=1)) else below)
-    figure.set_dpi(DPI)
+    figure, axes, length = on_specimen(*extent(case))
     for body in case.bodies:
         axes.add_patch(PathPatch(body_path(body, 1.0 / length), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
+    draw_steps(axes, [(crack.points, crack.steps) for crack in cracks], 1.0 / length)
     last = max((int(crack.steps.max()) for crack in cracks), default=0)
-    colours = ["black", *(step_colour(step, last) for step in range(1, last + 1))]  # of given cracks, of each step
+    colours = [step_colour(step, last) for step in range(1, last + 1)]
     for crack in cracks:
-        segments = np.stack([crack.points[:-1], crack.points[1:]], axis=1) / length
-        made = np.maximum(crack.steps[:-1], crack.steps[1:])  # a segment is as young as its younger vertex
-        for given, width in ((False, 2.0), (True, 2.4)):
-            mine = (made == 0) == given
-            looks: dict[str, Any] = {"colors": [colours[step] for step in made[mine]], "linewidths": width}
-            lines = LineCollection(list(segments[mine]), capstyle="round", zorder=2 + given, **looks)
-            axes.add_collection(lines, autolim=False)
         x, y = (crack.points[crack.steps > 0] / length).T
-        axes.scatter(x, y, s=7, color=[colours[step] for step in crack.steps if step > 0], zorder=4)
+        axes.scatter(x, y, s=7, color=[colours[step - 1] for step in crack.steps if step > 0], zorder=8)
     if last > 0:
-        scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours[1:]))
+        scale_of_steps = ScalarMappable(BoundaryNorm(np.arange(0.5, last + 1), last), ListedColormap(colours))
         ticks, label = range(1, last + 1, -(-last // MOST_STEP_TICKS)), "step of the advance (given crack: black)"
-        with_bar(figure, axes, scale_of_steps, case.title, ticks=ticks, label=label).minorticks_off()
-    else:
-        in_rows(figure, np.array([[axes]]), case.title)
-    _save(path, figure)
+        add_bar(figure, axes, scale_of_steps, ticks=ticks, label=label).minorticks_off()
+    _save(path, figure, case.title)
 
 
 def draw_sigma_1(path: Path, case: Case, result: StepResult) -> None:
@@ -96,7 +79,7 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
     if not touching:
         return
     faces = touching[:MOST_CONTACT_ROWS]
-    figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI)
+    figure = Figure(figsize=(3.6 * 3, 2.6 * len(faces) + 0.4), dpi=DPI, layout="constrained")
     table = figure.subplots(len(faces), 3, squeeze=False, sharex="row")
     owner = np.array(contact.crack)
     for row, face in zip(table, faces, strict=True):
@@ -125,12 +108,11 @@ def draw_contact(path: Path, case: Case, result: StepResult) -> None:
             axes.grid(linewidth=0.3)
         row[0].legend(fontsize=7)
     rest = f" (the first {len(faces)} of {len(touching)} surfaces)" if len(touching) > len(faces) else ""
-    in_rows(figure, table, f"{case.title}, step {result.step}{rest}")
-    _save(path, figure)
+    _save(path, figure, f"{case.title}, step {result.step}{rest}")
 
 
 @own_style()
-def draw_curves(folder: Path, run: RunFolder) -> None:
+def draw_curves(folder: Path, run: Run) -> None:
     """Plot the load curve and the stress-strain curve of a run, if it has them. Raises OutputError.
 
     Points are named by their steps: every so many, or in a history of loads those where it turns.
@@ -138,7 +120,7 @@ def draw_curves(folder: Path, run: RunFolder) -> None:
     n_steps = len(run.solved)
     some = list(range(0, n_steps, -(-n_steps // MOST_STEP_TICKS)))
     if curves := load_curves(run):
-        factor = run.table("steps").numbers("load_factor")
+        factor = run.table("steps")["load_factor"]
         turns = np.flatnonzero(np.diff(np.sign(np.diff(factor)))) + 1
         named = some if run.case.growth is not None else [0, *turns.tolist(), n_steps - 1]
         _draw_charts(folder / "load_curve.png", f"{run.case.title} (points: steps)", curves, named)
@@ -152,7 +134,7 @@ def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequenc
 
     Other series are marks, in a legend.
     """
-    figure = Figure(figsize=(4.6 * len(charts), 4.0), dpi=DPI)
+    figure = Figure(figsize=(4.6 * len(charts), 4.0), dpi=DPI, layout="constrained")
     table = figure.subplots(1, len(charts), squeeze=False)
     for axes, chart in zip(table[0], charts, strict=True):
         line, *marks = chart["series"]
@@ -172,8 +154,7 @@ def _draw_charts(path: Path, title: str, charts: Sequence[Chart], named: Sequenc
         axes.ticklabel_format(scilimits=(-3, 5), useOffset=False)
         axes.set(xlabel=chart["xlabel"], ylabel=chart["ylabel"])
         axes.grid(linewidth=0.3)
-    in_rows(figure, table, title)
-    _save(path, figure)
+    _save(path, figure, title)
 
 
 def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[float, float], list[str]]]:
@@ -187,5 +168,6 @@ def _labels(x: Floats, y: Floats, named: Sequence[int]) -> list[tuple[tuple[floa
     return list(labels.values())
 
 
-def _save(path: Path, figure: Figure) -> None:
+def _save(path: Path, figure: Figure, title: str) -> None:
+    give_title(figure, title)
     write_bytes(path, png_of(figure))

@@ -2,30 +2,23 @@
 
 from __future__ import annotations
 
-import csv
-import io
 import json
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from itertools import compress, pairwise
+from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
-import numpy as np
-from numpy.typing import NDArray
-
-from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
-from crackgrow.errors import CrackgrowError
+from crackgrow.results.atomic import FolderError, damaged
 from crackgrow.results.declarations import RUN
-from crackgrow.results.tables import RunTables, frame_of
+from crackgrow.results.run import Columns, Run
 from crackgrow.results.units import spans_text
 
 if TYPE_CHECKING:
-    import pandas as pd
     import pyvista
 
 REPORT, SUMMARY, LOG, CASE, HISTORY = "report.html", "summary.json", "run.log", "case.yaml", "history.csv"
@@ -37,17 +30,8 @@ OWN: Final = (*(file.name for file in RUN if not file.name.startswith("export/")
 OF_STEPS = ("tips.csv", "contact.csv", "reactions.csv", "interface_tips.csv", HISTORY)
 """Tables that may have rows of a step that a run was killed in: they count where steps.csv has the step."""
 
-FINISHED: Final = ("completed", "arrested", "broke_through")
-"""How a run ends that has done what it was asked."""
-
 SUMMARY_KEYS = ("case", "title", "status", "stop_reason", "n_solves", "version", "git_commit", "git_modified", "n_dofs",
                 "wall_seconds", "peak_memory_mb", "error_estimate", "warnings")  # fmt: skip
-
-
-class FolderError(CrackgrowError):
-    """A folder that holds no results, or not those that are wanted; the message says what is missing."""
-
-    exit_code = 3
 
 
 def series_names(case_name: str) -> tuple[str, str]:
@@ -82,63 +66,8 @@ def own_files(folder: Path, case_name: str = "", names: Iterable[str] = OWN) -> 
                 yield OwnFile(path, name, int(match[1]) if match.groups() else -1, whole=half is None)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class TextTable:
-    """A CSV file: its columns by name, as text."""
-
-    path: Path
-    columns: dict[str, list[str]]
-
-    def __len__(self) -> int:
-        return len(next(iter(self.columns.values()), ()))
-
-    def words(self, name: str) -> list[str]:
-        """A column as it stands. Raises FolderError where there is none."""
-        if name not in self.columns:
-            there = ", ".join(self.columns) or "none"
-            raise damaged(self.path, f"it has no column {name}; its columns are {there}")
-        return self.columns[name]
-
-    def numbers(self, name: str) -> Floats:
-        """A column (n,) as numbers; nan where it says so. Raises FolderError where it has other words."""
-        return self._of_kind(name, float)
-
-    def steps(self) -> NDArray[np.int64]:
-        """The column `step` (n,). Raises FolderError where it has other words."""
-        return self._of_kind("step", np.int64)
-
-    def _of_kind(self, name: str, kind: type) -> NDArray[Any]:
-        try:
-            return np.array(self.words(name), dtype=kind)
-        except ValueError as error:
-            raise damaged(self.path, f"{name}: {error}") from error
-
-    def rows(self) -> list[dict[str, str]]:
-        """The rows, each with its cells by name."""
-        return [dict(zip(self.columns, row, strict=True)) for row in zip(*self.columns.values(), strict=True)]
-
-    def where(self, kept: Sequence[bool]) -> TextTable:
-        """The rows for which `kept` says so."""
-        return TextTable(self.path, {name: list(compress(words, kept)) for name, words in self.columns.items()})
-
-    def by(self, *names: str) -> dict[tuple[str, ...], TextTable]:
-        """The rows by what they have in some columns, in the order in which that comes."""
-        rows: dict[tuple[str, ...], list[int]] = {}
-        for number, key in enumerate(zip(*map(self.words, names), strict=True)):
-            rows.setdefault(key, []).append(number)
-        columns = self.columns.items()
-        return {
-            key: TextTable(self.path, {c: [words[k] for k in some] for c, words in columns})
-            for key, some in rows.items()
-        }
-
-    def of_steps(self, steps: Collection[int]) -> TextTable:
-        """The rows of these steps."""
-        return self.where(np.isin(self.steps(), list(steps)).tolist())
-
-
-class RunFolder(RunTables):
-    """A run as its files tell it; m, Pa. A file is read when it is asked for, and once.
+class RunFolder(Run):
+    """A run as its files tell it. A file is read when it is asked for, and once.
 
     Everything raises FolderError where a file is missing or no longer whole, `case` also CaseError where case.yaml is
     not of this version.
@@ -146,10 +75,9 @@ class RunFolder(RunTables):
 
     def __init__(self, path: str | Path) -> None:
         self.folder = Path(path)
-        self._tables: dict[str, TextTable] = {}
 
     def __repr__(self) -> str:
-        return f"<RunFolder {self.folder}: {self.status or 'no run'}>"
+        return f"<Run in {self.folder}: {self.status or 'no run'}>"
 
     @cached_property
     def found_summary(self) -> dict[str, Any]:
@@ -174,56 +102,22 @@ class RunFolder(RunTables):
             raise damaged(path, f"it has no {', '.join(missing)}")
         return summary
 
-    @property
-    def status(self) -> str:
-        """How the run ended: completed, arrested, broke_through, failed, interrupted or running; empty if not told."""
-        return str(self.found_summary.get("status", ""))
-
-    @property
-    def reason(self) -> str:
-        """Why it ended, in words; empty if not told."""
-        return str(self.found_summary.get("stop_reason", ""))
-
-    @property
-    def finished(self) -> bool:
-        """Whether the run has ended as runs should."""
-        return self.status in FINISHED
-
-    @property
-    def warnings(self) -> tuple[str, ...]:
-        """What is unsure in the run, and why, one sentence a cause."""
-        return tuple(self.summary["warnings"])
-
     @cached_property
     def case_text(self) -> str:
         """case.yaml: the case as it ran."""
         return self.text(CASE)
 
     @cached_property
-    def case(self) -> Case:
+    def case(self) -> Case:  # type: ignore[override]  # it can be set, too
         """The case as it ran, under its own name."""
         self.text(CASE)  # where it is missing, FolderError says so
         case = load_case(self.folder / CASE)
         return replace(case, name=str(self.found_summary.get("case", case.name)))
 
-    @cached_property
-    def solved(self) -> list[int]:
-        """Numbers of the steps that were solved, in order."""
-        return [int(step) for step in self.table("steps").steps()]
-
-    @property
-    def places(self) -> list[int]:
-        """The steps that can be shown: those solved, and one more where the last advance was not solved any more."""
-        latest = int(self.table("paths").steps().max(initial=0))
-        solved = self.solved
-        return [*solved, latest] if not solved or latest > solved[-1] else solved
-
-    def table(self, name: str) -> TextTable:
-        """A table such as `tips`; without rows of a step in which a run was killed, which some tables may have."""
-        if name not in self._tables:
-            table = table_of(self.text(f"{name}.csv"), self.folder / f"{name}.csv")
-            self._tables[name] = table.of_steps(self.solved) if table.path.name in OF_STEPS and len(table) else table
-        return self._tables[name]
+    def read(self, name: str) -> Columns:
+        """A table; without rows of a step in which a run was killed, which some tables may have."""
+        table = Columns.of_text(self.folder / f"{name}.csv", self.text(f"{name}.csv"))
+        return table.of_steps(self.solved) if table.path.name in OF_STEPS and table.n_rows else table
 
     def n_rows(self, name: str) -> int:
         """How many rows a table has, whole or not; 0 where there is no such file."""
@@ -283,9 +177,6 @@ class RunFolder(RunTables):
             raise damaged(path, "it has no cells of bodies")
         return grid
 
-    def _frame(self, name: str) -> pd.DataFrame:
-        return frame_of(self.table(name))
-
 
 def open_run(path: str | Path) -> RunFolder:
     """The run that `crackgrow run` or `run_case` left in a folder, ended or not.
@@ -303,24 +194,6 @@ def open_run(path: str | Path) -> RunFolder:
     run = RunFolder(path)
     run.text(SUMMARY)
     return run
-
-
-def table_of(text: str, path: Path) -> TextTable:
-    """The table of a CSV text, that of a file at `path`; raises FolderError where rows are unlike the header."""
-    try:
-        rows = list(csv.reader(io.StringIO(text, newline="")))
-    except csv.Error as error:
-        raise damaged(path, str(error)) from error
-    header = rows.pop(0) if rows else []
-    for number, row in enumerate(rows, 1):
-        if len(row) != len(header):
-            raise damaged(path, f"row {number} has {len(row)} values, the header has {len(header)}")
-    return TextTable(path, {column: [row[index] for row in rows] for index, column in enumerate(header)})
-
-
-def damaged(path: Path, what: str) -> FolderError:
-    """The error of a file that can't be read as what it should be."""
-    return FolderError(f"{path} is damaged, or of another version: {what}; run the case again")
 
 
 def _gaps(span: range, found: Iterable[int]) -> list[range]:

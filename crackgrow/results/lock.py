@@ -38,76 +38,52 @@ class LockedError(CrackgrowError):
     exit_code = 3
 
 
-class FolderLock:
-    """The lock of a folder: a file in it, on which the system holds an exclusive lock as long as the process lives.
+@contextlib.contextmanager
+def locked(folder: Path, what: str) -> Iterator[str]:
+    """A folder, made where it is missing, into which nothing else writes until the end of the block.
 
-    A process that is killed, or a machine that loses its power, leaves the file and no lock: the next run takes it. The
-    file has a line of JSON that says who holds it; it goes when the lock is released.
+    `what` is about to write, such as "case slope"; yields what the user should know of the lock, mostly nothing. It is
+    a file in the folder, on which the system holds an exclusive lock as long as the process lives: a process that is
+    killed, or a machine that loses its power, leaves the file and no lock. In the file stands who holds it, as JSON; it
+    goes at the end, as does a new folder into which nothing has come.
+
+    Raises LockedError, and OutputError and OccupiedError as `check_place`. Where the file system knows no locks, or the
+    folder can't be written, there is none.
     """
-
-    def __init__(self, folder: Path, what: str) -> None:
-        """`what` is about to write, such as "case slope"."""
-        self._path = folder / LOCK
-        self._lock = FileLock(self._path, timeout=PATIENCE, fallback_to_soft=False, thread_local=False)
-        self._is_new = False  # the folder
-        self._what = what
-        self._words = ""
-        self.remark = ""  # what the user should know of the lock
-
-    def take(self) -> None:
-        """Take the lock unless it is held here already; makes the folder.
-
-        Raises LockedError, and OutputError and OccupiedError as `check_place`. Where the file system knows no locks,
-        `remark` says so. A folder that can't be written needs none.
-        """
-        folder = self._path.parent
-        if self._lock.is_locked:
-            return
-        check_place(folder)
-        self._is_new = not folder.exists()
-        since = datetime.now().astimezone().isoformat(timespec="seconds")
-        holder = {"what": self._what, "process": os.getpid(), "host": socket.gethostname(), "since": since}
+    check_place(folder)
+    path, is_new, remark = folder / LOCK, not folder.exists(), ""
+    lock = FileLock(path, timeout=PATIENCE, fallback_to_soft=False, thread_local=False)
+    since = datetime.now().astimezone().isoformat(timespec="seconds")
+    holder = json.dumps({"what": what, "process": os.getpid(), "host": socket.gethostname(), "since": since})
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+        lock.acquire()
+        path.write_text(holder, encoding="utf-8")
+    except Timeout:
         try:
-            folder.mkdir(parents=True, exist_ok=True)
-            self._lock.acquire()
-            self._words = json.dumps(holder)
-            self._path.write_text(self._words, encoding="utf-8")
-        except Timeout:
-            try:
-                found = json.loads(self._path.read_bytes())
-                which = "{what}, process {process} on {host}, since {since}".format(**found)
-            except (OSError, ValueError, KeyError, TypeError):  # it has not written it yet
-                which = "it has not said which"
-            what = f"another run is writing into {folder} ({which}); wait until it has ended, end it, or choose another"
-            raise LockedError(f"{what} folder") from None
-        except OSError as error:
-            self._lock.release()
-            if error.errno in NO_LOCKS:
-                self.remark = (
-                    f"the file system of {folder} knows no locks ({error.strerror}): see to it that no other run "
-                    "writes into this folder"
-                )
-            elif error.errno not in NOT_WRITABLE:
-                raise refused(self._path, error) from error
-
-    def release(self) -> None:
-        """Give the lock back, if it is held; the file goes before, and a new folder into which nothing has come."""
-        if self._lock.is_locked:
+            found = json.loads(path.read_bytes())
+            which = "{what}, process {process} on {host}, since {since}".format(**found)
+        except (OSError, ValueError, KeyError, TypeError):  # it has not written it yet
+            which = "it has not said which"
+        words = f"another run is writing into {folder} ({which}); wait until it has ended, end it, or choose another"
+        raise LockedError(f"{words} folder") from None
+    except OSError as error:
+        lock.release()
+        if error.errno in NO_LOCKS:
+            remark = f"the file system of {folder} knows no locks ({error.strerror}): see to it that no other run "
+            remark += "writes into this folder"
+        elif error.errno not in NOT_WRITABLE:
+            raise refused(path, error) from error
+    try:
+        yield remark
+    finally:
+        if lock.is_locked:
             with contextlib.suppress(OSError):
-                if self._path.read_text(encoding="utf-8") == self._words:  # else somebody has removed the folder
-                    self._path.unlink()
-                if self._is_new:
-                    self._path.parent.rmdir()
-            self._lock.release()
-
-    @contextlib.contextmanager
-    def held(self) -> Iterator[None]:
-        """As `take`, until the end of the block."""
-        self.take()
-        try:
-            yield
-        finally:
-            self.release()
+                if path.read_text(encoding="utf-8") == holder:  # else somebody has removed the folder
+                    path.unlink()
+                if is_new:
+                    folder.rmdir()
+            lock.release()
 
 
 def check_place(folder: Path, case_name: str = "") -> None:

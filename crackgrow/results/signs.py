@@ -17,7 +17,8 @@ from crackgrow.arrays import Floats
 from crackgrow.case import model
 from crackgrow.case.formula import CoordinateFormula, component_at
 from crackgrow.case.model import Body, Case, Component
-from crackgrow.results.places import component_text, length_unit
+from crackgrow.case.on_map import length_unit
+from crackgrow.results.units import component_text
 
 ARROW, SIGN = 0.10, 0.035  # of the scene's size: lengths of the longest arrow of a load, of a support
 GAP, SHEAR_GAP = 0.008, 0.03  # of the scene's size: from an edge to the arrows across and along it
@@ -162,9 +163,8 @@ class Sheet:
         points = [support for support in case.supports if isinstance(support, model.PointSupport)]
         taken = [support.point + 0.8 * SIGN * size * self._outward_at(support) for support in points]
         free = [(p, o) for p, o in places if all(np.hypot(*(p - sign)) > 1.1 * SIGN * size for sign in taken)]
-        gap = size * (
-            SHEAR_GAP if shears else GAP if free else 1.7 * SIGN
-        )  # where signs leave no room: outside of them
+        outside = 1.7 * SIGN  # of signs that leave no room
+        gap = size * (SHEAR_GAP if shears else GAP if free else outside)
         self.title = f"traction on {load.region.body}.{load.region.edge}"
         if isinstance(load, model.EdgePressure):
             self.title, words = self.title.replace("traction", "pressure"), f"p = {component_text(load.pressure)}"
@@ -259,9 +259,8 @@ class Sheet:
         held = np.array([component is not None for component in support.displacement], dtype=float)
         direction = outward if held.all() else held
         along = float(direction @ outward)
-        return (
-            -direction if along < 0.0 or abs(along) < SHEAR else direction
-        )  # along the edge: from left, or from below
+        # along the edge: from left, or from below
+        return -direction if along < 0.0 or abs(along) < SHEAR else direction
 
     def _body(self, name: str) -> Body:
         return next(body for body in self.case.bodies if body.name == name)

@@ -1,22 +1,17 @@
-"""The CSV tables: one header, rows that grow with the steps, numbers in full precision; and the same as DataFrames."""
+"""The CSV tables: one header, rows that grow with the steps, numbers in full precision."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from crackgrow.arrays import Floats
 from crackgrow.results.atomic import GrowingFile
 from crackgrow.results.declarations import FILES, PHASES, RUN, File
+from crackgrow.results.run import Columns
 from crackgrow.run.result import STATE_NAMES, CrackPath, Event, History, RunEnd, StepResult
-
-if TYPE_CHECKING:
-    import pandas as pd
-
-    from crackgrow.results.folder import TextTable
 
 Value = str | bool | int | float
 Row = tuple[Value, ...]
@@ -168,58 +163,15 @@ GROWING: Final[Mapping[str, Callable[[StepResult], list[Row]]]] = {
 """What a step adds to the tables that grow with the steps."""
 
 
-class TableOf:
-    """A table of a run as a DataFrame, under its name, with the meaning that `columns.yaml` gives it."""
+def table_of(name: str, results: Sequence[StepResult], cracks: Sequence[CrackPath], events: Sequence[Row]) -> Columns:
+    """A table of some steps in memory, with the cracks at their end and what has happened then.
 
-    def __set_name__(self, owner: type, name: str) -> None:
-        self._name = name
-        self.__doc__ = f"{name}.csv: {FILES[f'{name}.csv'].doc}"
-
-    def __get__(self, run: RunTables | None, owner: type) -> pd.DataFrame:
-        return self if run is None else run._frame(self._name)  # type: ignore[return-value]  # the class has itself
-
-
-class RunTables:
-    """The tables of a run, in its folder or in memory, with columns, units and values as in the CSV files.
-
-    In memory `seconds_output` of the steps is without the writing of frames.
+    `seconds_output` of the steps is without the writing of frames.
     """
-
-    steps, tips, paths, contact = TableOf(), TableOf(), TableOf(), TableOf()
-    reactions, history, events, interface_tips = TableOf(), TableOf(), TableOf(), TableOf()
-
-    def path(self, crack: str) -> Floats:
-        """Vertices (n, 2) m of a crack at the end, from its start to its end; raises KeyError if there is none."""
-        paths = self.paths
-        if crack not in set(paths["crack"]):
-            raise KeyError(f"no crack {crack!r}; the cracks are {', '.join(paths['crack'].unique()) or 'none'}")
-        return paths.loc[paths["crack"] == crack, ["x", "y"]].to_numpy(dtype=float)
-
-    def _frame(self, name: str) -> pd.DataFrame:
-        raise NotImplementedError
-
-
-def frame_of_results(name: str, results: Sequence[StepResult], last: Sequence[Row] = ()) -> pd.DataFrame:
-    """A table of some steps, with the rows `last` behind theirs."""
-    import pandas as pd  # here: who reads tables as text needs none of it
-
     columns = HEADERS[name]
     if name == "history":
         columns = next((history_columns(result.history) for result in results if result.history), ())
-    rows = [row for result in results for row in GROWING[name](result)] if name in GROWING else []
-    return pd.DataFrame([list(row) for row in (*rows, *last)], columns=pd.Index(columns))
-
-
-def frame_of(table: TextTable) -> pd.DataFrame:
-    """A table of a run's folder, with the types that the same table has in memory."""
-    import pandas as pd  # as above
-
-    file = FILES.get(table.path.name)
-    kinds = {column.name: column.kind for column in file.columns} if file else {}
-    read: dict[type, Callable[[str], Any]] = {
-        str: table.words,
-        bool: lambda name: [word == "true" for word in table.words(name)],
-        int: lambda name: table.numbers(name).astype(np.int64),
-        float: table.numbers,
-    }
-    return pd.DataFrame({name: read[kinds.get(name, float)](name) for name in table.columns})
+    rows = path_rows(cracks) if name == "paths" else [row for result in results for row in GROWING[name](result)]
+    rows += events if name == "events" else ()
+    cells = zip(*rows, strict=True) if rows else ((),) * len(columns)
+    return Columns.of_cells(Path(f"{name}.csv"), dict(zip(columns, cells, strict=True)))

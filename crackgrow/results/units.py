@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:  # this module is on the command line's way to --version: no numpy
+    from crackgrow.case.model import Component
 
 LENGTHS = ((1.0, "m"), (1e-3, "mm"), (1e-6, "µm"), (1e-9, "nm"))
 STRESSES = ((1e9, "GPa"), (1e6, "MPa"), (1e3, "kPa"), (1.0, "Pa"))
@@ -14,6 +17,7 @@ TIMES = ((31557600.0, "years"), (86400.0, "days"), (3600.0, "h"), (1.0, "s"), (1
 FORCES = ((1e6, "MN/m"), (1e3, "kN/m"), (1.0, "N/m"))
 
 NO_NUMBER = "\N{EN DASH}"
+LONGEST = 60  # signs of a formula that are shown
 SIGNIFICANT = 6  # digits of what is drawn and shown; the tables of the run have all
 
 Unit = tuple[float, str]
@@ -63,6 +67,18 @@ def stress_text(value: float) -> str:
     if abs(value) >= 1e9:
         return f"{value / 1e9:g} GPa"
     return f"{value:g} Pa" if 0.0 < abs(value) < 1e4 else f"{value / 1e6:g} MPa"
+
+
+def component_text(value: Component) -> str:
+    """A stress (Pa), or the formula that it follows, with its begin alone where it is long."""
+    from crackgrow.case.formula import CoordinateFormula  # only now: it loads numpy
+
+    if isinstance(value, CoordinateFormula):
+        size, text = value.scaled
+        unit = next((name for unit, name in STRESSES if unit == size), None)
+        text, unit = (text, unit) if unit else (value.text, "Pa")
+        return f"{text if len(text) <= LONGEST else f'{text[:LONGEST]}...'} [{unit}]"
+    return "by a formula" if callable(value) else stress_text(value)
 
 
 def duration(seconds: float, digits: int = 0) -> str:

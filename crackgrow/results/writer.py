@@ -17,7 +17,7 @@ from crackgrow.errors import reason_of
 from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, RunFolder, of_step, own_files
-from crackgrow.results.lock import FolderLock, earlier_files
+from crackgrow.results.lock import earlier_files, locked
 from crackgrow.results.log import RunLog, event_line, largest_K, told_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
@@ -31,7 +31,7 @@ def complete_output(case: Case, folder: Path) -> None:
     """Delete the half-written files of a finished run, and write its report where it is missing. Raises OutputError."""
     remove_files(own.path for own in own_files(folder, case.name) if not own.whole)
     if case.output.report and not (folder / REPORT).is_file():
-        from crackgrow.results.report import write_report  # here: a run without it needs none of it
+        from crackgrow.results.report.page import write_report  # here: a run without it needs none of it
 
         write_report(folder)
 
@@ -39,9 +39,8 @@ def complete_output(case: Case, folder: Path) -> None:
 class RunWriter:
     """Writes one run into `folder`: `begin` or `resume`, `add` for each step, then `finish` or `break_off`.
 
-    The folder is locked from the first to the last of them, or as long as it is `held`. Every method raises OutputError
-    where the disk refuses. A checkpoint is written before the other files of its step,
-    and tells how far they went until then:
+    All of that while the folder is `held`. Every method raises OutputError where the disk refuses. A checkpoint is
+    written before the other files of its step, and tells how far they went until then:
 
         tables     by name: number of rows
         tally     what the summary needs of the steps, and which of them have frames
@@ -53,7 +52,7 @@ class RunWriter:
         self.folder = folder
         self.error_line = ""  # what `finish` knows of the error of the run
         self._settings = dump_case(case)
-        self._lock = FolderLock(folder, f"case {case.name}")
+        self._remark = ""  # what the user should know of the lock
         self._log = RunLog(folder / LOG)
         self._checkpoints = CheckpointWriter(folder, case.name, self._settings)
         self._tally = Tally()
@@ -72,23 +71,20 @@ class RunWriter:
         Raises LockedError where another one does, OccupiedError and OutputError as `begin`; nothing is changed then.
         """
         earlier_files(self.folder, self.case.name)
-        with self._lock.held():
+        with locked(self.folder, f"case {self.case.name}") as self._remark:
             yield
 
     def begin(self) -> None:
         """Make the folder, remove what an earlier run left of these files, write case.yaml and empty tables.
 
-        Raises LockedError where another run writes into it, OccupiedError where there are such files but nothing shows
-        that a run wrote them.
+        Raises OccupiedError where there are such files but nothing shows that a run wrote them.
         """
-        earlier_files(self.folder, self.case.name)
-        self._lock.take()
         earlier = earlier_files(self.folder, self.case.name)
         self._write_summary(RUNNING)  # first of all: it shows that the files are a run's, whatever comes now
         remove_files(path for path in earlier if path.name != SUMMARY)
         write_text(self.folder / CASE, self._settings)
         self._log.begin(f"crackgrow {__version__}, case {self.case.name}: {self.case.title}")
-        self._warn(self._lock.remark)
+        self._warn(self._remark)
         for kind in changes_of(self.case):
             for text in kind:
                 self._log.tell(f"changed when it was read: {text}")
@@ -98,7 +94,6 @@ class RunWriter:
 
     def resume(self, found: Resumption) -> None:
         """Go on where an earlier run was broken off: what it left of the checkpoint's step and behind is removed."""
-        self._lock.take()
         step, results = found.checkpoint.step, found.results
         self._tally = Tally.of(results["tally"])
         self._tally.resumed.append(step)
@@ -115,7 +110,7 @@ class RunWriter:
             table.drop_from(step)
         vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
-        self._warn(*(f"resumed with step {step}: {text}" for text in found.remarks), self._lock.remark)
+        self._warn(*(f"resumed with step {step}: {text}" for text in found.remarks), self._remark)
         self._write_summary(RUNNING)
 
     def _warn(self, *remarks: str) -> None:
@@ -155,31 +150,26 @@ class RunWriter:
 
     def finish(self, end: RunEnd) -> None:
         """Write the final paths, what is left of frames, the figures, the summary, and last the report."""
-        with self._lock.held():
-            try:
-                self._write_paths(end.cracks)
-                self._extend("events", tables.end_rows(end))
-                self._log_events(end.events)
-                last, output = self._last, self.case.output
-                if last is not None and output.frames == "first_and_last" and len(self._tally.steps) > 1:
-                    # only now is it known which step was the last; its row in steps.csv is written
-                    self._tally.add_seconds("output", self._write_frames(last))
-                if last is not None and output.figures:
-                    self._draw(last, end.cracks)
-            finally:  # a figure that fails doesn't take the summary with it
-                self._write_summary(end)
-                self.error_line = error_line(self._tally, end)
-                warnings = [f"warning: {text}" for text in self._tally.warnings]
-                for text in (*warnings, *filter(None, [self.error_line]), f"{end.status}: {end.reason}"):
-                    self._log.tell(text)
-            self._write_report()
-
-    def _write_report(self) -> None:
-        """Made from the files, so it comes last."""
+        try:
+            self._write_paths(end.cracks)
+            self._extend("events", tables.end_rows(end))
+            self._log_events(end.events)
+            last, output = self._last, self.case.output
+            if last is not None and output.frames == "first_and_last" and len(self._tally.steps) > 1:
+                # only now is it known which step was the last; its row in steps.csv is written
+                self._tally.add_seconds("output", self._write_frames(last))
+            if last is not None and output.figures:
+                self._draw(last, end.cracks)
+        finally:  # a figure that fails doesn't take the summary with it
+            self._write_summary(end)
+            self.error_line = error_line(self._tally, end)
+            warnings = [f"warning: {text}" for text in self._tally.warnings]
+            for text in (*warnings, *filter(None, [self.error_line]), f"{end.status}: {end.reason}"):
+                self._log.tell(text)
         if self.case.output.report:
-            from crackgrow.results.report import write_report  # as above
+            from crackgrow.results.report.page import write_report  # here: a run without it needs none of it
 
-            write_report(self.folder, self.case)
+            write_report(self.folder, self.case)  # made from the files, so it comes last
 
     def break_off(self, error: BaseException, reason: str = "") -> str:
         """End a run that broke off: what was solved is kept, the status is `failed`, or `interrupted` by Ctrl-C.
@@ -195,9 +185,8 @@ class RunWriter:
         end = RunEnd("interrupted" if interrupted else "failed", reason, cracks)
         self._spare = b""
         try:
-            with self._lock.held():
-                self._write_summary(end)  # before figures and frames, which may take all that is left
-                self.finish(end)
+            self._write_summary(end)  # before figures and frames, which may take all that is left
+            self.finish(end)
         except Exception as second:
             error.add_note(f"then the results could not be completed: {reason_of(second)}")
             return reason_of(second)

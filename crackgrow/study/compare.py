@@ -57,7 +57,7 @@ class Pair:
     end_distance: float | None  # m, between the tips; None like `whole`
     common: (
         Deviation | None
-    )  # without what goes on beyond the other's end; None where A or B has not grown, or is given
+    )  # without what goes on beyond the other's end; None where A or B is given, or has not grown
 
     @property
     def deviation(self) -> Deviation:
@@ -216,18 +216,17 @@ def _pairs(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> list[Pair]:
         ends = max(_apart(given_a.points[end], given_b.points[end]) for end in (0, -1))
         pairs.append(Pair(name, "given", given_a.length, given_b.length, whole, ends, None))
     tips: tuple[Tip, ...] = ("start", "end") if tip is None else (tip,)
-    wings = [(which, a.wing(which), b.wing(which)) for which in tips]
-    return pairs + [_grown(name, *wing) for wing in wings if any(len(line.points) > 1 for line in wing[1:])]
-
-
-def _grown(name: str, tip: Tip, a: PathLine, b: PathLine) -> Pair:
-    """The wings of a tip; what they have in common begins at the roots."""
-    common = None
-    if len(a.points) > 1 and len(b.points) > 1:
-        s_a = overhang(a.points, b.points, at_both=False) or a.length
-        s_b = overhang(b.points, a.points, at_both=False) or b.length
-        common = _deviation(_Stretch(a, 0.0, s_a), _Stretch(b, 0.0, s_b))
-    return Pair(name, tip, a.length, b.length, _deviation(_all(a), _all(b)), _apart(a.points[-1], b.points[-1]), common)
+    for which in tips:
+        wing_a, wing_b, common = a.wing(which), b.wing(which), None
+        ends = _apart(wing_a.points[-1], wing_b.points[-1])
+        if wing_a.length > 0.0 and wing_b.length > 0.0:  # what they have in common begins at the roots
+            s_a = overhang(wing_a.points, wing_b.points, at_both=False) or wing_a.length
+            s_b = overhang(wing_b.points, wing_a.points, at_both=False) or wing_b.length
+            common = _deviation(_Stretch(wing_a, 0.0, s_a), _Stretch(wing_b, 0.0, s_b))
+        if wing_a.length > 0.0 or wing_b.length > 0.0:
+            whole = _deviation(_all(wing_a), _all(wing_b))
+            pairs.append(Pair(name, which, wing_a.length, wing_b.length, whole, ends, common))
+    return pairs
 
 
 def _partial(name: str, a: PathLine, b: PathLine, tip: Tip | None) -> Pair:

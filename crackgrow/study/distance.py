@@ -60,15 +60,8 @@ def frechet(a: Floats, b: Floats) -> float:
         return float(np.hypot(*(a[:, None, :] - b[None, :, :]).transpose(2, 0, 1)).max())
     parts = np.union1d(np.linspace(0.0, 1.0, WALKED), np.concatenate([along_a / along_a[-1], along_b / along_b[-1]]))
     p, q = point_at(a, parts * along_a[-1]), point_at(b, parts * along_b[-1])
-    n = len(parts)
-    before = behind = np.full(n + 1, np.inf)  # leash to the pairs (i - 1, j) of the last diagonal and of that before it
-    for diagonal in range(2 * n - 1):
-        i = np.arange(max(0, diagonal - n + 1), min(n, diagonal + 1))
-        apart = np.hypot(*(p[i] - q[diagonal - i]).T)
-        least = np.minimum(np.minimum(before[i], before[i + 1]), behind[i]) if diagonal else 0.0
-        behind, before = before, np.full(n + 1, np.inf)
-        before[i + 1] = np.maximum(apart, least)
-    return float(before[n]) if before[n] > ROUNDING * max(np.abs(a).max(), np.abs(b).max()) else 0.0
+    leash = float(shapely.frechet_distance(shapely.LineString(p), shapely.LineString(q)))
+    return leash if leash > ROUNDING * max(np.abs(a).max(), np.abs(b).max()) else 0.0
 
 
 def between(line: Floats, s_from: float, s_to: float) -> Floats:
@@ -85,7 +78,7 @@ def overhang(line: Floats, other: Floats, *, at_both: bool) -> float:
     """
     s = arc_lengths(line)
     length = float(arc_lengths(other)[-1])
-    slack = RESOLUTION * extent(line, other)
+    slack = RESOLUTION * float(np.ptp(np.concatenate([line, other]), axis=0).max())
 
     def beyond(at: Floats) -> NDArray[np.bool_]:
         _, near_s = nearest(point_at(line, at), other)
@@ -107,12 +100,6 @@ def point_at(line: Floats, s: Floats) -> Floats:
     """Points (k, 2) of a polyline at arc lengths `s` (k,)."""
     along = arc_lengths(line)
     return np.column_stack([np.interp(s, along, line[:, 0]), np.interp(s, along, line[:, 1])])
-
-
-def extent(*lines: Floats) -> float:
-    """The longer side of the box round polylines, m."""
-    points = np.concatenate(lines)
-    return float(np.ptp(points, axis=0).max())
 
 
 def _geometry(line: Floats) -> shapely.LineString:

@@ -66,21 +66,20 @@ def states_of(run: RunFolder, grows: bool) -> dict[Key, State]:
     """The states of a run."""
     advances: Counter[tuple[str, str]] = Counter()
     found: dict[Key, State] = {}
-    tips, events = run.table("tips").rows(), run.table("events").rows() if grows else []
-    for row in run.table("steps").rows():
-        step, state = int(row["step"]), State()
-        mine = {(tip["crack"], tip["tip"]): tip for tip in tips if tip["step"] == row["step"]}
+    tips, events = run.table("tips").records(), run.table("events").records() if grows else []
+    for row in run.table("steps").records():
+        step, state = row["step"], State()
+        mine = {(tip["crack"], tip["tip"]): tip for tip in tips if tip["step"] == step}
         for place, tip in mine.items():
-            error = max(float(tip["K_I_error"]), float(tip["K_II_error"]))
-            for name in MODES:
-                state[*place, name] = Reading(step, float(tip[name]), error, float(tip["cell_size"]))
+            error = max(tip["K_I_error"], tip["K_II_error"])
+            state |= {(*place, name): Reading(step, tip[name], error, tip["cell_size"]) for name in MODES}
         size = min((reading.cell_size for reading in state.values()), default=math.nan)
-        size = 1.0 / math.sqrt(int(row["n_dofs"])) if math.isnan(size) else size
-        state |= {("", "", name): Reading(step, float(row[name]), 0.0, size) for name in (LOAD, DISPLACEMENT)}
-        started = [event["crack"] for event in events if int(event["step"]) <= step and event["kind"] == "initiation"]
+        size = 1.0 / math.sqrt(row["n_dofs"]) if math.isnan(size) else size
+        state |= {("", "", name): Reading(step, row[name], 0.0, size) for name in (LOAD, DISPLACEMENT)}
+        started = [event["crack"] for event in events if event["step"] <= step and event["kind"] == "initiation"]
         grown = {(*tip, n) for tip, n in advances.items()} | {(crack, "", 0) for crack in started}
         found[frozenset(grown if grows else {("", "", step)})] = state
-        advances.update(place for place, tip in mine.items() if tip["advanced"] == "true")
+        advances.update(place for place, tip in mine.items() if tip["advanced"])
     return found
 
 

@@ -11,10 +11,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
@@ -25,14 +25,14 @@ from crackgrow.errors import CaseError, Fault, SolveError
 from crackgrow.results.atomic import write_text
 from crackgrow.results.declarations import FILES
 from crackgrow.results.folder import RunFolder
+from crackgrow.results.lock import locked
 from crackgrow.results.units import counted
 from crackgrow.run.loop import for_each
 from crackgrow.study.path_files import read_paths, read_points
-from crackgrow.study.plan import CaseFile, Run, Study, folder_names
-from crackgrow.study.runs import Row, Values, locked, run_study
+from crackgrow.study.plan import Run, Study, folder_names
+from crackgrow.study.runs import Row, Values, run_study
 from crackgrow.study.sweep import short_names
-from crackgrow.study.sweep_file import FitFile, Measured, read_fit_file
-from crackgrow.study.trade_plan import UNWRITTEN
+from crackgrow.study.sweep_file import FitFile, Measured, placed, read_fit_file
 from crackgrow.study.workers import Workers
 
 STEP: Final = 0.02  # of the range of a key: over less than that what cells and events leave of runs counts
@@ -96,36 +96,31 @@ def plan_fit(path: str | Path, folder: str | Path | None = None) -> FitPlan:
     file = read_fit_file(path)
     case = _case_in_middle(file)
     _check_measured(file, case)
-    points = _measured(file.base_folder / file.measured.file, file.measured)
+    measured = path.parent / file.measured.file
+    points = _measured(measured, file.measured)
     n_keys = len(file.parameters)
     if len(points) <= n_keys:
         has, wanted = counted(len(points), "measured point"), f"{n_keys + 1} or more, of {counted(n_keys, 'key')}"
-        raise CaseError.at(file.base_folder / file.measured.file, f"has {has}; wanted: {wanted}")
+        raise CaseError.at(measured, f"has {has}; wanted: {wanted}")
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     return FitPlan(file, case.title, folder, short_names(tuple(file.parameters)), points)
 
 
 def _case_in_middle(file: FitFile) -> Case:
     """The case in the middle of all ranges, if it is one at their ends too; else raises CaseError."""
-    case, wrong = _case_file(file, _texts(file, np.full(len(file.parameters), 0.5))).tried()
+    case, wrong = file.case_file(_texts(file, np.full(len(file.parameters), 0.5))).tried()
     faults: dict[str, Fault] = {}  # the first one of each range
     for index, key in enumerate(file.parameters):
         for part in (0.0, 1.0, 0.5):
             texts = _texts(file, np.where(np.arange(len(file.parameters)) == index, part, 0.5))
-            for fault in _case_file(file, texts).tried()[1]:
-                own = fault.source == f"--set {key}"
+            for fault in file.case_file(texts).tried()[1]:
+                own = fault.of_override == key
                 if own or not wrong:
                     message = f"at {texts[index]}: {fault.message if own else fault}"
                     faults.setdefault(key, Fault(str(file.path), None, f"parameters.{key}", message))
     if faults or case is None:
-        others = [fault for fault in wrong if fault.source.removeprefix("--set ") not in file.parameters]
-        others = [
-            replace(fault, source=str(file.path), key=f"set.{fault.key}")
-            if fault.source.removeprefix("--set ") in file.settings
-            else fault
-            for fault in others
-        ]
-        raise CaseError([*faults.values(), *others])
+        others = (fault for fault in wrong if fault.of_override not in file.parameters)
+        raise CaseError([*faults.values(), *placed(file, others)])
     return case
 
 
@@ -165,7 +160,7 @@ def fit(
     far as what was measured, or where that does not tell the keys apart.
     """
     runs = _Runs(plan, Workers(workers, scheduler, memory, timeout), resume, show)
-    with locked(runs.study(())):
+    with locked(plan.folder, runs.study(()).words):
         place, residual, jacobian, converged = least_squares_of(runs.residuals, len(plan.names), _scale(plan))
         found = _fit_of(plan, place, residual, jacobian, len(runs.runs), converged)
         write_text(plan.folder / "fit.json", json.dumps(asdict(found), indent=2) + "\n")
@@ -273,7 +268,7 @@ class _Runs:
     def _run(self, values: tuple[str, ...]) -> Run:
         """The next run."""
         name = " ".join(f"{name}={value}" for name, value in zip(self.plan.names, values, strict=True))
-        file, number = _case_file(self.plan.file, values), len(self.runs)
+        file, number = self.plan.file.case_file(values), len(self.runs)
         case, faults = file.tried()
         refusal = "; ".join(map(str, faults))
         return Run(number, name, self.plan.folder / folder_names([name])[0], values, file, case, refusal)
@@ -289,11 +284,11 @@ def run_line(folder: Path, measured: Measured) -> Floats:
     assert measured.x is not None  # the file was checked
     assert measured.y is not None
     run = RunFolder(folder)
-    in_steps = {measured.x, measured.y} <= set(run.table("steps").columns)
+    in_steps = {measured.x, measured.y} <= set(run.table("steps"))
     table = run.table("steps" if in_steps or not run.has("history.csv") else "history")
-    for name in sorted({measured.x, measured.y} - set(table.columns)):
-        raise SolveError(f"the run in {folder} has no column {name}; {table.path.name} has {', '.join(table.columns)}")
-    line = np.stack([table.numbers(name) for name in (measured.x, measured.y)], axis=1)
+    for name in sorted({measured.x, measured.y} - set(table)):
+        raise SolveError(f"the run in {folder} has no column {name}; {table.path.name} has {', '.join(table)}")
+    line = np.stack([table[name] for name in (measured.x, measured.y)], axis=1)
     if not (np.diff(line[:, 0]) >= 0.0).all():
         raise SolveError(f"{measured.x} of the run in {folder} does not rise; measure over what does")
     return line
@@ -342,8 +337,3 @@ def _measured(path: Path, measured: Measured) -> Floats:
 def _texts(file: FitFile, place: Floats) -> tuple[str, ...]:
     """The values of the keys at a place in the unit cube, as an override takes them."""
     return tuple(values.at(part)[0] for values, part in zip(file.parameters.values(), place[:, None], strict=True))
-
-
-def _case_file(file: FitFile, values: Sequence[str]) -> CaseFile:
-    given: Mapping[str, Any] = {**file.settings, **dict(zip(file.parameters, values, strict=True))}
-    return CaseFile(file.base, (*UNWRITTEN, *(f"{key}={text}" for key, text in given.items())))

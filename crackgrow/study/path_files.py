@@ -19,7 +19,8 @@ from crackgrow.case.report import clean, did_you_mean, quoted
 from crackgrow.case.units import UNITS, QuantityError, Units, parse_number, parse_quantity
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.polyline import arc_lengths
-from crackgrow.results.folder import CASE, FolderError, RunFolder
+from crackgrow.results.atomic import FolderError
+from crackgrow.results.folder import CASE, RunFolder
 
 Tip = Literal["start", "end"]
 Read = TypeVar("Read")

@@ -14,10 +14,10 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogFormatter
 
 from crackgrow.arrays import Floats
+from crackgrow.case.on_map import length_unit
 from crackgrow.case.units import is_number
 from crackgrow.results.atomic import write_atomically
-from crackgrow.results.places import length_unit
-from crackgrow.results.style import own_style, wrapped
+from crackgrow.results.style import give_title, own_style
 from crackgrow.study.findings import Findings
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.plan import Run
@@ -164,7 +164,7 @@ def draw_trade(path: Path, found: Findings, table: Table) -> None:
         _costs(axes, found, [point for point in points if point[2] > 0.0], allowed)
         axes.set_title(title, fontsize=9)
         axes.set_xlabel("CPU seconds of the run", fontsize=8)
-    figure.suptitle(wrapped(found.plan.study.title, figure), fontsize=10)
+    give_title(figure, found.plan.study.title)
     write_atomically(path, lambda file: figure.savefig(file, dpi=DPI))
 
 

@@ -13,6 +13,7 @@ from typing import Final
 from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError, Fault
 
+UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")  # of runs that tell by tables
 LONGEST: Final = 120  # bytes: file systems take 255
 
 
@@ -67,6 +68,11 @@ class Study:
     parameters: tuple[str, ...]  # short names of the keys
     runs: tuple[Run, ...]
     responses: tuple[str, ...] | None = None  # columns that the picture of a sweep shows; None: it chooses
+
+    @property
+    def words(self) -> str:
+        """What it is called by those who find its folder locked."""
+        return f"{self.command} {self.name}"
 
     @property
     def asked(self) -> tuple[Run, ...]:

@@ -12,11 +12,12 @@ from typing import Final
 from crackgrow.case import dump_case
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
-from crackgrow.results.atomic import OccupiedError, remove_files, write_text
+from crackgrow.results.atomic import FolderError, OccupiedError, remove_files, write_text
 from crackgrow.results.declarations import columns_of, declared
-from crackgrow.results.folder import FINISHED, SUMMARY, FolderError, RunFolder
-from crackgrow.results.lock import FolderLock, LockedError, earlier_files
+from crackgrow.results.folder import SUMMARY, RunFolder
+from crackgrow.results.lock import LockedError, earlier_files, locked
 from crackgrow.results.resume import ResumeError, find_resumption
+from crackgrow.results.run import FINISHED
 from crackgrow.results.tables import csv_text
 from crackgrow.results.units import counted
 from crackgrow.study.errors import ERRORS, errors_of
@@ -70,7 +71,7 @@ def measured(folder: Path) -> Values:
         "status": run.status,
         "reason": run.reason,
         "steps": summary["steps_done"],
-        "load_factor": float(steps.numbers("load_factor")[-1]) if len(steps) else None,
+        "load_factor": float(steps["load_factor"][-1]) if steps.n_rows else None,
         "n_dofs": summary["n_dofs"]["last"] if summary["n_dofs"] else None,
         "seconds": summary["wall_seconds"]["total"],
         "cpu_seconds": summary.get("cpu_seconds"),
@@ -79,15 +80,15 @@ def measured(folder: Path) -> Values:
         "K_spread_percent": estimate["K_spread_percent"],
     }
     tips = run.table("tips")
-    by_tip, steps_met, paths = tips.by("crack", "tip"), tips.steps().tolist(), run.table("paths").by("crack")
+    by_tip, steps_met, paths = tips.by("crack", "tip"), tips["step"].tolist(), run.table("paths").by("crack")
     for (crack, tip), table in by_tip.items():
         for end, step in (("first", steps_met[0]), ("last", steps_met[-1])):
             of_end = table.of_steps([step])
-            found |= {f"{crack}.{tip}.{K}_{end}": float(of_end.numbers(K)[0]) for K in ("K_I", "K_II") if len(of_end)}
+            found |= {f"{crack}.{tip}.{K}_{end}": float(of_end[K][0]) for K in ("K_I", "K_II") if of_end.n_rows}
     for crack, tip in by_tip:
         if (crack,) in paths:
             vertex = 0 if tip == "start" else -1
-            found |= {f"{crack}.{tip}.{axis}": float(paths[(crack,)].numbers(axis)[vertex]) for axis in ("x", "y")}
+            found |= {f"{crack}.{tip}.{axis}": float(paths[(crack,)][axis][vertex]) for axis in ("x", "y")}
     return found
 
 
@@ -188,11 +189,6 @@ def run_study(
     return table
 
 
-def locked(study: Study) -> contextlib.AbstractContextManager[None]:
-    """The folder of a study is written by it alone; raises LockedError."""
-    return FolderLock(study.folder, f"{study.command} {study.name}").held()
-
-
 def _values(run: Run, future: Future[str]) -> Values:
     """What has become of a run; raises ClusterError where that was lost with all others."""
     try:
@@ -217,8 +213,5 @@ def _remove_earlier(study: Study, run: Run, resume: bool) -> None:
             find_resumption(run.case, run.folder)
             return
     # Where it must not be changed, the run itself is refused, and the others are made.
-    with (
-        contextlib.suppress(OccupiedError, LockedError),
-        FolderLock(run.folder, f"{study.command} {study.name}").held(),
-    ):
+    with contextlib.suppress(OccupiedError, LockedError), locked(run.folder, study.words):
         remove_files(earlier_files(run.folder, run.case.name))

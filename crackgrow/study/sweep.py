@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -15,9 +14,10 @@ from crackgrow.case import Case
 from crackgrow.case.report import did_you_mean, quoted
 from crackgrow.case.units import is_number
 from crackgrow.errors import CaseError, Fault
-from crackgrow.study.plan import CaseFile, Run, Study, folder_names
-from crackgrow.study.runs import TAKEN, Row, locked, response_columns, run_study
-from crackgrow.study.sweep_file import SweepFile, read_sweep_file
+from crackgrow.results.lock import locked
+from crackgrow.study.plan import Run, Study, folder_names
+from crackgrow.study.runs import TAKEN, Row, response_columns, run_study
+from crackgrow.study.sweep_file import SweepFile, placed, read_sweep_file
 from crackgrow.study.workers import Workers
 
 Combination = tuple[str, ...]
@@ -27,7 +27,6 @@ MOST_FAULTS: Final = 20  # that are told where no combination is a case
 REFERENCE: Final = "reference"  # begins the name of a run that others are held against
 EMPTY: Final = "none"  # in the name of a run: a value such as {}
 _WORDS: Final = re.compile(r"\w")
-_FROM_OVERRIDE: Final = "--set "
 
 
 def combinations(file: SweepFile) -> list[Combination]:
@@ -57,29 +56,26 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     file = read_sweep_file(path)
     names = short_names(tuple(file.parameters))
-    settings = [dict(zip(file.parameters, values, strict=True)) for values in combinations(file)]
-    n_asked = len(settings)
-    tried = [_case_file(file, given).tried() for given in settings]
-    finer: dict[Combination, int] = {}  # numbers of the runs that others are held against
-    against: list[int | None] = []
-    for given, (case, _) in zip(list(settings), tried, strict=True):
-        held = {**given, **file.reference}
-        has_one = bool(file.reference) and case is not None
-        if has_one and tuple(held.values()) not in finer:
-            settings.append(held)
-        against.append(finer.setdefault(tuple(held.values()), len(settings) - 1) if has_one else None)
-    tried += [_case_file(file, given).tried() for given in settings[n_asked:]]
-    _refuse_all(file, [faults for _, faults in tried[:n_asked]])
-    _refuse_all(file, [faults for _, faults in tried[n_asked:]])
+    asked = [dict(zip(file.parameters, values, strict=True)) for values in combinations(file)]
+    tried = [file.case_file(given).tried() for given in asked]
+    _refuse_all(file, [faults for _, faults in tried])
+    pairs = zip(asked, tried, strict=True)
+    held = [{**given, **file.reference} if file.reference and case else None for given, (case, _) in pairs]
+    finer = {tuple(given.values()): given for given in held if given}  # what others are held against, each once
+    numbers = {values: number for number, values in enumerate(finer, len(asked))}
+    against = [numbers[tuple(given.values())] if given else None for given in held] + [None] * len(finer)
+    settings = [*asked, *finer.values()]
+    tried += [file.case_file(given).tried() for given in finer.values()]
+    _refuse_all(file, [faults for _, faults in tried[len(asked) :]])
     values = [tuple(given[key] for key in file.parameters) for given in settings]
     titles = [_name(names, texts) for texts in values]
-    titles[n_asked:] = [f"{REFERENCE} {title}" for title in titles[n_asked:]]
+    titles[len(asked) :] = [f"{REFERENCE} {title}" for title in titles[len(asked) :]]
     runs = []
     for number, words in enumerate(folder_names(titles)):
         case, faults = tried[number]
         refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
-        one, other = _case_file(file, settings[number]), against[number] if number < n_asked else None
-        runs.append(Run(number, titles[number], folder / words, values[number], one, case, refusal, other))
+        one = file.case_file(settings[number])
+        runs.append(Run(number, titles[number], folder / words, values[number], one, case, refusal, against[number]))
     cases = [run.case for run in runs if run.case is not None]
     _check_responses(file, cases)
     return Study("sweep", path.stem, cases[0].title, folder, names, tuple(runs), file.responses)
@@ -92,13 +88,7 @@ def _refuse_all(file: SweepFile, refused: list[tuple[Fault, ...]]) -> None:
         shared = shared or list(dict.fromkeys(fault for faults in refused for fault in faults))[:MOST_FAULTS]
     if not shared:
         return
-    found = []
-    for fault in shared:  # those of values with the line of the sweep file that gives them
-        key = fault.source.removeprefix(_FROM_OVERRIDE)
-        given = (file.places.get((part, key)) for part in ("parameters", "reference", "set") if key != fault.source)
-        place = next(filter(None, given), None)
-        found.append(replace(fault, source=place.source, line=place.line) if place else fault)
-    raise CaseError(sorted(found, key=lambda fault: fault.line or 0))
+    raise CaseError(sorted(placed(file, shared), key=lambda fault: fault.line or 0))
 
 
 def _check_responses(file: SweepFile, cases: Sequence[Case]) -> None:
@@ -133,7 +123,7 @@ def sweep(
     ClusterError and OutputError; what has ended is in the table then. A run that fails is a row like any other.
     """
     there = Workers(workers, scheduler, memory, timeout)
-    with locked(study):
+    with locked(study.folder, study.words):
         table = yield from run_study(study, there, resume)
         from crackgrow.study.pictures import draw_sweep  # here: it loads matplotlib
 
@@ -150,10 +140,6 @@ def short_names(keys: Sequence[str]) -> tuple[str, ...]:
         return next(known, key)
 
     return tuple(map(shortest, keys))
-
-
-def _case_file(file: SweepFile, settings: Mapping[str, str]) -> CaseFile:
-    return CaseFile(file.base, (*file.fixed, *(f"{key}={value}" for key, value in settings.items())))
 
 
 def _name(names: Sequence[str], values: Sequence[str]) -> str:

@@ -1,27 +1,167 @@
-"""The sweep file: which parameters of which case take which values. Read as strictly as a case, faults with lines."""
+"""Sweep and fit files: which keys of which case take which values. Read as strictly as a case, faults with lines."""
 
 from __future__ import annotations
 
+import json
 import math
+import re
+from collections.abc import Callable, Iterable, Sequence
 from collections.abc import Mapping as AnyMapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final, Literal
 
+import numpy as np
+
+from crackgrow.arrays import Floats
 from crackgrow.case.declared import format_of
-from crackgrow.case.reader import Table, read_file
+from crackgrow.case.reader import Broken, Listing, Node, Scalar, Table, read_file
 from crackgrow.case.report import Path as KeyPath
-from crackgrow.case.report import Place, Report, did_you_mean
-from crackgrow.case.scalars import Context
-from crackgrow.case.units import Units
-from crackgrow.study.values import KeyedValues, Listed, ParameterValues, Range, ValueText
+from crackgrow.case.report import Place, Report, did_you_mean, quoted
+from crackgrow.case.scalars import INVALID, Context, refuse
+from crackgrow.case.units import QuantityError, Units, parse_number
+from crackgrow.errors import Fault
+from crackgrow.study.plan import UNWRITTEN, CaseFile
 
 MOST_RUNS: Final = 10_000  # of one sweep: more is a slip of the pen
 MOST_KEYS: Final = 3  # of one fit: more are seldom told apart by a curve
+DIGITS: Final = 12  # of a generated value: what is beyond is rounding, and 0.3 is not to be 0.30000000000000004
+_PLAIN_ENDS: Final = re.compile(r"[,\[\]{}]")  # what a word without quotes can't hold inside a list
+_NUMBER_AND_UNIT: Final = re.compile(r"([-+.\deE]*[\d.])\s*([^\W\d_].*)?")
 
+
+@dataclass(frozen=True, slots=True)
+class Listed:
+    """Values one by one."""
+
+    texts: tuple[str, ...]  # as an override takes them
+
+    def at(self, parts: Floats) -> tuple[str, ...]:
+        """The values that take the places 0 <= part < 1 in the list."""
+        return tuple(self.texts[int(part * len(self.texts))] for part in parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """Numbers from one to another, both taken, evenly spaced on their scale."""
+
+    low: float
+    high: float
+    unit: str  # of both, empty for bare numbers
+    n: int | None
+    log: bool
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The values, as an override takes them; one where the design chooses."""
+        return self.at(np.linspace(0.0, 1.0, self.n or 1))
+
+    def at(self, parts: Floats) -> tuple[str, ...]:
+        """The values at parts of the range: low at 0, high at 1."""
+        return tuple(f"{value:.{DIGITS}g} {self.unit}".strip() for value in self.numbers(parts).tolist())
+
+    def numbers(self, parts: Floats) -> Floats:
+        """The same as numbers."""
+        ratio = self.high / self.low if self.log else 1.0
+        return np.asarray(self.low * ratio**parts if self.log else self.low + (self.high - self.low) * parts)
+
+
+@dataclass(frozen=True, slots=True)
+class Given:
+    """What a key of these files takes: what it is in words, and the function that reads it, as specs of a case do."""
+
+    words: str
+    read: Callable[[Node, KeyPath, Context], object]
+
+    def describe(self) -> str:
+        return self.words
+
+
+def _read_number(node: Node, path: KeyPath, context: Context) -> object:
+    """A number and its unit, empty for a bare one; the case checks them."""
+    match = _NUMBER_AND_UNIT.fullmatch(node.text.strip()) if isinstance(node, Scalar) else None
+    if not isinstance(node, Scalar) or match is None:
+        return refuse(node, NUMBER.words, path, context)
+    try:
+        return parse_number(match[1]), match[2] or ""
+    except QuantityError as error:
+        return context.refused(path, f"{quoted(node.text)} {error}; wanted: {NUMBER.words}")
+
+
+def _read_values(node: Node, path: KeyPath, context: Context) -> object:
+    """Listed or Range, of one parameter."""
+    if isinstance(node, Table):
+        found: Any = FORMAT.part("Range").read(node, path, context)
+        return _range(found, path, context) if context.report.sound(*path) else INVALID
+    if not isinstance(node, Listing):
+        return refuse(node, VALUES.words, path, context)
+    if not node.items:
+        return context.refused(path, "an empty list given; wanted: at least one value")
+    texts: list[Any] = []
+    for index, item in enumerate(node.items):
+        context.report.put((*path, index), item.place)
+        texts.append(_read_text(item, (*path, index), context))
+    return Listed(tuple(texts)) if context.report.sound(*path) else INVALID
+
+
+def _range(found: dict[str, Any], path: KeyPath, context: Context) -> object:
+    (low, unit), (high, other), log = found["from"], found["to"], found["scale"] == "log"
+    if unit != other:
+        return context.refused(path, f"from has the unit '{unit}', to has '{other}'; give both the same")
+    if low == high:
+        return context.refused(path, f"from and to are both {low:g}; a range has two ends")
+    if log and min(low, high) <= 0.0:
+        return context.refused(path, "scale: log needs `from` and `to` above 0")
+    return Range(low, high, unit, found.get("n"), log)
+
+
+def _read_text(node: Node, path: KeyPath, context: Context) -> object:
+    """Any value, as text that reads back to it."""
+    try:
+        return yaml_text(node)
+    except ValueError:  # of what the reader has found broken
+        return INVALID
+
+
+def keyed(of: Given) -> Given:
+    """A mapping from keys of the case, such as numerics.spacing, in the order of the file; one key at least."""
+    words = f"a mapping of keys of the case such as numerics.spacing, each {of.words}"
+
+    def read(node: Node, path: KeyPath, context: Context) -> object:
+        if not isinstance(node, Table) or not node.entries:
+            return refuse(node, words, path, context)
+        values: dict[str, object] = {}
+        for key, entry in node.entries.items():
+            inner = (*path, key)
+            context.report.put(inner, entry.place)
+            if not all(key.split(".")) or "=" in key:
+                context.report.fault(inner, f"{quoted(key)} is not a key path such as numerics.spacing")
+            else:
+                values[key] = of.read(entry.node, inner, context)
+        return values
+
+    return Given(words, read)
+
+
+def yaml_text(node: Node, inside: bool = False) -> str:
+    """The node on one line of YAML, or `inside` another; what was in quotes stays so. Raises ValueError if broken."""
+    if isinstance(node, Listing):
+        return f"[{', '.join(yaml_text(item, inside=True) for item in node.items)}]"
+    if isinstance(node, Table):
+        entries = (f"{json.dumps(key)}: {yaml_text(of.node, inside=True)}" for key, of in node.entries.items())
+        return f"{{{', '.join(entries)}}}"
+    if isinstance(node, Broken):
+        raise ValueError("a broken node has no text")
+    text = node.text if node.plain else json.dumps(node.text, ensure_ascii=False)
+    return json.dumps(text, ensure_ascii=False) if inside and _PLAIN_ENDS.search(text) else text
+
+
+NUMBER: Final = Given("a number, bare or with a unit", _read_number)
+VALUES: Final = Given("a list of values, or {from, to, n, scale}", _read_values)
+SETTING: Final = Given("a value as the case takes it", _read_text)
 FORMAT: Final = format_of(
     Path(__file__).with_name("sweep.yaml").read_text(encoding="utf-8"),
-    kinds={"parameters": KeyedValues(ParameterValues()), "settings": KeyedValues(ValueText())},
+    kinds={"parameters": keyed(VALUES), "settings": keyed(SETTING), "number with a unit": NUMBER},
     wrapped={},
 )
 
@@ -51,11 +191,10 @@ class SweepFile:
     responses: tuple[str, ...] | None
     seed: int = 0
 
-    @property
-    def fixed(self) -> tuple[str, ...]:
-        """Overrides that all runs have."""
+    def case_file(self, values: AnyMapping[str, str]) -> CaseFile:
+        """The case with what all runs have and these values of keys."""
         kept = (f"output.{key}={str(value).lower()}" for key, value in FORMAT.written(self.output).items())
-        return (*kept, *(f"{key}={text}" for key, text in self.settings.items()))
+        return CaseFile(self.base, (*kept, *(f"{key}={text}" for key, text in {**self.settings, **values}.items())))
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,15 +213,16 @@ class FitFile:
     """A fit file that has no faults of its own."""
 
     path: Path
+    places: AnyMapping[KeyPath, Place]
     base: Path
     parameters: AnyMapping[str, Range]
     settings: AnyMapping[str, str]
     measured: Measured
 
-    @property
-    def base_folder(self) -> Path:
-        """The folder that names of files are relative to."""
-        return self.path.parent
+    def case_file(self, texts: Sequence[str]) -> CaseFile:
+        """The case with these values of the parameters, without what a fit does not need of its runs."""
+        given = {**self.settings, **dict(zip(self.parameters, texts, strict=True))}
+        return CaseFile(self.base, (*UNWRITTEN, *(f"{key}={text}" for key, text in given.items())))
 
 
 def read_sweep_file(path: Path) -> SweepFile:
@@ -111,7 +251,17 @@ def read_fit_file(path: Path) -> FitFile:
             report.fault(("measured", "file"), f"there is no file {path.parent / measured['file']}")
     if report.faults:
         raise report.error()
-    return FORMAT.made(FitFile, values, path=path, base=base)
+    return FORMAT.made(FitFile, values, path=path, base=base, places=report.places)
+
+
+def placed(file: SweepFile | FitFile, faults: Iterable[Fault]) -> list[Fault]:
+    """Faults that a case has found in values, with the line of the file that gives them."""
+    found = []
+    for fault in faults:
+        given = (file.places.get((part, fault.of_override)) for part in ("parameters", "reference", "set"))
+        place = next(filter(None, given), None)
+        found.append(replace(fault, source=place.source, line=place.line) if place else fault)
+    return found
 
 
 def _read(path: Path, part: str, command: str, example: str) -> tuple[Any, Path, Report]:

@@ -11,10 +11,11 @@ from crackgrow.case.units import Metres
 from crackgrow.errors import SolveError
 from crackgrow.results.atomic import write_text
 from crackgrow.results.declarations import columns_of, declared
+from crackgrow.results.lock import locked
 from crackgrow.results.tables import Value, csv_text
 from crackgrow.results.units import INTENSITIES, aligned, or_null, unit_of
 from crackgrow.study.findings import DISPLACEMENT, MODES, Findings, Quantity, findings
-from crackgrow.study.runs import Row, Table, Values, locked, run_study
+from crackgrow.study.runs import Row, Table, Values, run_study
 from crackgrow.study.trade_plan import OWN, TradePlan
 from crackgrow.study.workers import Workers
 
@@ -41,7 +42,7 @@ def trade(
     """
     there = Workers(workers, scheduler, memory, timeout)
     study = plan.study
-    with locked(study):
+    with locked(study.folder, study.words):
         table = yield from run_study(study, there, resume)
         for run in study.runs:
             row = table.row(run)
@@ -54,19 +55,15 @@ def trade(
             of_path: Values = {"path_apart": apart.distance, "path_share": apart.share} if apart else {}
             table.found[run.number] |= {"error": found.error(run.name), **of_path}
         table.write()
-        write_text(study.folder / "convergence.csv", convergence_csv(found))
+        write_text(study.folder / "convergence.csv", csv_text(COLUMNS, _rows(found)))
         from crackgrow.study.pictures import draw_trade  # here: it loads matplotlib
 
         draw_trade(study.folder / "trade.png", found, table)
     return found, table
 
 
-def convergence_csv(found: Findings) -> str:
-    """All rows."""
-    return csv_text(COLUMNS, _rows(found))
-
-
 def _rows(found: Findings) -> list[list[Value | None]]:
+    """What convergence.csv has."""
     return [
         [q.step, q.crack, q.tip, q.name, name, value, q.error(name), q.limit.order, q.limit.value]
         for q in found.quantities

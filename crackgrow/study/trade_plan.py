@@ -16,14 +16,13 @@ from crackgrow.case.format import FORMAT
 from crackgrow.case.model import ContactNumerics, Numerics
 from crackgrow.errors import CaseError, Fault
 from crackgrow.geometry.tolerance import SAME_PART
-from crackgrow.study.plan import CaseFile, Run, Study, folder_names
+from crackgrow.study.plan import UNWRITTEN, CaseFile, Run, Study, folder_names
 
 OWN: Final = "own"
 HALF: Final = "half"
 NONE: Final = "none"
 LEAST: Final = 3  # settings that values are extrapolated from
 TOLERANCE: Final = 0.01
-UNWRITTEN: Final = ("output.frames=none", "output.figures=false", "output.report=false")
 
 
 @dataclass(frozen=True, slots=True, eq=False)

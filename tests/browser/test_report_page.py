@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from crackgrow.results.report import write_report
+from crackgrow.results.report.page import write_report
 from tests.browser.conftest import Chromium
 from tests.scenes import HOSTILE, make_run, paint
 

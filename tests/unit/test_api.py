@@ -19,11 +19,13 @@ from pandas.testing import assert_frame_equal
 
 import crackgrow
 from crackgrow import api, cli
+from crackgrow.api import SolvedRun
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
 from crackgrow.results import vtk_frames
+from crackgrow.results.atomic import FolderError
 from crackgrow.results.declarations import FILES, RUN
-from crackgrow.results.folder import FolderError, RunFolder, open_run
+from crackgrow.results.folder import RunFolder, open_run
 from tests.scenes import shipped_case
 from tests.unit.results.synthetic import make_frame, make_result
 
@@ -44,14 +46,14 @@ def case(name: str, *overrides: str) -> Case:
 
 
 @pytest.fixture(scope="module")
-def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[crackgrow.Run, RunFolder]:
+def both(tmp_path_factory: pytest.TempPathFactory) -> tuple[SolvedRun, RunFolder]:
     """Two steps of growth, in memory and in a folder."""
     folder = tmp_path_factory.mktemp("run")
     return crackgrow.run_case(shipped_case(NAME, SETTINGS), folder), open_run(folder)
 
 
 @pytest.fixture(scope="module")
-def run(both: tuple[crackgrow.Run, RunFolder]) -> crackgrow.Run:
+def run(both: tuple[SolvedRun, RunFolder]) -> SolvedRun:
     return both[0]
 
 
@@ -62,7 +64,7 @@ def test_examples_run(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.failed == 0
 
 
-def test_solution_is_the_first_step_of_a_run(run: crackgrow.Run) -> None:
+def test_solution_is_the_first_step_of_a_run(run: SolvedRun) -> None:
     solution = crackgrow.solve(run.case)
     for name in ("tips", "contact", "reactions"):
         table = getattr(run, name)
@@ -70,7 +72,7 @@ def test_solution_is_the_first_step_of_a_run(run: crackgrow.Run) -> None:
     assert solution.paths["step"].max() == 0
 
 
-def test_step_that_is_solved_again_is_the_same(run: crackgrow.Run) -> None:
+def test_step_that_is_solved_again_is_the_same(run: SolvedRun) -> None:
     again = run.solution(1)
     table = run.tips
     assert_frame_equal(again.tips, table[table["step"] == 1].reset_index(drop=True), check_exact=True)
@@ -79,7 +81,7 @@ def test_step_that_is_solved_again_is_the_same(run: crackgrow.Run) -> None:
         run.solution(3)
 
 
-def test_fields_at_points_are_those_of_the_frame(run: crackgrow.Run) -> None:
+def test_fields_at_points_are_those_of_the_frame(run: SolvedRun) -> None:
     frame, solution = run.last.frame, run.last
     corners = frame.points[frame.triangles]
     cells = np.concatenate([corners.mean(axis=1), frame.points[frame.quads].mean(axis=1)])
@@ -118,7 +120,7 @@ def test_there_is_nothing_outside_and_no_stress_at_a_tip() -> None:
             solution.stress_at(points)
 
 
-def test_what_notebooks_and_prompts_show(run: crackgrow.Run) -> None:
+def test_what_notebooks_and_prompts_show(run: SolvedRun) -> None:
     """Texts of a notebook are escaped, and what a prompt shows is one line."""
     solution = crackgrow.solve(case("compression30", 'title="a < b"'))
     shown = solution._repr_html_()
@@ -133,7 +135,7 @@ def test_what_notebooks_and_prompts_show(run: crackgrow.Run) -> None:
     assert repr(run.case) == "<Case compression30: Closed crack at 30 degrees under uniaxial compression>"
 
 
-def test_mistakes_at_a_prompt_are_told(run: crackgrow.Run) -> None:
+def test_mistakes_at_a_prompt_are_told(run: SolvedRun) -> None:
     path = str(ROOT / "cases" / "compression30.yaml")
     for wrong in (crackgrow.solve, crackgrow.run_case):
         with pytest.raises(TypeError, match=r"a Case is wanted, as crackgrow.load_case\(path\) gives, not '.*yaml'"):
@@ -161,7 +163,7 @@ def test_what_was_solved_before_an_error_is_kept(
     assert (kept.status, kept.reason, len(kept.tips)) == (status, reason, 2)
 
 
-def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[crackgrow.Run, RunFolder]) -> None:
+def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[SolvedRun, RunFolder]) -> None:
     folder = both[1].folder
     assert cli.main(["render", str(folder), "--size", "200x200"]) == 0
     assert cli.main(["export", str(folder), "--to", "msh"]) == 0
@@ -181,7 +183,7 @@ def test_what_a_run_its_pictures_and_its_export_write_is_declared(both: tuple[cr
 
 
 @pytest.mark.parametrize("name", TABLES)
-def test_a_table_of_a_folder_is_that_of_the_run(both: tuple[crackgrow.Run, RunFolder], name: str) -> None:
+def test_a_table_of_a_folder_is_that_of_the_run(both: tuple[SolvedRun, RunFolder], name: str) -> None:
     """To the last digit, and with the same types; the times are those of the files alone."""
     memory, files = (getattr(run, name) for run in both)
     times = [column for column in memory.columns if column.startswith("seconds_")]
@@ -190,7 +192,7 @@ def test_a_table_of_a_folder_is_that_of_the_run(both: tuple[crackgrow.Run, RunFo
     )
 
 
-def test_status_paths_and_warnings_are_those_of_the_run(both: tuple[crackgrow.Run, RunFolder]) -> None:
+def test_status_paths_and_warnings_are_those_of_the_run(both: tuple[SolvedRun, RunFolder]) -> None:
     memory, files = both
     assert (files.status, files.reason, files.finished) == (memory.status, memory.reason, True)
     assert files.warnings == memory.warnings
@@ -203,7 +205,7 @@ def test_status_paths_and_warnings_are_those_of_the_run(both: tuple[crackgrow.Ru
         files.path("flow")
 
 
-def test_a_mesh_of_a_folder_is_that_of_the_step(both: tuple[crackgrow.Run, RunFolder]) -> None:
+def test_a_mesh_of_a_folder_is_that_of_the_step(both: tuple[SolvedRun, RunFolder]) -> None:
     memory, files = both
     mesh, kept = files.mesh(1), memory.mesh(1)
     np.testing.assert_array_equal(mesh.points, kept.points)

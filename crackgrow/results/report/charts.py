@@ -13,7 +13,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Fatigue, Stages
-from crackgrow.results.folder import HISTORY, RunFolder
+from crackgrow.results.run import Run
 from crackgrow.results.tables import COMPONENTS
 from crackgrow.results.units import ENERGIES, FORCES, INTENSITIES, LENGTHS, STRESSES, TIMES, Unit, rounded_all, unit_of
 
@@ -39,41 +39,41 @@ DISPLACEMENT = "displacement of the loads"
 STEADY = 1e-6  # of the largest stress: one that varies by less is the same in all steps, but for round-off
 
 
-def charts(run: RunFolder) -> list[Chart]:
+def charts(run: Run) -> list[Chart]:
     """The plots that tell something: none against the steps where there is but one."""
     found = list(_history_charts(run))
     if len(run.solved) < 2:
         return found
     table, steps = run.table("steps"), run.solved
-    length, way = {"crack length": table.numbers("crack_length")}, {DISPLACEMENT: table.numbers("load_displacement")}
+    length, way = {"crack length": table["crack_length"]}, {DISPLACEMENT: table["load_displacement"]}
     found += _tip_charts(run)
     for curve in load_curves(run)[:1]:
         label = curve["ylabel"]
-        found += [curve, _chart(label.capitalize(), label, {label: table.numbers("load_factor")}, NO_UNIT, steps)]
+        found += [curve, _chart(label.capitalize(), label, {label: table["load_factor"]}, NO_UNIT, steps)]
     found += filter(None, [stress_strain(run)])
     found += [_chart("Crack length", "crack length", length, LENGTHS, steps)]
     found += [_chart(DISPLACEMENT.capitalize(), DISPLACEMENT, way, LENGTHS, steps)]
-    energies = {name.replace("_", " "): table.numbers(name) for name in ENERGY_COLUMNS}
+    energies = {name.replace("_", " "): table[name] for name in ENERGY_COLUMNS}
     found.append(_chart("Energies", "energy per thickness", energies, ENERGIES, steps))
     if events := event_energies(run):
         found.append(_chart("Energy of events", "energy per thickness", events, ENERGIES, steps))
     if run.case.rate_law is not None:
         cycles = isinstance(run.case.rate_law, Fatigue)
-        clock = ("cycles", table.numbers("cycles"), NO_UNIT) if cycles else ("time", table.numbers("time"), TIMES)
+        clock = ("cycles", table["cycles"], NO_UNIT) if cycles else ("time", table["time"], TIMES)
         found.append(_chart(f"Growth in {clock[0]}", "crack length", length, LENGTHS, steps, over=clock))
     return found
 
 
-def load_curves(run: RunFolder) -> list[Chart]:
+def load_curves(run: Run) -> list[Chart]:
     """The load factor over the displacement of the loads, and over what cracks make of it; none where it is constant.
 
     That is how much they grow where they do, else the slip of the surface that slips most.
     """
     table = run.table("steps")
-    factor, length = table.numbers("load_factor"), table.numbers("crack_length")
+    factor, length = table["load_factor"], table["crack_length"]
     if len(set(factor.tolist())) < 2:
         return []
-    ways = {DISPLACEMENT: table.numbers("load_displacement")}
+    ways = {DISPLACEMENT: table["load_displacement"]}
     ways |= {"crack growth": length - length[0]} if length[-1] > length[0] else _most_slip(run)
     label = "stages that are over" if isinstance(run.case.loading, Stages) else "load factor"
     return [
@@ -82,28 +82,28 @@ def load_curves(run: RunFolder) -> list[Chart]:
     ]
 
 
-def _most_slip(run: RunFolder) -> dict[str, Floats]:
+def _most_slip(run: Run) -> dict[str, Floats]:
     """Slip (m) step by step of the surface that slips most, and what to call it; none without slip.
 
     nan where the surface is gone with the rock beside it.
     """
     slips: dict[str, Floats] = {}
     for (name, step), points in run.table("contact").by("crack", "step").items():
-        slip = points.numbers("slip")
+        slip = points["slip"]
         of_steps = slips.setdefault(name, np.full(len(run.solved), np.nan))
-        of_steps[run.solved.index(int(step))] = slip[np.argmax(np.abs(slip))]
+        of_steps[run.solved.index(step)] = slip[np.argmax(np.abs(slip))]
     sizes = {name: float(np.nan_to_num(np.abs(slip)).max()) for name, slip in slips.items()}
     largest = max(sizes, key=lambda name: sizes[name], default="")
     return {f"largest slip of {largest}": slips[largest]} if sizes.get(largest) else {}
 
 
-def stress_strain(run: RunFolder) -> Chart | None:
+def stress_strain(run: Run) -> Chart | None:
     """Mean stress over mean strain, along the axis with the larger stress, positive in the sense of the largest one.
 
     None where that stress hardly varies.
     """
     table = run.table("steps")
-    stress, strain = (np.array([table.numbers(f"mean_{of}_{xx}") for xx in COMPONENTS]) for of in ("stress", "strain"))
+    stress, strain = (np.array([table[f"mean_{of}_{xx}"] for xx in COMPONENTS]) for of in ("stress", "strain"))
     sizes = np.nan_to_num(np.abs(stress)).max(axis=1, initial=0.0)
     axis = int(np.argmax(sizes[:2]))
     known = stress[axis][np.isfinite(stress[axis])]
@@ -128,20 +128,19 @@ def stress_strain(run: RunFolder) -> Chart | None:
     return chart
 
 
-def _beginnings(run: RunFolder, kind: str, curve: Floats) -> tuple[list[int], Floats]:
+def _beginnings(run: Run, kind: str, curve: Floats) -> tuple[list[int], Floats]:
     """Steps (n,) and places (2, n) on a curve (2, steps) at which a kind of event first happens to each surface or tip.
 
     Between two loads curves are straight. A step of growth begins unloaded: where held loads act alone, and beyond its
     last load, is not known.
     """
-    factor, grows = run.table("steps").numbers("load_factor"), run.case.growth is not None
+    factor, grows = run.table("steps")["load_factor"], run.case.growth is not None
     rest = np.full(2, np.nan if any(load.held for load in run.case.loads) else 0.0)
-    steps, places, seen = [], [], set[tuple[str, str]]()
-    for row in run.table("events").rows():
-        if row["kind"] != kind or (row["crack"], row["tip"]) in seen:
+    steps, places = [], []
+    for (of_kind, *_), events in run.table("events").by("kind", "crack", "tip").items():
+        if of_kind != kind:
             continue
-        seen.add((row["crack"], row["tip"]))
-        k, at = run.solved.index(int(row["step"])), float(row["load_factor"])
+        k, at = run.solved.index(events["step"][0]), float(events["load_factor"][0])
         first = grows or k == 0
         before, start = (0.0, rest) if first else (factor[k - 1], curve[:, k - 1])
         share = (at - before) / (factor[k] - before) if factor[k] != before else 1.0
@@ -151,22 +150,22 @@ def _beginnings(run: RunFolder, kind: str, curve: Floats) -> tuple[list[int], Fl
     return steps, np.array(places).T
 
 
-def event_energies(run: RunFolder) -> dict[str, Floats]:
+def event_energies(run: Run) -> dict[str, Floats]:
     """Energy (J/m) of the events of each kind, step by step; of kinds that have any."""
     table, steps = run.table("events"), np.array(run.solved)
-    energy, kinds, found = np.nan_to_num(table.numbers("energy")), np.array(table.words("kind")), dict[str, Floats]()
+    energy, kinds, found = np.nan_to_num(table["energy"]), table["kind"], dict[str, Floats]()
     for kind, words in EMISSIONS.items():
-        mine = (kinds == kind) & np.isin(table.steps(), steps)
+        mine = (kinds == kind) & np.isin(table["step"], steps)
         if energy[mine].any():
             found[words] = np.zeros(len(steps))
-            np.add.at(found[words], np.searchsorted(steps, table.steps()[mine]), energy[mine])
+            np.add.at(found[words], np.searchsorted(steps, table["step"][mine]), energy[mine])
     return found
 
 
-def _tip_charts(run: RunFolder) -> list[Chart]:
+def _tip_charts(run: Run) -> list[Chart]:
     """What is at the tips, those that have grown most first."""
     tables = run.table("tips").by("crack", "tip")
-    tips = sorted(tables, key=lambda tip: -tables[tip].words("advanced").count("true"))[:MOST_TIPS]
+    tips = sorted(tables, key=lambda tip: -tables[tip]["advanced"].sum())[:MOST_TIPS]
     rest = f" ({len(tips)} of {len(tables)} tips)" if len(tables) > len(tips) else ""
     found = []
     for title, columns, units in (
@@ -174,15 +173,15 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
         ("Stress at the tips", ("sigma_1", "sigma_3"), STRESSES),
         ("Criticality", ("criticality",), NO_UNIT),
     ):
-        values = [run.table("tips").numbers(column) for column in columns]
+        values = [run.table("tips")[column] for column in columns]
         if not np.isfinite(values).any():
             continue
         unit = unit_of(np.concatenate(values), units)
         series = []
         for number, tip in enumerate(tips):
-            steps = tables[tip].steps().tolist()
+            steps = tables[tip]["step"].tolist()
             for column, dash in zip(columns, ("", "5 3"), strict=False):
-                y = rounded_all(tables[tip].numbers(column), unit[0])
+                y = rounded_all(tables[tip][column], unit[0])
                 line = {"name": f"{column} {' '.join(tip)}", "colour": COLOURS[number], "dash": dash}
                 series.append({**line, "x": steps, "y": y, "steps": steps})
         ylabel = f"{', '.join(columns)} [{unit[1]}]" if unit[1] else columns[0]
@@ -190,19 +189,19 @@ def _tip_charts(run: RunFolder) -> list[Chart]:
     return found
 
 
-def _history_charts(run: RunFolder) -> Iterator[Chart]:
+def _history_charts(run: Run) -> Iterator[Chart]:
     """What the case's points see, increment by increment: those of a step at fractions of it."""
-    if not run.case.output.points or not run.has(HISTORY):
+    if not run.case.output.points or not run.solved:
         return
     table = run.table("history")
-    if len(table) < 2:
+    if table.n_rows < 2:
         return
-    steps, increment = table.steps(), table.numbers("increment")
+    steps, increment = table["step"], table["increment"]
     n_in_step = np.array([(steps == step).sum() for step in steps.tolist()])
     place = ("step", steps - 1.0 + (increment + 1.0) / n_in_step, NO_UNIT)
     for title, endings, units in HISTORIES:
-        columns = [column for column in table.columns if column.rpartition(".")[2] in endings]
-        drawn = {column: table.numbers(column) for column in columns[: len(COLOURS)]}
+        columns = [column for column in table if column.rpartition(".")[2] in endings]
+        drawn = {column: table[column] for column in columns[: len(COLOURS)]}
         rest = f" ({len(drawn)} of {len(columns)})" if len(columns) > len(drawn) else ""
         if drawn:
             dashes = ("",) * len(COLOURS)

@@ -1,6 +1,7 @@
 """The page: what its template, `page.html`, shows of a run and of its steps, which move with the slider, and the file.
 
-Pictures are those of `crackgrow render`, or else the figures of the run.
+`chart.js` draws what `charts` has, `page.js` moves with the slider. Pictures are those of `crackgrow render`, or else
+the figures of the run.
 """
 
 from __future__ import annotations
@@ -19,12 +20,13 @@ import yaml
 from jinja2 import Environment
 
 from crackgrow.case.model import Case
-from crackgrow.results.atomic import write_text
+from crackgrow.results.atomic import FolderError, write_text
 from crackgrow.results.declarations import LOADER
 from crackgrow.results.drawing import scene_svg, step_colour
-from crackgrow.results.folder import PICTURE, REPORT, FolderError, RunFolder, TextTable, open_run, own_files
+from crackgrow.results.folder import PICTURE, REPORT, RunFolder, open_run, own_files
 from crackgrow.results.log import load_words
 from crackgrow.results.report.charts import charts
+from crackgrow.results.run import Columns, Run
 from crackgrow.results.units import INTENSITIES, LENGTHS, STRESSES, Unit, counted, cut, rounded_all, shown, unit_of
 from crackgrow.run.result import CHECK_LIMITS
 
@@ -80,11 +82,11 @@ def page(run: RunFolder) -> str:
         run=run,
         summary=run.summary,
         scene=scene_svg(run, data["tips"]["steps"]),
-        last_made=int(run.table("paths").steps().max(initial=0)),
+        last_made=int(run.table("paths")["step"].max(initial=0)),
         ramp=", ".join(step_colour(step, 9) for step in range(1, 10)),
         checks=check_rows(run),
         warnings=cut(run.summary["warnings"], SHOWN_WARNINGS, "and {} more, see summary.json"),
-        events=event_rows(run.table("events")) if len(run.table("events")) else None,
+        events=event_rows(run.table("events")) if run.table("events").n_rows else None,
         actions=described_actions(run),
         data=data,
         # no text in the data can end the element of the page's scripts
@@ -96,16 +98,16 @@ def _own_file(name: str) -> str:
     return files("crackgrow.results.report").joinpath(name).read_text(encoding="utf-8")
 
 
-def check_rows(run: RunFolder) -> list[tuple[str, str, int, str, bool]]:
+def check_rows(run: Run) -> list[tuple[str, str, int, str, bool]]:
     """What is checked in each step: its meaning, worst value, step of that, limit, and whether it is below."""
     rows = []
     for name, words in CHECKS.items() if run.solved else ():
-        values, limit = np.abs(run.table("steps").numbers(name)), CHECK_LIMITS[name]
+        values, limit = np.abs(run.table("steps")[name]), CHECK_LIMITS[name]
         if name == "penetration":
             contact = run.table("contact")
             jumps = np.zeros(len(values))
-            sizes = np.hypot(contact.numbers("opening"), contact.numbers("slip"))
-            np.maximum.at(jumps, np.searchsorted(run.solved, contact.steps()), sizes)
+            sizes = np.hypot(contact["opening"], contact["slip"])
+            np.maximum.at(jumps, np.searchsorted(run.solved, contact["step"]), sizes)
             values = np.divide(values, jumps, out=np.zeros_like(values), where=jumps > 0.0)
         worst = int(np.argmax(np.where(np.isnan(values), np.inf, values)))
         rows.append((words, shown(values[worst], 3), run.solved[worst], f"{limit:g}", bool(values[worst] <= limit)))
@@ -123,39 +125,39 @@ def described_actions(run: RunFolder) -> list[tuple[str, str]]:
     return rows
 
 
-def tip_data(run: RunFolder) -> dict[str, Any]:
+def tip_data(run: Run) -> dict[str, Any]:
     """Rows of the table of tips by step, a row for each tip, under a header with units."""
     tips = run.table("tips")
     K, stress = _unit(tips, INTENSITIES, "K_I", "K_II"), _unit(tips, STRESSES, "sigma_1", "sigma_3")
     units = {"K_I": K, "K_II": K, "K_growth": K, "sigma_1": stress, "sigma_3": stress}
     header, of_tips = _with_units(tips, OF_TIPS, {**units, "criticality": (1.0, ""), "kink_deg": (1.0, "°")})
     kept, rows = _kept_steps(tips, MOST_TIP_ROWS), dict[int, list[Any]]()
-    for step, row in zip(tips.steps().tolist(), of_tips, strict=True):
+    for step, row in zip(tips["step"].tolist(), of_tips, strict=True):
         if step in kept:
             rows.setdefault(step, []).append(row)
     return {"header": header, "steps": rows}
 
 
-def event_rows(events: TextTable) -> tuple[list[str], list[list[Any]]]:
+def event_rows(events: Columns) -> tuple[list[str], list[list[Any]]]:
     """Header and rows of the table of events, places in a unit in which they are read easily."""
-    header, rows = _with_units(events, tuple(events.columns), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
+    header, rows = _with_units(events, tuple(events), dict.fromkeys("xy", _unit(events, LENGTHS, "x", "y")))
     return header, rows[:MOST_EVENTS]
 
 
-def _unit(table: TextTable, units: Sequence[Unit], *names: str) -> Unit:
+def _unit(table: Columns, units: Sequence[Unit], *names: str) -> Unit:
     """The one of some units in which columns are read easily together."""
-    return unit_of(np.concatenate([table.numbers(name) for name in names]), units)
+    return unit_of(np.concatenate([table[name] for name in names]), units)
 
 
-def _with_units(table: TextTable, names: Sequence[str], units: Mapping[str, Unit]) -> tuple[list[str], list[list[Any]]]:
+def _with_units(table: Columns, names: Sequence[str], units: Mapping[str, Unit]) -> tuple[list[str], list[list[Any]]]:
     """Header and rows of some columns of a table, numbers in their units."""
     told = [(LABELS.get(name, name), units.get(name, (1.0, ""))[1]) for name in names]
     header = [f"{label} [{unit}]" if unit else label for label, unit in told]
-    columns = [rounded_all(table.numbers(n), units[n][0]) if n in units else table.words(n) for n in names]
+    columns = [rounded_all(table[n], units[n][0]) if n in units else table[n].tolist() for n in names]
     return header, [list(row) for row in zip(*columns, strict=True)]
 
 
-def contact_data(run: RunFolder) -> dict[str, Any]:
+def contact_data(run: Run) -> dict[str, Any]:
     """Contact points by surface and step.
 
     units     by column, the name of its unit; tractions have one, and jumps
@@ -170,28 +172,28 @@ def contact_data(run: RunFolder) -> dict[str, Any]:
     units |= dict.fromkeys(jumps, _unit(table, LENGTHS, *jumps))
     surfaces: dict[str, dict[int, dict[str, list[Any]]]] = {}
     for (name, step), points in table.by("crack", "step").items():
-        if int(step) in kept:
-            columns = {column: rounded_all(points.numbers(column), size) for column, (size, _) in units.items()}
-            surfaces.setdefault(name, {})[int(step)] = columns | {"state": list(points.words("state"))}
+        if step in kept:
+            columns = {column: rounded_all(points[column], size) for column, (size, _) in units.items()}
+            surfaces.setdefault(name, {})[step] = columns | {"state": points["state"].tolist()}
     return {
         "units": {column: unit for column, (_, unit) in units.items()},
         "surfaces": surfaces,
-        "left_out": len(kept) < len(np.unique(table.steps())),
+        "left_out": len(kept) < len(np.unique(table["step"])),
     }
 
 
-def _kept_steps(table: TextTable, most: int) -> set[int]:
+def _kept_steps(table: Columns, most: int) -> set[int]:
     """Steps of a table that the page shows, so that it has about as many rows as `most`; the last one always."""
-    steps = np.unique(table.steps())[::-1]
-    return set(steps[:: max(1, -(-len(table) // most))].tolist())
+    steps = np.unique(table["step"])[::-1]
+    return set(steps[:: max(1, -(-table.n_rows // most))].tolist())
 
 
-def step_words(run: RunFolder) -> dict[int, str]:
+def step_words(run: Run) -> dict[int, str]:
     """What the slider says of each step."""
     words = {}
     steps = run.table("steps")
-    for step, factor, n in zip(run.solved, steps.numbers("load_factor"), steps.words("n_dofs"), strict=True):
-        words[step] = f"{load_words(run.case, float(factor))}, {n} unknowns"
+    for step, factor, n in zip(run.solved, steps["load_factor"].tolist(), steps["n_dofs"], strict=True):
+        words[step] = f"{load_words(run.case, factor)}, {n} unknowns"
     return {place: words.get(place, "after the last advance, not solved") for place in run.places}
 
 

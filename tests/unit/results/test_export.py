@@ -20,12 +20,11 @@ from PIL import Image
 from crackgrow import cli
 from crackgrow.cli.command_line import declared
 from crackgrow.errors import CaseError
-from crackgrow.results import field_picture, render, view
-from crackgrow.results.atomic import OutputError
+from crackgrow.results import field_picture, render
+from crackgrow.results.atomic import FolderError, OutputError
 from crackgrow.results.drawn_frame import drawn_frame
 from crackgrow.results.export import APPLICATION, FORMATS, PATHS, UNITS, export
-from crackgrow.results.field_picture import Look
-from crackgrow.results.folder import FolderError, open_run
+from crackgrow.results.folder import open_run
 from tests.scenes import make_run
 
 pytestmark = pytest.mark.physics
@@ -214,7 +213,7 @@ def pixels(path: Path) -> np.ndarray[tuple[int, ...], np.dtype[np.int64]]:
 
 
 def test_every_frame_is_drawn_in_the_size_asked_for_and_in_one_scale(folder: Path, tmp_path: Path) -> None:
-    drawn = list(render.render(folder, look=Look(size=(600, 840)), out=tmp_path))
+    drawn = list(render.render(folder, size=(600, 840), out=tmp_path))
     assert drawn == [tmp_path / "sigma_1" / f"step_{step:04d}.png" for step in range(4)]
     first, *others, last = (pixels(path) for path in drawn)
     for picture in (first, *others, last):
@@ -226,10 +225,10 @@ def test_every_frame_is_drawn_in_the_size_asked_for_and_in_one_scale(folder: Pat
 
 
 def test_earlier_pictures_of_the_field_go_and_others_stay(folder: Path, tmp_path: Path) -> None:
-    list(render.render(folder, steps=[0, 3], look=Look(size=(200, 280)), out=tmp_path))
-    list(render.render(folder, "sigma_3", steps=[0], look=Look(size=(200, 280)), out=tmp_path))
+    list(render.render(folder, steps=[0, 3], size=(200, 280), out=tmp_path))
+    list(render.render(folder, "sigma_3", steps=[0], size=(200, 280), out=tmp_path))
     (tmp_path / "sigma_1" / "own.png").write_text("mine")
-    list(render.render(folder, steps=[1], look=Look(size=(200, 280)), out=tmp_path))
+    list(render.render(folder, steps=[1], size=(200, 280), out=tmp_path))
     left = sorted(str(path.relative_to(tmp_path)) for path in tmp_path.rglob("*.png"))
     assert left == ["sigma_1/own.png", "sigma_1/step_0001.png", "sigma_3/step_0000.png"]
 
@@ -279,12 +278,12 @@ def test_mp4_is_made_by_ffmpeg_and_refused_without(
 
 
 def test_view_without_a_display_says_what_to_do(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(view.sys, "platform", "linux")
+    monkeypatch.setattr(render.sys, "platform", "linux")
     for name in ("DISPLAY", "WAYLAND_DISPLAY"):
         monkeypatch.delenv(name, raising=False)
     words = f"no display to open a window on: `crackgrow render {folder}`"
-    with pytest.raises(view.NoDisplayError, match=words) as told:
-        view.view(folder)
+    with pytest.raises(render.NoDisplayError, match=words) as told:
+        render.view(folder)
     assert told.value.exit_code == 3
 
 
@@ -308,7 +307,7 @@ def test_colours_end_at_the_limits_and_white_between_two_of_them_is_zero(
 ) -> None:
     frame = drawn_frame(open_run(folder), 2, "sigma_1")
     both = replace(frame, values=np.linspace(-1e7, 1e7, len(frame.values)))
-    pictures = field_picture.FieldPictures("", "sigma_1", [both], {}, Look(limits=limits))
+    pictures = field_picture.FieldPictures("", "sigma_1", [both], {}, limits=limits)
     shown = (pictures.norm.vmin * pictures.unit[0], pictures.norm.vmax * pictures.unit[0])
     assert shown == pytest.approx(wanted)
     assert (pictures.colormap == "RdBu_r") is signed

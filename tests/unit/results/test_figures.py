@@ -16,12 +16,12 @@ from matplotlib.image import imread
 from matplotlib.text import Annotation
 
 from crackgrow.case import Case, dump_case, model
+from crackgrow.case.on_map import extent
 from crackgrow.plan.cost import squares_of
 from crackgrow.results import drawn_frame, figures, signs
 from crackgrow.results.drawing import draw_scene
 from crackgrow.results.drawn_frame import DrawnFrame
 from crackgrow.results.folder import RunFolder
-from crackgrow.results.places import extent
 from crackgrow.results.report.charts import event_energies, stress_strain
 from crackgrow.results.report.page import described_actions
 from crackgrow.results.style import own_style
@@ -35,7 +35,7 @@ from tests.unit.results.synthetic import make_case, make_frame, make_paths, make
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     """The figures that a test draws, in place of their files."""
     found: list[Figure] = []
-    monkeypatch.setattr(figures, "_save", lambda path, figure: found.append(figure))
+    monkeypatch.setattr(figures, "png_of", lambda figure: found.append(figure) or b"")
     return found
 
 

@@ -11,6 +11,7 @@ import pytest
 
 import crackgrow
 from crackgrow import cli
+from crackgrow.api import SolvedRun
 from crackgrow.case import Case, dump_case, load_case
 from crackgrow.case.on_map import case_on_map
 
@@ -86,7 +87,7 @@ def cases(files: tuple[Path, Path]) -> tuple[Case, Case]:
 
 
 @pytest.fixture(scope="module")
-def runs(files: tuple[Path, Path], cases: tuple[Case, Case]) -> tuple[crackgrow.Run, crackgrow.Run]:
+def runs(files: tuple[Path, Path], cases: tuple[Case, Case]) -> tuple[SolvedRun, SolvedRun]:
     here, there = (crackgrow.run_case(case, file.parent / "out") for case, file in zip(cases, files, strict=True))
     return here, there
 
@@ -122,7 +123,7 @@ def test_a_case_as_it_ran_stands_on_the_map_and_reads_back_to_the_same_bits(
     np.testing.assert_array_equal(changed.cracks[1].points, here.cracks[1].points)
 
 
-def test_results_are_the_same_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run]) -> None:
+def test_results_are_the_same_on_the_map(runs: tuple[SolvedRun, SolvedRun]) -> None:
     here, there = runs
     for name in ("tips", "contact", "paths", "events", "steps", "reactions", "history"):
         one, other = getattr(here, name), getattr(there, name)
@@ -143,7 +144,7 @@ def test_results_are_the_same_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Ru
                 assert one[column].equals(other[column]), f"{name}.{column}"
 
 
-def test_fields_and_meshes_are_on_the_map(runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path]) -> None:
+def test_fields_and_meshes_are_on_the_map(runs: tuple[SolvedRun, SolvedRun], files: tuple[Path, Path]) -> None:
     here, there = runs
     points = np.array([[1.0, 1.0], [4.0, 7.2], [20.0, 0.0]])
     for name in ("displacement_at", "stress_at"):
@@ -156,7 +157,7 @@ def test_fields_and_meshes_are_on_the_map(runs: tuple[crackgrow.Run, crackgrow.R
 
 
 def test_what_is_told_of_places_is_on_the_map(
-    runs: tuple[crackgrow.Run, crackgrow.Run], files: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+    runs: tuple[SolvedRun, SolvedRun], files: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert "'joints-1' (the shape) at (466006.5 m, 6700004.25 m)" in " ".join(runs[1].warnings)
     folder = files[1].parent

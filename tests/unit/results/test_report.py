@@ -15,8 +15,8 @@ import numpy as np
 import pytest
 
 from crackgrow.errors import SolveError
-from crackgrow.results.folder import FolderError
-from crackgrow.results.report import write_report
+from crackgrow.results.atomic import FolderError
+from crackgrow.results.report.page import write_report
 from crackgrow.results.writer import RunWriter
 from tests.scenes import HOSTILE, SLOWLY, make_run, shipped_case
 

@@ -23,7 +23,7 @@ import pytest
 from crackgrow import cli
 from crackgrow.case.model import Case
 from crackgrow.results import resume as resume_module
-from crackgrow.results.lock import LOCK, FolderLock, LockedError
+from crackgrow.results.lock import LOCK, LockedError, locked
 from crackgrow.results.resume import ResumeError, Resumption, find_resumption
 from crackgrow.results.writer import RunWriter
 from tests.properties.broken_off import CASES, command, contents, finished, started, wait_for
@@ -221,11 +221,10 @@ def test_reading_a_checkpoint_runs_no_code(copy: Path, tmp_path: Path) -> None:
 COARSER = ("numerics.spacing=4", "growth.steps=2", "output.figures=false", "output.report=false")
 HOLDING = """
 import pathlib, sys, time
-from crackgrow.results.lock import FolderLock
-lock = FolderLock(pathlib.Path(sys.argv[1]), "case slope")
-lock.take()
-print("taken", flush=True)
-time.sleep(600)
+from crackgrow.results.lock import locked
+with locked(pathlib.Path(sys.argv[1]), "case slope"):
+    print("taken", flush=True)
+    time.sleep(600)
 """
 
 
@@ -238,14 +237,14 @@ def holder(folder: Path) -> subprocess.Popen[str]:
 
 def test_a_lock_says_who_holds_it_and_goes_with_the_process(tmp_path: Path) -> None:
     process = holder(tmp_path)
-    with pytest.raises(LockedError, match=f"another run is writing into {tmp_path}") as caught:
-        FolderLock(tmp_path, "other").take()
+    with pytest.raises(LockedError, match=f"another run is writing into {tmp_path}") as caught, locked(tmp_path, "it"):
+        pass
     assert f"case slope, process {process.pid} on {socket.gethostname()}, since 20" in str(caught.value)
     assert caught.value.exit_code == 3
     process.kill()
     process.communicate()
     assert (tmp_path / LOCK).is_file()
-    with FolderLock(tmp_path, "next").held():
+    with locked(tmp_path, "next"):
         assert json.loads((tmp_path / LOCK).read_bytes())["process"] == os.getpid()
     assert not list(tmp_path.iterdir())
 
@@ -256,8 +255,9 @@ def test_a_file_system_without_locks_is_told(tmp_path: Path, monkeypatch: pytest
 
     monkeypatch.setattr(fcntl, "flock", refuse)
     writer = RunWriter(make_case(), tmp_path)
-    writer.begin()
-    writer.finish(make_end(0))
+    with writer.held():
+        writer.begin()
+        writer.finish(make_end(0))
     assert "knows no locks (No locks available)" in (tmp_path / "run.log").read_text()
     assert "see to it that no other run" in json.loads((tmp_path / "summary.json").read_text())["warnings"][0]
 

@@ -14,8 +14,7 @@ from crackgrow.study.fit import FitPlan, _fit_of, _measured, _scale, least_squar
 from crackgrow.study.path_files import read_paths
 from crackgrow.study.plan import folder_names
 from crackgrow.study.sweep import combinations, plan_sweep
-from crackgrow.study.sweep_file import FitFile, Measured, SweepFile, read_sweep_file
-from crackgrow.study.values import Range
+from crackgrow.study.sweep_file import FitFile, Measured, Range, SweepFile, read_sweep_file
 from tests.scenes import make_run
 
 CASES = Path(__file__).parents[3] / "cases"
@@ -24,7 +23,7 @@ LENGTHS = ("crack_length", "load_factor")
 
 
 def plan_of(points: np.ndarray, **ranges: Range) -> FitPlan:
-    file = FitFile(Path("fit.yaml"), Path("case.yaml"), ranges, {}, Measured("measured.csv", "x", "y"))
+    file = FitFile(Path("fit.yaml"), {}, Path("case.yaml"), ranges, {}, Measured("measured.csv", "x", "y"))
     return FitPlan(file, "", Path("out"), tuple(ranges), points)
 
 
