@@ -28,7 +28,7 @@ def settle_supports(scene: Scene) -> Faults:
     if scene.resolved.get(KEY) != MINIMAL:
         return
     scene.resolved[KEY] = []
-    if not scene.complete or not scene.report.sound("loads"):
+    if not (scene.complete and all(map(scene.report.sound, ("loads", "interfaces")))):
         scene.report.doubt((KEY,))  # the faults of what they follow from are reported
         return
     loose = _loose_groups(scene)
