@@ -12,7 +12,7 @@ the tip grows by its K, as everywhere. Averaged over all of s R, where the stres
 there a ray is averaged over s R, times sqrt(s).
 
 Each part of a ray has a rule of its own. Where a rule for the whole of it lost points to a hole, a stress over the
-strength was 1.00, 0.91, 0.85, 0.77 with 6, 12, 24, 48 points (tests/verification/test_beside_a_hole.py).
+strength was 1.00, 0.91, 0.85, 0.77 with 6, 12, 24, 48 points.
 """
 
 from __future__ import annotations

@@ -90,6 +90,14 @@ def test_links_lead_somewhere(name: str) -> None:
     assert broken == []
 
 
+def test_files_that_are_named_are_there() -> None:
+    """Of the package in its README, and of tests in docstrings and texts."""
+    named = {f"crackgrow/{name}" for name in re.findall(r"`(\w+/\w+\.py)`", TEXTS["crackgrow/README.md"])}
+    sources = [path.read_text(encoding="utf-8") for path in (ROOT / "crackgrow").rglob("*.py")]
+    named |= {name for text in (*TEXTS.values(), *sources) for name in re.findall(r"\btests/[\w/]+\.(?:py|md)\b", text)}
+    assert [name for name in sorted(named) if not (ROOT / name).is_file()] == []
+
+
 def test_pictures_and_scenes_are_all_shown() -> None:
     shown = {name for text in TEXTS.values() for name in re.findall(r"!\[[^\]]+\]\([./]*/?\.readme/([^)]+)\)", text)}
     assert shown == {path.name for path in (ROOT / ".readme").iterdir()}
