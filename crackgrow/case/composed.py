@@ -8,14 +8,12 @@ from typing import Any, Final
 
 from crackgrow.case.reader import Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, Schema, Schemas, Takes, Words, refuse
+from crackgrow.case.scalars import INVALID, Context, Words, refuse
 from crackgrow.case.schema import MOST_ITEMS, Mapping, OneOf
 
 CONSTANTS: Final = ("true", "false", "null")  # of YAML
 
 _NAME: Final = re.compile(r"\w[\w-]{0,63}")
-_NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
-_NAMES: Final = {"title": "name", "pattern": rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"}
 
 
 def core(spec: Any) -> Mapping | OneOf | None:
@@ -38,15 +36,6 @@ class Named:
 
     def describe(self) -> str:
         return f"a mapping of names, each a {self.thing}"
-
-    def takes(self) -> Takes:
-        kind, units, _ = self.spec.takes()
-        return Takes(f"{self.thing} by name", units, "" if core(self.spec) else f"each: {kind}")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        names = {} if self.any_name else {"propertyNames": schemas.named("name", lambda: _NAMES)}
-        inner = schemas.of(self.spec)
-        return {"type": "object", **names, "maxProperties": self.at_most, "additionalProperties": inner}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict of the values in file order."""
@@ -85,14 +74,6 @@ class Reference:
 
     def describe(self) -> str:
         return f"{self.spec.describe()}, or a name from `{self.where}`"
-
-    def takes(self) -> Takes:
-        kind, units, allowed = self.spec.takes()
-        return Takes(f"{kind}, or a name from {self.where}", units, allowed)
-
-    def schema(self, schemas: Schemas) -> Schema:
-        name = {"title": f"reference (to {self.where})", "type": ["string", "number"], "allOf": [_NAMES]}
-        return {"anyOf": [schemas.of(self.spec), schemas.named(f"from {self.where}", lambda: name)]}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the thing; faults that are found in it later stand in the lines of its definition."""

@@ -15,7 +15,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.report import clean, did_you_mean, quoted
-from crackgrow.case.scalars import NUMBER, Context, Measured, Numeric, Schema, Schemas, Takes, units_of
+from crackgrow.case.scalars import Context, Measured, Numeric
 from crackgrow.case.units import UNITS, QuantityError, is_number, parse_number, place_text
 from crackgrow.errors import CaseError
 
@@ -33,10 +33,8 @@ _EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": 
 _FUNCTIONS: Final = (*ONE_VALUE, *_EXTREMES)
 _NAMES: Final = ("x", "y", "pi")
 
-_ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
+ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
 """Pattern of the letters, signs and words that a formula is made of."""
-
-_NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 
 _ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join(_FUNCTIONS)}"
 
@@ -132,14 +130,6 @@ class OrFormula(Numeric):
 
     def describe(self) -> str:
         return f'a {self.kind} or a formula in x and y such as "0.09*x - 0.1"'
-
-    def takes(self) -> Takes:
-        return Takes(self.describe(), units_of(self.kind))
-
-    def schema(self, schemas: Schemas) -> Schema:
-        pattern = rf"^(?!\s*{NUMBER}\s*$){_NO_FORMULA}({_ALPHABET})+$"
-        formula = {"title": "formula (in x and y, such as 0.09*x - 0.1)", "type": "string", "pattern": pattern}
-        return {"anyOf": [Measured(self.kind).schema(schemas), schemas.named("formula", lambda: formula)]}
 
     def hint(self, context: Context) -> str:
         return Measured(self.kind).hint(context)

@@ -22,7 +22,7 @@ from crackgrow.case.map_file import Feature, attribute, features_of
 from crackgrow.case.mesh_file import ContentError, PlaneMesh, read_mesh
 from crackgrow.case.reader import Node, Scalar
 from crackgrow.case.report import Path, clean, listed, quoted
-from crackgrow.case.scalars import Context, Schema, Schemas, Takes, refuse
+from crackgrow.case.scalars import Context, refuse
 from crackgrow.case.shapes import Resolved
 from crackgrow.case.units import UNITS, QuantityError
 
@@ -49,13 +49,6 @@ class File:
         content = "lines" if self.of_cracks else "one polygon"
         maps = ", ".join(ending for ending in self.endings if ending not in (".json", *mesh_file.ENDINGS))
         return f"the name of a file with {content} ({maps}), or of a mesh ({', '.join(mesh_file.ENDINGS)})"
-
-    def takes(self) -> Takes:
-        return Takes("file name", "", f"ends in {', '.join(self.endings)}")
-
-    def schema(self, _: Schemas) -> Schema:
-        letters = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in self.endings]
-        return {"title": self.describe(), "type": "string", "pattern": rf"\.({'|'.join(letters)})$"}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the file; what it holds is read together with the keys beside it."""

@@ -9,7 +9,7 @@ from typing import Final
 
 from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse, read_file
 from crackgrow.case.report import Path, Place, Report, clean, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, Schema, Schemas, Takes, given
+from crackgrow.case.scalars import INVALID, Context, given
 
 WORD_OR_MAPPING: Final = {("loading",): "", ("growth", "initiation"): "at"}
 """Keys that take a word or a mapping: with an override of a key inside, the word stands for this key, or gives way."""
@@ -87,12 +87,6 @@ class OfFile:
 
     def describe(self) -> str:
         return self.kind
-
-    def takes(self) -> Takes:
-        return Takes(self.kind)
-
-    def schema(self, _: Schemas) -> Schema:
-        return {"type": "object" if self.kind == "a mapping" else "string"}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Refuse an override: the base has been read by then."""

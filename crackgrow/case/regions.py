@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.scalars import Context, Measured, Numeric, Schema, Schemas, Takes, units_of
+from crackgrow.case.scalars import Context, Numeric
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.units import UNITS, QuantityError, parse_quantity
 
@@ -171,12 +171,6 @@ class PlaceOnEdge(Numeric):
 
     def describe(self) -> str:
         return "a length, or an angle on an arc"
-
-    def takes(self) -> Takes:
-        return Takes("length, or angle on an arc", f"{units_of('length')}; on an arc {units_of('angle')}")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"anyOf": [Measured(kind).schema(schemas) for kind in ("length", "angle")]}
 
     def hint(self, context: Context) -> str:
         named = " | ".join((*UNITS["length"], *UNITS["angle"]))

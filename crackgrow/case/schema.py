@@ -9,10 +9,9 @@ from typing import Any, Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
 from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
-from crackgrow.case.scalars import INVALID, Context, Measured, Numeric, Schema, Schemas, Takes, Words, refuse
+from crackgrow.case.scalars import INVALID, Context, Numeric, Words, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
-SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
 SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the number is told
 
 REQUIRED: Final = object()  # the key must be given
@@ -38,15 +37,6 @@ class Field:
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
     field: str = ""  # of the model that it is, if that has another name
 
-    def schema(self, schemas: Schemas) -> Schema:
-        """What the key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
-        measured = isinstance(getattr(self.spec, "spec", None) or self.spec, Measured)
-        found: Schema = {"description": f"{self.doc}: {self.spec.describe()}" if measured else self.doc}
-        if self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same):
-            found["default"] = self.default
-        accepted = schemas.of(self.spec)
-        return {**found, "allOf": [accepted]} if "$ref" in accepted else {**accepted, **found}
-
 
 @dataclass(frozen=True, slots=True)
 class ListOf:
@@ -61,19 +51,6 @@ class ListOf:
         if self.alone:
             return f"{self.spec.describe()}, or a list of them"
         return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
-
-    def takes(self) -> Takes:
-        kind, units, allowed = self.spec.takes()
-        if self.alone:
-            return Takes(f"{kind}, or list of them", units, allowed)
-        if self.length and len(kind) <= SHORT:
-            return Takes(f"[{', '.join([kind] * self.length)}]", units, allowed)
-        return Takes(f"list of {self.length}, each {kind}" if self.length else f"list, each {kind}", units, allowed)
-
-    def schema(self, schemas: Schemas) -> Schema:
-        sized = {"minItems": self.length, "maxItems": self.length} if self.length else {"maxItems": self.at_most}
-        found = {"type": "array", "items": schemas.of(self.spec), **sized}
-        return {"anyOf": [schemas.of(self.spec), found]} if self.alone else found
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a list; faulty items are INVALID and keep their place."""
@@ -120,25 +97,6 @@ class Mapping:
     def describe(self) -> str:
         word = f"{self.other.describe()}, or " if self.other else ""
         return f"{word}a mapping of {', '.join(self.offered())}"
-
-    def takes(self) -> Takes:
-        kind, *rest = self.other.takes() if self.other else ("",)
-        return Takes(f"{kind}, or mapping", *(rest if self.read_as else ())) if kind else Takes("mapping")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        spelt = {key: [key, *(word for word in field.also if word != "true")] for key, field in self.fields.items()}
-        needed = [spelt[key] for key in self.fields if key in self.required()]
-        required = [names[0] for names in needed if len(names) == 1]
-        either = [{"required": [name]} for names in needed if len(names) > 1 for name in names]
-        found = {
-            "type": "object",
-            "properties": {name: self.fields[key].schema(schemas) for key, names in spelt.items() for name in names},
-            "additionalProperties": False,
-            **({"required": required} if required else {}),
-            **({"anyOf": either} if either else {}),
-            **({"minProperties": 1} if self.at_least_one else {}),
-        }
-        return {"anyOf": [schemas.of(self.other), found]} if self.other else found
 
     def offered(self) -> list[str]:
         """The keys that are named to users."""
@@ -239,13 +197,6 @@ class OneOf:
 
     def describe(self) -> str:
         return " or ".join(form.describe() for form in self.forms)
-
-    def takes(self) -> Takes:
-        short = [form.takes().kind for form in self.forms if form.short]
-        return Takes((short or ["mapping"])[0], "", f"with {' or '.join(form.form() for form in self.forms)}")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"anyOf": [schemas.of(form) for form in self.forms]}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the value of the form that is given."""
