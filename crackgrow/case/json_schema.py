@@ -12,15 +12,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
-from crackgrow.case.composed import Named, Reference
 from crackgrow.case.format import CASE
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.outline_file import File
 from crackgrow.case.overrides import BESIDE, OfFile
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.report import listed
-from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Measured, Switch, Text, Words
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, OneOf, Same
+from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Measured, Reference, Switch, Text, Words
+from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
 from crackgrow.case.units import LARGEST, SMALLEST, UNITS
 
 Schema = dict[str, Any]

@@ -1,4 +1,4 @@
-"""Specs of single values: text, words, switches, numbers and quantities with a unit."""
+"""Specs of single values: text, words, switches, numbers, quantities with a unit, and names of what is defined."""
 
 from __future__ import annotations
 
@@ -207,3 +207,28 @@ class Words:
         hint = did_you_mean(node.text, self.words) if isinstance(node, Scalar) and not node.is_null else ""
         note = self.spec.note if _begins_number(node) and isinstance(self.spec, Measured) else ""
         return refuse(node, f"{self.describe()}{note}{hint}", path, context)
+
+
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A thing that is written out, or the name of one that is defined; the value is the thing."""
+
+    where: str  # the key that holds the definitions
+    spec: Any  # of what is written out
+
+    def describe(self) -> str:
+        return f"{self.spec.describe()}, or a name from `{self.where}`"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the thing; faults that are found in it later stand in the lines of its definition."""
+        words = self.spec.words if isinstance(self.spec, Words) else ()
+        if not isinstance(node, Scalar) or node.is_null or node.text in words:
+            return self.spec.read(node, path, context)
+        known = context.defined.get(self.where, {})
+        if node.text not in known:
+            has = f"`{self.where}` has: {', '.join(known) or 'none'}{did_you_mean(node.text, [*known, *words])}"
+            return context.refused(path, f"{quoted(node.text)} given; wanted: {self.describe()}; {has}")
+        if not context.report.sound(self.where, node.text):
+            context.report.doubt(path)  # its faults are reported where it is defined
+            return INVALID
+        return self.spec.read(known[node.text], path, context)

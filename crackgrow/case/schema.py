@@ -1,22 +1,26 @@
-"""Specs of lists and mappings: the case format is one tree of specs, `format.CASE`."""
+"""Specs of lists, mappings and things under names: the case format is one tree of specs, `format.CASE`."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping as AnyMapping
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
-from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
+from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest, quoted
 from crackgrow.case.scalars import INVALID, Context, Numeric, Words, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
+CONSTANTS: Final = ("true", "false", "null")  # of YAML
 SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the number is told
 
 REQUIRED: Final = object()  # the key must be given
 OPTIONAL: Final = object()  # the key may be left out and then stays out
 BY_PARTS: Final = object()  # left out means: as if it were given without any key in it
+
+_NAME: Final = re.compile(r"\w[\w-]{0,63}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,6 +199,14 @@ class OneOf:
     forms: tuple[Mapping, ...]
     part: str = ""  # its name in the format
 
+    @property
+    def fields(self) -> AnyMapping[str, Field]:
+        """The keys of all forms, each as the first one that has it takes it."""
+        found: dict[str, Field] = {}
+        for form in self.forms:
+            found = {**found, **{key: field for key, field in form.fields.items() if key not in found}}
+        return found
+
     def describe(self) -> str:
         return " or ".join(form.describe() for form in self.forms)
 
@@ -204,7 +216,7 @@ class OneOf:
             return short[0].read(node, path, context)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
-        every = {key: field for form in self.forms for key, field in form.fields.items()}
+        every = self.fields
         known, node = list(every), _respelt(node, every)
         free = [key for key in known if key not in node.entries]
         given = node.entries.keys() & every.keys()
@@ -252,3 +264,44 @@ def _instead(path: Path, key: str, node: Table) -> str:
     if node.entries[key].place.line is not None or not any(lines):
         return ""
     return f"; --set '{dotted(path)}={{{key}: ...}}' takes the place of all of them"
+
+
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Things under names of the user's choice."""
+
+    thing: str
+    spec: Any
+    at_most: int = MOST_ITEMS
+    any_name: bool = False  # whether names are those of another file, whatever they are
+    other_words: tuple[str, ...] | None = None  # what is no name of a thing that other keys refer to; None: none does
+
+    def describe(self) -> str:
+        return f"a mapping of names, each a {self.thing}"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a dict of the values in file order."""
+        if not isinstance(node, Table):
+            return refuse(node, self.describe(), path, context)
+        if len(node.entries) > self.at_most:
+            return context.refused(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
+        values: dict[str, object] = {}
+        taken = () if self.other_words is None else (*self.other_words, *CONSTANTS)
+        if taken:
+            context.defined[str(path[-1])] = {name: entry.node for name, entry in node.entries.items()}
+        for name, entry in node.entries.items():
+            inner = (*path, name)
+            context.report.put(inner, entry.place)
+            if entry.implied:
+                known = [other for other, its in node.entries.items() if not its.implied]
+                message = f"the case has no {self.thing} {quoted(name)}; it has: {', '.join(known) or 'none'}"
+                context.report.fault(inner, message + did_you_mean(name, known), entry.place)
+            elif not (self.any_name or _NAME.fullmatch(name)):
+                message = f"{quoted(name)} is not a name; use letters, digits, _ and -, 64 at most"
+                context.report.fault(inner, message, entry.place)
+            else:
+                values[name] = self.spec.read(entry.node, inner, context)
+            if name in taken:
+                message = f"{quoted(name)} is no name here: these words mean something else: {', '.join(taken)}"
+                context.report.fault(inner, message)
+        return values

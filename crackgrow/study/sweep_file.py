@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal
 
-from crackgrow.case.declared import format_of
+from crackgrow.case.format import format_of
 from crackgrow.case.reader import Table, read_file
 from crackgrow.case.report import Path as KeyPath
 from crackgrow.case.report import Place, Report, did_you_mean
