@@ -10,11 +10,11 @@ import numpy as np
 import shapely
 from shapely import LineString, Point
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Along, Edge, edge_of, region_of
 from crackgrow.case.report import Faults, Path, did_you_mean, quoted
-from crackgrow.case.shapes import Resolved, edge_hint, frozen
+from crackgrow.case.shapes import Resolved, edge_hint
 
 
 def check_regions(scene: Scene) -> Faults:

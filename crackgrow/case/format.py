@@ -18,15 +18,16 @@ from typing import Any, Final, TypeVar, Union, get_args, get_origin, get_type_hi
 import numpy as np
 import yaml
 
+from crackgrow.arrays import frozen
+from crackgrow.case.drawings import File
 from crackgrow.case.formula import OrFormula, component_of
-from crackgrow.case.outline_file import File
 from crackgrow.case.overrides import OfFile
 from crackgrow.case.reader import Listing, Node, Scalar, Table
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Context, Measured, Reference, Spec, Switch, Text, Words
 from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
-from crackgrow.case.shapes import Resolved, frozen
+from crackgrow.case.shapes import Resolved
 from crackgrow.case.units import UNITS, Units, parse_quantity
 
 T = TypeVar("T")

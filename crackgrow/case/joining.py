@@ -11,9 +11,9 @@ import shapely
 from shapely import LineString, Point
 from shapely.ops import substring
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.model import Move
-from crackgrow.case.shapes import BodyShape, frozen
+from crackgrow.case.shapes import BodyShape
 from crackgrow.case.touching import round_off
 
 ALONG: Final = 10.0  # tolerances: a line that is beside another one for longer runs along it; below 6 degrees at an end

@@ -12,9 +12,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
+from crackgrow.case.drawings import File
 from crackgrow.case.format import CASE
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
-from crackgrow.case.outline_file import File
 from crackgrow.case.overrides import BESIDE, OfFile
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.report import listed

@@ -7,9 +7,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
+from crackgrow.case.drawings import File
 from crackgrow.case.format import CASE
 from crackgrow.case.formula import OrFormula
-from crackgrow.case.outline_file import File
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.scalars import SHARE, Measured, Reference, Switch, Text, Words
 from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same

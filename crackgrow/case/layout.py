@@ -10,12 +10,12 @@ import numpy as np
 import shapely
 from shapely import LineString
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.joining import joined, rims_of
 from crackgrow.case.model import Cut, EdgeRegion, Move
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import line_length, segments_of
-from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
+from crackgrow.case.shapes import BodyShape, Resolved, direction_of, shape_of, without_repeats
 from crackgrow.case.touching import ITS_OWN, SNAP, close_pairs, overlap, shared_lines, size_of, snapped_bodies
 from crackgrow.case.toughness import BY_K, MODE_I, radius_of, shear_radius_of
 from crackgrow.case.units import UNITS, Units

@@ -12,7 +12,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.report import Path, Report, did_you_mean, listed, quoted
 from crackgrow.case.segments import close_segments, places_between, segments_of
 from crackgrow.case.units import Units
@@ -129,13 +129,6 @@ def without_repeats(points: Floats, *, closed: bool, smallest: float = 0.0) -> N
     while closed and len(kept) > 1 and math.dist(points[kept[-1]], points[0]) <= smallest:
         kept.pop()
     return np.array(kept, dtype=np.int64)
-
-
-def frozen(values: object) -> Floats:
-    """Return a float array that cannot be written to."""
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
 
 
 def direction_of(angle: float) -> tuple[float, float]:

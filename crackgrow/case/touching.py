@@ -15,9 +15,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats, Ints, frozen
 from crackgrow.case.model import Case, Move
-from crackgrow.case.shapes import BodyShape, DrawnRing, body_shape, frozen
+from crackgrow.case.shapes import BodyShape, DrawnRing, body_shape
 
 SNAP: Final = 1e-5  # parts of the scene's size: what comes nearer touches
 ITS_OWN: Final = 0.01  # the same, of the sides or segments that move with a point: they turn by less than half a degree
