@@ -116,23 +116,19 @@ def check_foundations(scene: Scene) -> Faults:
         region = scene.regions.get(key)
         if region is None:
             continue
-        for pair in scene.shared:
-            if region.body in pair and _lies_on(scene, region, pair):
+        for pair, lines in scene.shared.items():
+            if region.body not in pair:
+                continue
+            sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
+            near = shapely.multilinestrings([shapely.linestrings(line) for line in lines]).buffer(2 * scene.tolerance)
+            # a line that only touches the shared one runs inside of the buffer for a few tolerances
+            if np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance):
                 other = pair[1 - pair.index(region.body)]
                 yield key, f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
         for earlier, its_region in seen:
             if len(_shared(scene, region, its_region)):
                 yield key, f"lies partly on the foundation of supports.{earlier}"
         seen.append((index, region))
-
-
-def _lies_on(scene: Scene, region: EdgeRegion, pair: tuple[str, str]) -> bool:
-    """Whether a part of positive length of a region lies on the boundary shared by two bodies."""
-    sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
-    shared = shapely.multilinestrings([shapely.linestrings(line) for line in scene.shared[pair]])
-    near = shared.buffer(2 * scene.tolerance)
-    # A line that only touches the shared one runs inside of the buffer for a few tolerances.
-    return bool(np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance))
 
 
 def check_agreement(scene: Scene) -> Faults:

@@ -13,8 +13,8 @@ from shapely import LineString, Point
 from crackgrow.arrays import Floats, frozen
 from crackgrow.case.layout import Scene, named
 from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Along, Edge, edge_of, region_of
-from crackgrow.case.report import Faults, Path, did_you_mean, quoted
-from crackgrow.case.shapes import Resolved, edge_hint
+from crackgrow.case.report import Faults, Path, did_you_mean, listed, quoted
+from crackgrow.case.shapes import Resolved
 
 
 def check_regions(scene: Scene) -> Faults:
@@ -59,7 +59,7 @@ def _region(scene: Scene, key: Path, on: dict[str, Any]) -> Faults:
     if body is None or not scene.report.sound("bodies", body.name, "edges"):
         return
     if on["edge"] not in body.edge_names:
-        allowed = edge_hint(on["edge"], body.edge_names)
+        allowed = listed(body.edge_names) + did_you_mean(on["edge"], body.edge_names)
         yield (*key, "edge"), f"body '{body.name}' has no edge {quoted(on['edge'])}; it has: {allowed}"
         return
     edge = edge_of(body, on["edge"], scene.tolerance)

@@ -95,20 +95,15 @@ def _spacing(scene: Scene, spacing: float) -> Faults:
     width, height = (scene.box[1] - scene.box[0]).tolist()
     n_nodes = (width / spacing + margin) * (height / spacing + margin)
     if n_nodes > MAX_NODES:
-        rule, least = scene.get("numerics", "auto_rule"), scene.length(_finest_spacing(width, height, margin))
+        a, b, c = MAX_NODES - margin**2, -margin * (width + height), -width * height  # a h^2 + b h + c = 0
+        finest = (-b + math.sqrt(b**2 - 4 * a * c)) / (2 * a)
+        digit = 10.0 ** (math.floor(math.log10(finest)) - 1)  # two digits of it, rounded up
+        rule, least = scene.get("numerics", "auto_rule"), scene.length(math.ceil(finest / digit) * digit)
         given = scene.length(spacing) + (f" (auto: {rule})" if rule else "")
         remedy = (
             f"give a spacing by hand, of {least} or more, or a smaller body" if rule else f"wanted: {least} or more"
         )
         yield key, f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed; {remedy}"
-
-
-def _finest_spacing(width: float, height: float, margin: float) -> float:
-    """The least spacing (m), two digits of it and rounded up, that needs no more than the nodes that are allowed."""
-    a, b, c = MAX_NODES - margin**2, -margin * (width + height), -width * height  # a h^2 + b h + c = 0
-    least = (-b + math.sqrt(b**2 - 4 * a * c)) / (2 * a)
-    digit = 10.0 ** (math.floor(math.log10(least)) - 1)
-    return math.ceil(least / digit) * digit
 
 
 def check_contacts(scene: Scene) -> Faults:

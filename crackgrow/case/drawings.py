@@ -222,24 +222,20 @@ def curve_points(value: Resolved, path: Path, context: Context) -> object:
         curve = np.array(arc["center"], dtype=float) + arc["radius"] * np.stack([np.cos(t), np.sin(t)], axis=1)
         places = np.array([0, SAMPLES])
     else:
+        from scipy.interpolate import CubicSpline  # here: loading it takes a time that other cases save
+
         key, points = "spline", np.array(value["spline"], dtype=float).reshape(-1, 2)
         if len(points) < 3 or not np.hypot(*np.diff(points, axis=0).T).all():
             message = f"{len(points)} points given; wanted: three or more, no two of which in turn are the same"
             return context.refused((*path, key), message)
-        curve, places = _spline(points)
+        along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))  # of chords
+        steps = max(SAMPLES // (len(points) - 1), FEWEST_SAMPLES)
+        at = np.linspace(along[:-1], along[1:], steps, endpoint=False).T.ravel()
+        curve = np.asarray(CubicSpline(along, points)(np.append(at, along[-1])))  # not a knot
+        places = np.arange(len(points)) * steps
     if not np.hypot(*np.diff(curve, axis=0).T).all():
         return context.refused((*path, key), "is too small for where it lies: its places are one after rounding")
     return {"points": [context.units.coordinates(point) for point in _vertices(curve, places).tolist()]}
-
-
-def _spline(points: Floats) -> tuple[Floats, Ints]:
-    """The cubic spline (m, 2) through points (n, 2), over the length of their chords, not a knot; where these lie."""
-    from scipy.interpolate import CubicSpline  # here: loading it takes a time that other cases save
-
-    along = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
-    steps = max(SAMPLES // (len(points) - 1), FEWEST_SAMPLES)
-    at = np.linspace(along[:-1], along[1:], steps, endpoint=False).T.ravel()
-    return np.asarray(CubicSpline(along, points)(np.append(at, along[-1]))), np.arange(len(points)) * steps
 
 
 def _vertices(curve: Floats, places: Ints) -> Floats:

@@ -104,12 +104,6 @@ def case_from(mapping: AnyMapping[str, Any], name: str) -> Case:
     return _without_lines(yaml_text(_plain(mapping, "")), "the mapping", name)
 
 
-def mapping_of(case: Case) -> dict[str, Any]:
-    """Return a case as a mapping in the case format: SI, every default filled in, the caller's own."""
-    found: dict[str, Any] = yaml.safe_load(dump_case(case))
-    return found
-
-
 def changed(case: Case, settings: Sequence[str]) -> Case:
     """Return a case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI.
 

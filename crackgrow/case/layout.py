@@ -168,24 +168,18 @@ def place_cracks(scene: Scene) -> None:
             least = min(np.inf if spacing is None else spacing, line_length(points_of(crack["path"])))
             scene.cracks[name] = points_of(crack["path"], SHORTEST * least)
     scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
+    reach = {}  # the segments that move with an end turn by less than half a degree
+    for name, points in scene.cracks.items():
+        lengths = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
+        reach[name] = (min(scene.reach, ITS_OWN * lengths[0]), min(scene.reach, ITS_OWN * lengths[-1]))
     cracks, moves, _ = joined(
         scene.cracks,
-        {name: _reach_of(scene, points) for name, points in scene.cracks.items()},
+        reach,
         rims_of(scene.bodies.values()),
         scene.tolerance,
     )
     scene.cracks.update(cracks)
     scene.moves.extend(moves)
-
-
-def _reach_of(scene: Scene, points: Floats) -> tuple[float, float]:
-    """How far (m) the ends of a crack may move: the segments that move with them turn by less than half a degree."""
-    first, last = (
-        (float(np.hypot(*step)) for step in (points[1] - points[0], points[-1] - points[-2]))
-        if len(points) > 1
-        else (0.0, 0.0)
-    )
-    return min(scene.reach, ITS_OWN * first), min(scene.reach, ITS_OWN * last)
 
 
 def points_of(path: Resolved, smallest: float = 0.0) -> Floats:

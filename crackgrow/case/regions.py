@@ -59,7 +59,7 @@ class Edge:
         return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
 
     def along(self, place: float) -> float:
-        """Distance (m) of a place (m or degrees) from the begin of the edge as drawn; it rises with every turn of an arc."""
+        """Distance (m) from the begin of the edge, as drawn, to a place (m or degrees); it grows from turn to turn."""
         if self.measure == "distance":
             return place
         begins = np.append(0.0, np.cumsum(self.lengths))

@@ -167,17 +167,14 @@ class Mapping:
             free = [known for known in self.offered() if known not in node.entries]
             meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
             if not meant and not explained(key, free):
-                meant = [f"{outer}.{key}" for outer, its in self.fields.items() if key in _offered_inside(its.spec)]
+                inner = [(outer, its.spec) for outer, its in self.fields.items() if isinstance(its.spec, Mapping)]
+                meant = [f"{outer}.{key}" for outer, spec in inner if key in spec.offered()]
             hint = f"; did you mean '{meant[0]}'?" if meant else did_you_mean(key, free)
             hint = hint or did_you_mean(key, self.offered())
             message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
             context.report.fault((*path, key), message, entry.place)
             guesses.add(nearest(key, free) or "")
         return guesses
-
-
-def _offered_inside(spec: Any) -> list[str]:
-    return spec.offered() if isinstance(spec, Mapping) else []
 
 
 def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
@@ -242,8 +239,11 @@ class OneOf:
             context.report.fault(path, either)
         else:
             others = [key for key in node.entries if key in given and key != odd]
-            context.report.put((*path, odd), node.entries[odd].place)
-            message = f"does not go with {', '.join(others)}; {either}{_instead(path, odd, node)}"
+            place = node.entries[odd].place
+            context.report.put((*path, odd), place)
+            message = f"does not go with {', '.join(others)}; {either}"
+            if place.line is None and any(entry.place.line for entry in node.entries.values()):  # an override adds it
+                message += f"; --set '{dotted(path)}={{{odd}: ...}}' takes the place of all of them"
             context.report.fault((*path, odd), message)
         return INVALID
 
@@ -256,14 +256,6 @@ class OneOf:
                 return key
             fitting = still or fitting
         return None
-
-
-def _instead(path: Path, key: str, node: Table) -> str:
-    """How an override takes the place of all keys of the file, where it has added one to them."""
-    lines = [entry.place.line for entry in node.entries.values()]
-    if node.entries[key].place.line is not None or not any(lines):
-        return ""
-    return f"; --set '{dotted(path)}={{{key}: ...}}' takes the place of all of them"
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from crackgrow.arrays import Floats, frozen
-from crackgrow.case.report import Path, Report, did_you_mean, listed, quoted
+from crackgrow.case.report import Path, Report, listed, quoted
 from crackgrow.case.segments import close_segments, places_between, segments_of
 from crackgrow.case.units import Units
 
@@ -105,7 +105,10 @@ def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodySha
             report.fault(where, problem)
             continue
         names = names if index == 0 else (HOLE.format(index - 1),) * len(points)
-        rings.append(_oriented(points, names, is_hole=index > 0, is_arc="disk" in part))
+        backwards = shapely.is_ccw(shapely.LinearRing(points)) == (index > 0)
+        if backwards:  # the first corner stays the first
+            points, names = frozen(np.roll(points[::-1], 1, axis=0)), names[::-1]
+        rings.append(DrawnRing(points, names, points, np.arange(len(points)), backwards, "disk" in part))
     if not report.sound(*key):
         return None
     _check_holes(rings, key, report)
@@ -156,14 +159,6 @@ def _drawn(shape: Resolved) -> tuple[Floats, tuple[str, ...]]:
     # one that leaves the last point of the first corner's run.
     ends = [*every[1:], len(points)][: len(kept)]
     return frozen(points[kept]), tuple(str(end - 1) for end in ends)
-
-
-def _oriented(points: Floats, names: tuple[str, ...], *, is_hole: bool, is_arc: bool) -> DrawnRing:
-    """Return the ring with rock on its left: an outline runs counter-clockwise, a hole clockwise."""
-    backwards = shapely.is_ccw(shapely.LinearRing(points)) == is_hole
-    if backwards:  # the first corner stays the first
-        points, names = np.roll(points[::-1], 1, axis=0), names[::-1]
-    return DrawnRing(frozen(points), names, frozen(points), np.arange(len(points)), backwards, is_arc)
 
 
 def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | None:
@@ -228,8 +223,3 @@ def _renamed(ring: DrawnRing, body: Resolved, key: Path, report: Report) -> Draw
         else:
             names.update(dict.fromkeys(given, name))
     return replace(ring, edge_names=tuple(names[number] for number in ring.edge_names))
-
-
-def edge_hint(name: str, names: tuple[str, ...]) -> str:
-    """Say which edges there are, and which was probably meant."""
-    return listed(names) + did_you_mean(name, names)
