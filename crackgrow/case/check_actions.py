@@ -137,26 +137,26 @@ def check_agreement(scene: Scene) -> Faults:
     Edges that meet at a corner have no part in common: what a corner alone would have to do two ways, no edge is held
     to. Points on a held edge are warned of (`run.scene_warnings`).
     """
-    held = [index for index, _ in scene.items("supports", "displacement")]
-    regions = [(index, scene.regions.get(("supports", index, "on"))) for index in held]
-    for number, (index, mine) in enumerate(regions):
-        for other, its in regions[:number]:
-            places = np.empty((0, 2)) if mine is None or its is None else _shared(scene, mine, its)
+    held = [
+        (index, scene.regions.get(("supports", index, "on"))) for index, _ in scene.items("supports", "displacement")
+    ]
+    edges = [(index, region) for index, region in held if region is not None]
+    for number, (index, mine) in enumerate(edges):
+        for other, its in edges[:number]:
+            places = _shared(scene, mine, its)
             if len(places):
                 yield from _otherwise(scene, index, other, places)
 
 
 def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
     """Report the components that differ at one of the places (n, 2) m of two supports."""
-    displacement, its = (scene.resolved["supports"][each]["displacement"] for each in (index, other))
-    for component in [name for name in displacement if name in its]:
-        here, there = (_values(each[component], places) for each in (displacement, its))
-        of_mine = _values(displacement[component], _places(scene, index))
-        of_other = _values(its[component], _places(scene, other))
-        if here is None or there is None or of_mine is None or of_other is None:
-            continue
-        apart, largest = np.abs(here - there), float(np.abs(np.concatenate([of_mine, of_other])).max())
-        if np.any(apart > ALIKE * largest):
+    both = {each: scene.resolved["supports"][each]["displacement"] for each in (index, other)}
+    for component in [name for name in both[index] if name in both[other]]:
+        here, there = (_values(each[component], places) for each in both.values())
+        own = [_values(each[component], _places(scene, which)) for which, each in both.items()]
+        with np.errstate(invalid="ignore"):  # of formulas without a value, which is told elsewhere
+            apart, largest = np.abs(here - there), np.abs(np.concatenate(own)).max()
+        if np.isfinite(apart).all() and np.any(apart > ALIKE * largest):
             worst = int(np.argmax(apart))
             message = (
                 f"{component} at {scene.point(places[worst])} is {scene.length(float(here[worst]))} here and "
@@ -165,15 +165,11 @@ def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
             yield ("supports", index, "displacement", component), message
 
 
-def _values(value: float | str, places: Floats | None) -> Floats | None:
-    """Displacements (n,) m at places (n, 2) m; None where these or the values of a formula are not known."""
-    if places is None:
-        return None
-    formula = component_of(value)
-    if not isinstance(formula, CoordinateFormula):
-        return np.full(len(places), value)
-    values, nowhere = formula.values(places)
-    return values if nowhere is None else None
+def _values(value: float | str, places: Floats | None) -> Floats:
+    """Displacements (n,) m at places (n, 2) m, finite or not."""
+    component = component_of(value)
+    assert places is not None  # its edge is known
+    return component.values(places)[0] if isinstance(component, CoordinateFormula) else np.full(len(places), value)
 
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
