@@ -148,17 +148,24 @@ class _Schemas:
         """A mapping, or one of several forms of it with the keys of all of them; or what stands in place of it."""
         forms = spec.forms if isinstance(spec, OneOf) else (spec,)
         fields: dict[str, list[Field]] = {}
+        rules = []
         for form in forms:
-            for key, field in form.fields.items():
-                for name in _spellings(key, field):
-                    fields.setdefault(name, []).append(field)
-        rules = [_rules(form) for form in forms]
-        if len(forms) > 1:
-            names = [[name for key, field in form.fields.items() for name in _spellings(key, field)] for form in forms]
-            own = [{**its, "propertyNames": {"enum": known}} for its, known in zip(rules, names, strict=True)]
-            rules = [{"anyOf": own}]
+            # `true` is what YAML 1.1 makes of `on`
+            names = {key: [key, *(word for word in its.also if word != "true")] for key, its in form.fields.items()}
+            for key, spelt in names.items():
+                for name in spelt:
+                    fields.setdefault(name, []).append(form.fields[key])
+            needed = [names[key] for key in form.fields if key in form.required()]
+            rule = {
+                "required": [spelt[0] for spelt in needed if len(spelt) == 1],
+                "anyOf": [{"required": [name]} for spelt in needed if len(spelt) > 1 for name in spelt],
+                "minProperties": int(form.at_least_one),
+                "propertyNames": {"enum": [name for spelt in names.values() for name in spelt]} if forms[1:] else {},
+            }
+            rules.append({key: its for key, its in rule.items() if its})
         properties = {name: self._property(same) for name, same in fields.items()}
-        found = {"type": "object", "properties": properties, "additionalProperties": False, **rules[0]}
+        own = rules[0] if len(rules) == 1 else {"anyOf": rules}
+        found = {"type": "object", "properties": properties, "additionalProperties": False, **own}
         others = [form.other for form in forms if form.other]
         return {"anyOf": [*map(self.of, others), found]} if others else found
 
@@ -203,20 +210,3 @@ class _Schemas:
         text = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*({units})\s*$"}
         title = f"{kind} ({listed(UNITS[kind])}; a bare number is in {bare})"
         return {"title": title, "anyOf": [self.named("number", lambda: _BARE), text]}
-
-
-def _spellings(key: str, field: Field) -> list[str]:
-    """A key and what is taken for it; `true` is what YAML 1.1 makes of `on`."""
-    return [key, *(word for word in field.also if word != "true")]
-
-
-def _rules(form: Mapping) -> Schema:
-    """Which keys a form of a mapping must have."""
-    needed = [_spellings(key, form.fields[key]) for key in form.fields if key in form.required()]
-    required = [names[0] for names in needed if len(names) == 1]
-    either = [{"required": [name]} for names in needed if len(names) > 1 for name in names]
-    return {
-        **({"required": required} if required else {}),
-        **({"anyOf": either} if either else {}),
-        **({"minProperties": 1} if form.at_least_one else {}),
-    }

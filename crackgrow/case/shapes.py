@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Final
 
@@ -43,13 +44,24 @@ class DrawnRing:
         return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class BodyShape:
     """Geometry of a body whose shape has no fault."""
 
     name: str
     rings: tuple[DrawnRing, ...]  # the outline, then the holes
-    polygon: Polygon
+
+    @cached_property
+    def polygon(self) -> Polygon:
+        """The body as a shape."""
+        polygon = Polygon(self.outline, [ring.points for ring in self.rings[1:]])
+        shapely.prepare(polygon)
+        return polygon
+
+    @cached_property
+    def side_tree(self) -> shapely.STRtree:
+        """Its sides in their order."""
+        return shapely.STRtree(shapely.linestrings(self.sides))
 
     @property
     def outline(self) -> Floats:
@@ -87,11 +99,6 @@ class BodyShape:
         return tuple(dict.fromkeys(name for ring in self.rings for name in ring.edge_names))
 
 
-def body_shape(name: str, rings: list[DrawnRing]) -> BodyShape:
-    """Return the geometry of a body with these rings."""
-    return BodyShape(name, tuple(rings), Polygon(rings[0].points, [ring.points for ring in rings[1:]]))
-
-
 def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodyShape | None:
     """Return the geometry of a body, or None after reporting why it has none."""
     key: Path = ("bodies", name, "shape")
@@ -116,7 +123,7 @@ def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodySha
         return None
     if "edges" in body and report.sound("bodies", name, "edges"):
         rings[0] = _renamed(rings[0], body, ("bodies", name, "edges"), report)
-    return body_shape(name, rings)
+    return BodyShape(name, tuple(rings))
 
 
 def without_repeats(points: Floats, *, closed: bool, smallest: float = 0.0) -> NDArray[np.int64]:
