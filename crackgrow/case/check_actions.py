@@ -197,12 +197,8 @@ def check_loads(scene: Scene) -> Faults:
         if set(load.get("interface", ())) in bonded:
             why = "no fluid gets between faces that never part; give it a law of contact"
             yield (*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}"
-        same = [
-            its
-            for n, its in scene.listed("loads")
-            if n <= index and "crack" in load and its.get("crack") == load["crack"]
-        ]
-        if len(same) > 1 and any("volume" in its for its in same):
+        fluids = [its for n, its in scene.listed("loads") if n <= index and its.get("crack") == load.get("crack", "")]
+        if len(fluids) > 1 and any("volume" in its for its in fluids):
             why = "the volume of a fluid gives its pressure, so it is the only fluid there"
             yield (*key, "crack"), f"crack '{load['crack']}' has a fluid already; {why}"
         if places is not None:

@@ -35,6 +35,14 @@ from crackgrow.case.units import UNITS, QuantityError
 MOST_CORNERS: Final = 5000  # of an outline; a disk has 360
 MOST_LINES: Final = 1000  # of a set of cracks
 
+MOST_TURN: Final = np.deg2rad(1.0)  # rad, from one segment to the next in the middle of a curve
+LEAST_TURN: Final = np.deg2rad(0.5)  # rad, at its ends: K of a half circle is within 1e-3
+NEAR_END: Final = 0.1  # of its length: so near to an end segments turn by less, in proportion to the distance from it
+STRAIGHT: Final = 0.01  # segments that a part of a curve would have: with less it is straight
+FEWEST: Final = 3  # segments of an arc, or between two places of a spline
+SAMPLES: Final = 4000  # steps along a curve at which its direction is taken
+FEWEST_SAMPLES: Final = 20  # the same between two places of a spline
+
 Corners = list[list[float]]  # m, not closed
 
 TEXTS: Final = (".geojson", ".json", ".wkt")
@@ -149,8 +157,7 @@ def _file_points(value: Resolved, path: Path, context: Context) -> object:
 def _traces(file: GivenFile, value: Mapping[str, Any], context: Context) -> list[Feature]:
     """The lines of a map that `where` wants, in its order, in m of the case; raises ContentError and QuantityError."""
     features, unit = features_of(file.path, value.get("units"), value.get("layer"), value.get("columns"))
-    for name, wanted in value.get("where", {}).items():
-        words = wanted if isinstance(wanted, list) else [wanted]
+    for name, words in value.get("where", {}).items():
         there = attribute(features, name)
         features = [feature for feature, word in zip(features, there, strict=True) if word in words]
         if not features:
@@ -200,15 +207,6 @@ def _polygon_of(file: GivenFile) -> shapely.Polygon:
     if not parts[0].is_valid:
         raise ContentError(f"holds a polygon that is not valid: {clean(shapely.is_valid_reason(parts[0]))}")
     return parts[0]
-
-
-MOST_TURN: Final = np.deg2rad(1.0)  # rad, from one segment to the next in the middle of a curve
-LEAST_TURN: Final = np.deg2rad(0.5)  # rad, at its ends: K of a half circle is within 1e-3
-NEAR_END: Final = 0.1  # of its length: so near to an end segments turn by less, in proportion to the distance from it
-STRAIGHT: Final = 0.01  # segments that a part of a curve would have: with less it is straight
-FEWEST: Final = 3  # segments of an arc, or between two places of a spline
-SAMPLES: Final = 4000  # steps along a curve at which its direction is taken
-FEWEST_SAMPLES: Final = 20  # the same between two places of a spline
 
 
 def curve_points(value: Resolved, path: Path, context: Context) -> object:

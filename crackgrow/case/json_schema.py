@@ -20,7 +20,7 @@ from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.report import listed
 from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Measured, Reference, Switch, Text, Words
 from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
-from crackgrow.case.units import LARGEST, SMALLEST, UNITS
+from crackgrow.case.units import LARGEST, SMALLEST, UNITS, Units
 
 Schema = dict[str, Any]
 
@@ -42,15 +42,6 @@ _BARE: Final[Schema] = {
     "not": {"exclusiveMinimum": -_NEAR_ZERO, "exclusiveMaximum": _NEAR_ZERO, "not": {"const": 0}},
 }
 """A number that is physical in some unit: not .nan, which no bound refuses, and 0 or far from it."""
-
-_BARE_UNITS: Final = {
-    "length": "units.length",
-    "stress": "units.stress",
-    "toughness": "units.stress sqrt(m), where units.length is m",
-    "stiffness": "units.stress / units.length",
-    "area": "units.length^2",
-}
-"""What a bare number of a kind is in, where the case chooses it."""
 
 
 def case_schema() -> str:
@@ -206,7 +197,7 @@ class _Schemas:
     def _quantity(self, kind: str) -> Schema:
         """A bare number, whose unit is another key's business, or a text of a number and a unit."""
         units = "|".join(re.escape(unit) for unit in UNITS[kind])
-        bare = _BARE_UNITS.get(kind, next(iter(UNITS[kind])))
+        bare = Units("units.length", "units.stress").of(kind) + ", in m" * (kind == "toughness")
         text = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*({units})\s*$"}
         title = f"{kind} ({listed(UNITS[kind])}; a bare number is in {bare})"
         return {"title": title, "anyOf": [self.named("number", lambda: _BARE), text]}

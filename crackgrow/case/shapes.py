@@ -212,7 +212,7 @@ def _renamed(ring: DrawnRing, body: Resolved, key: Path, report: Report) -> Draw
     holes = [HOLE.format(k) for k in range(len(body["shape"].get("holes", ())))]
     for name, numbers in body["edges"].items():
         where = (*key, name)
-        given = [str(number) for number in (numbers if isinstance(numbers, list) else [numbers])]
+        given = list(map(str, numbers))
         strange = [number for number in given if number not in names]
         taken = [number for number in given if number in names and names[number] != number]
         if name.isdecimal() or name in holes:

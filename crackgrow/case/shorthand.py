@@ -26,6 +26,10 @@ from crackgrow.case.touching import divided, lies_on
 from crackgrow.errors import CaseError
 from crackgrow.vectors import cross, outward_normals
 
+KEY: Final = "supports"
+BALANCED: Final = 1e-4  # of all forces together; what the loads leave over is less
+GAUSS_POINTS: Final = 8  # on the loaded part of a side
+
 Run = tuple[Resolved, float, float]
 """What is held along an edge, and from where to where (m) as it was drawn."""
 
@@ -117,11 +121,6 @@ def _places(edge: Edge, start: float, end: float) -> list[float]:
     axis = "xy".index(edge.measure)
     first, last = (float(point[axis]) for point in (edge.ends[0, 0], edge.ends[-1, 1]))
     return sorted(first + math.copysign(along, last - first) for along in (start, end))
-
-
-KEY: Final = "supports"
-BALANCED: Final = 1e-4  # of all forces together; what the loads leave over is less
-GAUSS_POINTS: Final = 8  # on the loaded part of a side
 
 
 def settle_supports(scene: Scene) -> Faults:
