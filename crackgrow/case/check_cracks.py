@@ -25,7 +25,13 @@ from crackgrow.case.shapes import BodyShape
 def check_cracks(scene: Scene) -> Faults:
     """Report cracks that are too short, leave their body or run along its boundary, or meet others not as allowed."""
     names = [name for name, points in scene.cracks.items() if len(points) > 1]
-    yield from _too_short(scene)
+    spacing = scene.get("numerics", "spacing") or 0.0
+    for name, points in scene.cracks.items():
+        length = line_length(points)
+        if len(points) < 2:
+            yield _path(name), "has no length: at least two different points are wanted"
+        elif length < SMALLEST * spacing:
+            yield _path(name), f"length {scene.length(length)} is less than {smallest(scene, spacing)}"
     segments = segments_of([scene.cracks[name] for name in names])
     pairs = close_segments(segments, scene.tolerance)
     if len(pairs) > MOST_PAIRS:
@@ -66,17 +72,6 @@ def check_cracks(scene: Scene) -> Faults:
 
 def _path(name: str) -> Path:
     return "cracks", name, "path"
-
-
-def _too_short(scene: Scene) -> Faults:
-    """Report cracks without length, and cracks that are less than the smallest cells."""
-    spacing = scene.get("numerics", "spacing") or 0.0
-    for name, points in scene.cracks.items():
-        length = line_length(points)
-        if len(points) < 2:
-            yield _path(name), "has no length: at least two different points are wanted"
-        elif length < SMALLEST * spacing:
-            yield _path(name), f"length {scene.length(length)} is less than {smallest(scene, spacing)}"
 
 
 def _meets_itself(scene: Scene, segments: Segments, pair: Ints) -> str:

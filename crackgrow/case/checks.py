@@ -208,8 +208,13 @@ def check_interfaces(scene: Scene) -> Faults:
                 sound = scene.report.sound("interfaces", index) and scene.lines_between(*pair)
                 if sound and "cracked" in interface and (fault := _fault_of_crack(scene, interface)):
                     yield ("interfaces", index, "cracked"), fault
-                if sound and "toughness" in interface and (fault := _fault_of_toughness(scene, interface)):
-                    yield ("interfaces", index, "toughness"), fault
+                tough, law = sound and "toughness" in interface, scene.get("growth", "law")
+                if tough and interface["contact"] == "bonded":
+                    why = "so that this has no law; give it a law of contact"
+                    yield ("interfaces", index, "toughness"), f"lets a bond part, and the interface is bonded, {why}"
+                elif tough and law not in (None, "critical"):
+                    why = f"not at a rate; wanted with growth.law: {law}: leave it out"
+                    yield ("interfaces", index, "toughness"), f"lets a tip grow at G = G_c, {why}"
     if isinstance(listing, list) and clear == len(listing):  # else the missing one may be that which cannot be read
         for first, second in scene.shared:
             if frozenset((first, second)) not in seen:
@@ -259,13 +264,4 @@ def _fault_of_crack(scene: Scene, interface: Resolved) -> str:
                 if abs(np.arctan2(cross(step, next_step), step @ next_step)) > STRAIGHT:
                     where = scene.point(behind[0])
                     return f"an end of the cracked part {where} lies on a corner of the interface; wanted: beside it"
-    return ""
-
-
-def _fault_of_toughness(scene: Scene, interface: Resolved) -> str:
-    """What is wrong with the toughness of an interface, in words; empty where nothing is."""
-    if interface["contact"] == "bonded":
-        return "lets a bond part, and the interface is bonded, so that this has no law; give it a law of contact"
-    if (law := scene.get("growth", "law")) not in (None, "critical"):
-        return f"lets a tip grow at G = G_c, not at a rate; wanted with growth.law: {law}: leave it out"
     return ""

@@ -29,12 +29,7 @@ class _Dumper(yaml.SafeDumper):
         return True
 
 
-def _on_map(dumper: _Dumper, value: Coordinate) -> yaml.ScalarNode:
-    """A coordinate as the map has it, with all its digits."""
-    return dumper.represent_scalar("tag:yaml.org,2002:float", value.text)
-
-
-_Dumper.add_representer(Coordinate, _on_map)
+_Dumper.add_representer(Coordinate, lambda its, value: its.represent_scalar("tag:yaml.org,2002:float", value.text))
 _Dumper.add_representer(MapFormula, _Dumper.represent_str)
 
 

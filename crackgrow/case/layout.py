@@ -16,7 +16,7 @@ from crackgrow.case.model import Cut, EdgeRegion, Move
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import line_length, segments_of
 from crackgrow.case.shapes import BodyShape, Resolved, direction_of, shape_of, without_repeats
-from crackgrow.case.touching import ITS_OWN, SNAP, close_pairs, overlap, shared_lines, size_of, snapped_bodies
+from crackgrow.case.touching import ITS_OWN, SNAP, overlap, shared_lines, size_of, snapped_bodies
 from crackgrow.case.toughness import BY_K, MODE_I, radius_of, shear_radius_of
 from crackgrow.case.units import UNITS, Units
 
@@ -221,7 +221,9 @@ def _place(scene: Scene, shapes: list[BodyShape]) -> None:
             scene.report.fault(("bodies", body.name, "shape"), message)
     bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
     scene.bodies.update((body.name, body) for body in bodies)
-    for first, second in [(bodies[one], bodies[other]) for one, other in close_pairs(bodies, scene.tolerance)]:
+    polygons = np.array([body.polygon for body in bodies], dtype=object)
+    pairs = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=scene.tolerance).T.tolist()
+    for first, second in [(bodies[one], bodies[other]) for one, other in sorted(pairs) if one < other]:
         place = overlap(first, second, scene.tolerance)
         if place is not None:
             message = f"overlaps body '{first.name}', such as at {scene.point(place)}"

@@ -125,7 +125,8 @@ class Mapping:
             if self.read_as is list or listed is INVALID:
                 return listed
             return dict(zip(self.fields, listed, strict=True))
-        if self.short and self._is_short(node):
+        stands_alone = Scalar if self.short and isinstance(self.other, Numeric | Words) else Listing
+        if self.short and isinstance(node, stands_alone) and not (isinstance(node, Scalar) and node.is_null):
             node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
@@ -149,12 +150,6 @@ class Mapping:
         if self.at_least_one and not any(key in self.fields for key in node.entries):
             context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
         return list(values.values()) if self.read_as is list else values
-
-    def _is_short(self, node: Node) -> bool:
-        """Whether a node stands for the value of the `short` key."""
-        if isinstance(self.fields[self.short].spec, Numeric | Words):
-            return isinstance(node, Scalar) and not node.is_null
-        return isinstance(node, Listing)
 
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""

@@ -161,7 +161,13 @@ def _part_lengths(kind: Kind, verb: str, rims: Rims, regions: Sequence[EdgeRegio
         first_side = 0
         for name, ring in zip(_names(rings), rings, strict=True):
             lengths = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
-            places = [places for region in mine for places in _intervals(region, first_side, lengths)]
+            begin = np.concatenate([[0.0], np.cumsum(lengths)])
+            places = [
+                (float(begin[side] + low * lengths[side]), float(begin[side] + high * lengths[side]))
+                for region in mine
+                for side, (low, high) in zip((region.sides - first_side).tolist(), region.limits.tolist(), strict=True)
+                if 0 <= side < len(lengths)
+            ]
             first_side += len(lengths)
             twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))  # a part may lead past the first corner
             for start, end in _united(sorted(places), float(lengths.sum())):
@@ -261,14 +267,6 @@ def _is_in_rock(link: shapely.LineString, region: shapely.Polygon) -> bool:
     """Whether a line between two places of a rim leads through rock, and not along the rim."""
     inside = shapely.distance(region.boundary, link.interpolate(0.5, normalized=True)) > (1.0 - IN_ROCK) * link.length
     return bool(inside and shapely.length(shapely.intersection(region, link)) > IN_ROCK * link.length)
-
-
-def _intervals(region: EdgeRegion, first_side: int, lengths: Floats) -> Iterator[tuple[float, float]]:
-    """Arc lengths along a ring, whose sides are numbered from `first_side`, between which a region covers it."""
-    begin = np.concatenate([[0.0], np.cumsum(lengths)])
-    for side, (low, high) in zip((region.sides - first_side).tolist(), region.limits.tolist(), strict=True):
-        if 0 <= side < len(lengths):
-            yield float(begin[side] + low * lengths[side]), float(begin[side] + high * lengths[side])
 
 
 def _united(places: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:

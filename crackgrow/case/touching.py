@@ -116,13 +116,6 @@ def _with_corners(ring: DrawnRing, side: Ints, corners: Floats) -> DrawnRing:
     )
 
 
-def close_pairs(bodies: list[BodyShape], tolerance: float) -> list[tuple[int, int]]:
-    """Return the pairs of bodies that come within the tolerance, in order."""
-    polygons = np.array([body.polygon for body in bodies], dtype=object)
-    found = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=tolerance)
-    return sorted((first, second) for first, second in found.T.tolist() if first < second)
-
-
 def overlap(first: BodyShape, second: BodyShape, tolerance: float) -> Floats | None:
     """Return a point `(2,) float` of a common part that is wider than the tolerance, None if there is none."""
     for part in shapely.get_parts(first.polygon.intersection(second.polygon)):
