@@ -53,7 +53,9 @@ def _held_twice(scene: Scene) -> Faults:
         for other, its_body, at, held in seen:
             twice = sorted(held & components)
             if twice and its_body == body and math.dist(point, at) <= scene.tolerance:
-                message = f"{' and '.join(twice)} at {scene.point(point)} is prescribed already by supports.{other}"
+                message = (
+                    f"{' and '.join(twice)} at {scene.units.place(point)} is prescribed already by supports.{other}"
+                )
                 yield ("supports", index, "displacement"), message
                 break
         seen.append((index, body, point, components))
@@ -68,7 +70,7 @@ def _without_value(scene: Scene, key: Path, value: Any, points: Floats) -> Fault
     if isinstance(formula, CoordinateFormula):
         _, nowhere = formula.values(points)
         if nowhere is not None:
-            yield key, f"has no finite value at {scene.point(nowhere)}"
+            yield key, f"has no finite value at {scene.units.place(nowhere)}"
 
 
 def sampled(ends: Floats, parts: Floats = SAMPLES) -> Floats:
@@ -94,7 +96,7 @@ def _free_motions(scene: Scene, body: BodyShape) -> Faults:
     a, b = np.linalg.lstsq(A[:, :2], -A[:, 2], rcond=None)[0]  # of the turn by w = 1 that comes nearest to free
     if np.abs(A @ [a, b, 1.0]).max() <= FREE_MOTION:
         about = body.center + R * np.array([-b, a])
-        free.append(f"rotation about {scene.point(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
+        free.append(f"rotation about {scene.units.place(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
     if free:
         yield ("supports",), f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
 
@@ -159,7 +161,7 @@ def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
         if np.isfinite(apart).all() and np.any(apart > ALIKE * largest):
             worst = int(np.argmax(apart))
             message = (
-                f"{component} at {scene.point(places[worst])} is {scene.length(float(here[worst]))} here and "
+                f"{component} at {scene.units.place(places[worst])} is {scene.length(float(here[worst]))} here and "
                 f"{scene.length(float(there[worst]))} by supports.{other}; a place can be held in one way alone"
             )
             yield ("supports", index, "displacement", component), message

@@ -57,14 +57,14 @@ def check_cracks(scene: Scene) -> Faults:
             if end in scene.tips_of(name) and Point(point).dwithin(body.polygon.boundary, scene.tolerance):
                 edge = _edge_at(scene, body, Point(point))
                 remedy = "put it inside, or leave this end out of `tips`"
-                yield _path(name), f"the tip at the {end} {scene.point(point)} lies on {edge}; {remedy}"
+                yield _path(name), f"the tip at the {end} {scene.units.place(point)} lies on {edge}; {remedy}"
                 refused.add((name, end))
     along = set()
     for k in np.flatnonzero(runs & ~of_one).tolist():
         one, other = (names[line] for line in lines[k])
         if {one, other} <= inside and (one, other) not in along:
             along.add((one, other))
-            shown = " to ".join(scene.point(end) for end in parts[k])
+            shown = " to ".join(scene.units.place(end) for end in parts[k])
             message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
             yield _path(other), message
     yield from _tips(scene, [name for name in names if name in inside], along, refused)
@@ -79,9 +79,9 @@ def _meets_itself(scene: Scene, segments: Segments, pair: Ints) -> str:
     first, second = pair.tolist()
     if second - first == 1:
         vertex = second - int(np.searchsorted(segments.lines, segments.lines[first]))
-        where = scene.point(segments.ends[second, 0])
+        where = scene.units.place(segments.ends[second, 0])
         return f"folds back on itself at vertex {vertex} {where}; end it there"
-    where = scene.point(places_between(segments, pair[None])[0])
+    where = scene.units.place(places_between(segments, pair[None])[0])
     return f"crosses or touches itself at {where}; give it as two cracks, which may meet there"
 
 
@@ -99,7 +99,7 @@ def _tips(scene: Scene, names: list[str], along: set[tuple[str, str]], refused: 
         left = " ".join(end for end in tips if end not in found) or "none"
         for end, host in found.items():
             if end in tips and not {(name, host), (host, name)} & along:
-                where = scene.point(scene.cracks[name][0 if end == "start" else -1])
+                where = scene.units.place(scene.cracks[name][0 if end == "start" else -1])
                 message = f"the tip at the {end} {where} lies on crack '{host}', where it cannot grow"
                 yield _path(name), f"{message}; leave this end out of `tips`: `tips: {left}`"
 
@@ -114,7 +114,7 @@ def _problem(scene: Scene, points: Floats, body: BodyShape, grown: Polygon) -> s
     outside = ~on_edge & ~shapely.contains(body.polygon, vertices)
     last = len(points) - 1
     for index in np.flatnonzero(on_edge | outside).tolist():
-        where = f"{ {0: 'start', last: 'end'}.get(index, f'vertex {index}') } {scene.point(points[index])}"
+        where = f"{ {0: 'start', last: 'end'}.get(index, f'vertex {index}') } {scene.units.place(points[index])}"
         if outside[index]:
             return f"{where} {_outside(scene, body, vertices[index], index in (0, last))}"
         if 0 < index < last:
@@ -122,18 +122,18 @@ def _problem(scene: Scene, points: Floats, body: BodyShape, grown: Polygon) -> s
     found = _along(scene, points, body)
     if found is not None:
         middle = shapely.Point(found.mean(axis=0))
-        shown = " to ".join(scene.point(end) for end in found)
+        shown = " to ".join(scene.units.place(end) for end in found)
         return f"runs along {_edge_at(scene, body, middle)} from {shown}; only an end may lie there"
     if not grown.covers(line):
         left = shapely.points(shapely.get_coordinates(line.difference(grown)))
         first = left[np.argmin(shapely.line_locate_point(line, left))]
         edge = _edge_at(scene, body, first)
-        return f"leaves body '{body.name}' at {scene.point([first.x, first.y])}, through {edge}; end it there"
+        return f"leaves body '{body.name}' at {scene.units.place([first.x, first.y])}, through {edge}; end it there"
     near = body.side_tree.query(line, predicate="dwithin", distance=scene.tolerance)
     for at in body.corners[np.sort(near)]:
         if line.dwithin(Point(at), scene.tolerance) and np.hypot(*(points[[0, -1]] - at).T).min() > scene.tolerance:
             edge = _edge_at(scene, body, Point(at))
-            return f"touches {edge} at {scene.point(at)}; only an end may: give it as two cracks"
+            return f"touches {edge} at {scene.units.place(at)}; only an end may: give it as two cracks"
     return None
 
 

@@ -262,6 +262,6 @@ def _fault_of_crack(scene: Scene, interface: Resolved) -> str:
             if np.hypot(*(before[-1] - behind[0])) <= scene.tolerance:
                 step, next_step = before[-1] - before[-2], behind[1] - behind[0]
                 if abs(np.arctan2(cross(step, next_step), step @ next_step)) > STRAIGHT:
-                    where = scene.point(behind[0])
+                    where = scene.units.place(behind[0])
                     return f"an end of the cracked part {where} lies on a corner of the interface; wanted: beside it"
     return ""

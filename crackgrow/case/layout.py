@@ -129,10 +129,6 @@ class Scene:
         """Write a length in the units of the case."""
         return self.units.show(value, "length")
 
-    def point(self, point: Floats | list[float]) -> str:
-        """Write a point in the units of the case."""
-        return self.units.place(point)
-
     def exact_point(self, point: Floats) -> str:
         """Write a point with as many digits as tell it from what lies within reach of it."""
         return self.units.place(point, EXACT)
@@ -172,12 +168,7 @@ def place_cracks(scene: Scene) -> None:
     for name, points in scene.cracks.items():
         lengths = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
         reach[name] = (min(scene.reach, ITS_OWN * lengths[0]), min(scene.reach, ITS_OWN * lengths[-1]))
-    cracks, moves, _ = joined(
-        scene.cracks,
-        reach,
-        rims_of(scene.bodies.values()),
-        scene.tolerance,
-    )
+    cracks, moves, _ = joined(scene.cracks, reach, rims_of(scene.bodies.values()), scene.tolerance)
     scene.cracks.update(cracks)
     scene.moves.extend(moves)
 
@@ -226,7 +217,7 @@ def _place(scene: Scene, shapes: list[BodyShape]) -> None:
     for first, second in [(bodies[one], bodies[other]) for one, other in sorted(pairs) if one < other]:
         place = overlap(first, second, scene.tolerance)
         if place is not None:
-            message = f"overlaps body '{first.name}', such as at {scene.point(place)}"
+            message = f"overlaps body '{first.name}', such as at {scene.units.place(place)}"
             scene.report.fault(("bodies", second.name, "shape"), message)
         elif lines := shared_lines(first, second, scene.tolerance):
             scene.shared[first.name, second.name] = lines
