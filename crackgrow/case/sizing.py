@@ -140,7 +140,8 @@ def feature_lengths(body: str, rings: Sequence[Floats], origin: tuple[float, flo
     nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
     for (first, second), apart in sorted(nearest.items()):
         what = f"rock between {names[first]} and {names[second]} of body '{body}'"
-        yield Length("bridge", apart, what, _ends(shapely.shortest_line(lines[first], lines[second])))
+        link = shapely.shortest_line(lines[first], lines[second])
+        yield Length("bridge", apart, what, shapely.MultiPoint(link.coords))
     region = shapely.Polygon(rings[0], rings[1:])
     shapely.prepare(region)
     for name, line, width in zip(names, lines, widths, strict=True):
@@ -183,11 +184,6 @@ def stretches(line: Floats) -> tuple[Ints, Floats]:
     sharp = 1 + np.flatnonzero(np.abs(turns) > SHARP_KINK)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
     return sharp, np.diff(along[np.concatenate([[0], sharp, [len(line) - 1]])])
-
-
-def _ends(link: shapely.LineString) -> shapely.MultiPoint:
-    """Both ends of a line between two rims."""
-    return shapely.MultiPoint(shapely.get_coordinates(link))
 
 
 def _names(rings: Sequence[Floats]) -> list[str]:
@@ -259,7 +255,7 @@ def _bridges(
         for link in np.flatnonzero(lengths >= least)[np.argsort(lengths[lengths >= least])]:
             if _is_in_rock(links[link], region):
                 what = f"rock beside the corner {place_text(points[corner] + origin)} of {where}"
-                yield Length("bridge", float(lengths[link]), what, _ends(links[link]))
+                yield Length("bridge", float(lengths[link]), what, shapely.MultiPoint(links[link].coords))
                 break
 
 
