@@ -143,16 +143,8 @@ def _measure(ends: Floats, given: Floats, is_arc: bool, tolerance: float) -> tup
     return "distance", (0.0, float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum()))
 
 
-@dataclass(frozen=True, slots=True)
-class Along:
-    """A place on an edge that is not known yet; a bare number can be either, the other one is None."""
-
-    length: float | None  # m
-    angle: float | None  # degrees
-
-
 class PlaceOnEdge(Numeric):
-    """A length or an angle, a bare number in the length unit of the case or in degrees."""
+    """A length or an angle, as text: which of them a bare number is, the edge tells."""
 
     def describe(self) -> str:
         return "a length, or an angle on an arc"
@@ -161,14 +153,10 @@ class PlaceOnEdge(Numeric):
         named = " | ".join((*UNITS["length"], *UNITS["angle"]))
         return f" ({named}; a bare number means {context.units.length} or deg)"
 
-    def parse(self, text: str, context: Context) -> Along:
-        """The place; raises QuantityError."""
-        values: list[float | None] = []
-        for kind in ("length", "angle"):
-            try:
-                values.append(parse_quantity(text, kind, context.units))
-            except QuantityError:
-                if values == [None]:
-                    raise
-                values.append(None)
-        return Along(*values)
+    def parse(self, text: str, context: Context) -> str:
+        """The text; raises QuantityError where it is neither of them."""
+        try:
+            parse_quantity(text, "length", context.units)
+        except QuantityError:
+            parse_quantity(text, "angle", context.units)
+        return text

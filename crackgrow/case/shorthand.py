@@ -6,7 +6,6 @@ The outline of all rock is held or loaded as a whole: outer rings of bodies, as 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Iterator
 from itertools import pairwise
 from typing import Any, Final
@@ -19,7 +18,7 @@ from crackgrow.case.check_regions import knows
 from crackgrow.case.format import FORMAT, MINIMAL
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction, FarField
-from crackgrow.case.regions import Along, Edge, EdgeRegion, edge_of, ends_of
+from crackgrow.case.regions import Edge, EdgeRegion, edge_of, ends_of
 from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.touching import divided, lies_on
@@ -91,8 +90,8 @@ def _held(
             if not whole and edge.measure == "angle":
                 scene.report.fault((*key, "outline"), f"{what} lies partly on another body: give a list of supports")
                 return
-            places = () if whole else _places(edge, start, end)
-            part = {key: Along(place, None) for key, place in zip(("from", "to"), places, strict=False)}
+            places = () if whole else _places(scene, edge, start, end)
+            part = dict(zip(("from", "to"), places, strict=False))
             yield {"on": {"body": body.name, "edge": name, **part}, "displacement": held}
 
 
@@ -114,13 +113,13 @@ def _runs(scene: Scene, edge: Edge, parts: list[tuple[int, float, float]], fixed
     return runs
 
 
-def _places(edge: Edge, start: float, end: float) -> list[float]:
+def _places(scene: Scene, edge: Edge, start: float, end: float) -> list[float]:
     """From where to where on an edge, m, by its own measure, a part between two distances (m) from its begin is."""
     if edge.measure == "distance":
         return [start, end]
-    axis = "xy".index(edge.measure)
-    first, last = (float(point[axis]) for point in (edge.ends[0, 0], edge.ends[-1, 1]))
-    return sorted(first + math.copysign(along, last - first) for along in (start, end))
+    first, step = edge.ends[0, 0], edge.ends[-1, 1] - edge.ends[0, 0]
+    places = [first + along * step / np.hypot(*step) for along in (start, end)]
+    return sorted(scene.units.coordinates(place)["xy".index(edge.measure)] for place in places)
 
 
 def settle_supports(scene: Scene) -> Faults:
