@@ -10,7 +10,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_regions import knows, lines_of
-from crackgrow.case.formula import CoordinateFormula, component_of
+from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
@@ -66,9 +66,8 @@ def _without_value(scene: Scene, key: Path, value: Any, points: Floats) -> Fault
     parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for part, component in parts:
         yield from _without_value(scene, (*key, part), component, points)
-    formula = component_of(value) if isinstance(value, str) else None
-    if isinstance(formula, CoordinateFormula):
-        _, nowhere = formula.values(points)
+    if isinstance(value, CoordinateFormula):
+        _, nowhere = value.values(points)
         if nowhere is not None:
             yield key, f"has no finite value at {scene.units.place(nowhere)}"
 
@@ -167,11 +166,10 @@ def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
             yield ("supports", index, "displacement", component), message
 
 
-def _values(value: float | str, places: Floats | None) -> Floats:
+def _values(value: float | CoordinateFormula, places: Floats | None) -> Floats:
     """Displacements (n,) m at places (n, 2) m, finite or not."""
-    component = component_of(value)
     assert places is not None  # its edge is known
-    return component.values(places)[0] if isinstance(component, CoordinateFormula) else np.full(len(places), value)
+    return value.values(places)[0] if isinstance(value, CoordinateFormula) else np.full(len(places), value)
 
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:

@@ -148,8 +148,7 @@ def _critical(scene: Scene) -> Faults:
     supports, free = scene.resolved["supports"], [its for its in scene.resolved["loads"] if not its.get("held", False)]
     sizes = [next(load[key] for key in LOADS if key in load) for load in free]
     sizes += [[*its.get("displacement", {}).values(), *its.get("moves", [])] for its in supports]
-    # a formula counts as a load
     parts = [part for size in sizes for part in (size if isinstance(size, list) else [size])]
-    if not any(isinstance(part, str) or part != 0.0 for part in parts):
+    if not any(part != 0.0 for part in parts):
         message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"
         yield ("loading",), f"{message} held or zero: no load factor changes anything; leave out `held`"

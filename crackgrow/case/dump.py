@@ -13,7 +13,6 @@ import numpy as np
 import yaml
 
 from crackgrow.case.format import CASE, FORMAT
-from crackgrow.case.formula import MapFormula
 from crackgrow.case.load import REDUCTION, read_case
 from crackgrow.case.model import Case, CriticalLoad
 from crackgrow.case.units import Coordinate, Metres, place_text
@@ -30,7 +29,6 @@ class _Dumper(yaml.SafeDumper):
 
 
 _Dumper.add_representer(Coordinate, lambda its, value: its.represent_scalar("tag:yaml.org,2002:float", value.text))
-_Dumper.add_representer(MapFormula, _Dumper.represent_str)
 
 
 def dump_case(case: Case) -> str:

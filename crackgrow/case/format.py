@@ -20,7 +20,7 @@ import yaml
 
 from crackgrow.arrays import frozen
 from crackgrow.case.drawings import File
-from crackgrow.case.formula import OrFormula, component_of
+from crackgrow.case.formula import OrFormula
 from crackgrow.case.overrides import OfFile
 from crackgrow.case.reader import Listing, Node, Scalar, Table
 from crackgrow.case.regions import PlaceOnEdge
@@ -127,19 +127,14 @@ class Format:
         if isinstance(value, dict) and cls is not None:
             return self.made(cls, value)
         if isinstance(spec, Mapping) and spec.read_as:
-            parts = [value.get(key) for key in spec.fields] if isinstance(value, dict) else value
-            return tuple(None if part is None else component_of(part) for part in parts)
+            return tuple(map(value.get, spec.fields) if isinstance(value, dict) else value)
         if isinstance(spec, Mapping):  # of keys that are no fields
             parts = tuple(value[key] for key in spec.fields)
             return parts if len(parts) > 1 else parts[0]
         if isinstance(spec, Words) and bool in kinds:
             return value == spec.words[1]
-        if isinstance(spec, OrFormula):
-            return component_of(value)
         if isinstance(spec, ListOf):
-            if any(get_origin(kind) is np.ndarray for kind in kinds):
-                return frozen(value)
-            return tuple(component_of(part) if isinstance(spec.spec, OrFormula) else part for part in value)
+            return frozen(value) if any(get_origin(kind) is np.ndarray for kind in kinds) else tuple(value)
         return value
 
     def written(self, instance: Any) -> Resolved:

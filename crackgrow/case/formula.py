@@ -49,12 +49,6 @@ class FormulaError(QuantityError):
     """A text that is no formula; the message says why."""
 
 
-class MapFormula(str):
-    """The text of a formula whose x and y are those of a map."""
-
-    origin: tuple[float, float]  # m, of the case on the map
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class CoordinateFormula:
     """A value as a function of the place; made by `parse_formula` only, so that the text is known to be one."""
@@ -88,11 +82,6 @@ class CoordinateFormula:
             values = np.array(np.broadcast_to(_function_of(self.text)(x, y), x.shape), dtype=float)
         finite = np.isfinite(values)
         return values, None if finite.all() else points[int(np.argmin(finite))]
-
-
-def component_of(value: float | str) -> Component:
-    """A component of a resolved case: a number, or the text of a formula."""
-    return CoordinateFormula(str(value), getattr(value, "origin", (0.0, 0.0))) if isinstance(value, str) else value
 
 
 def component_at(component: Component, places: Floats) -> Floats:
@@ -134,17 +123,14 @@ class OrFormula(Numeric):
     def hint(self, context: Context) -> str:
         return Measured(self.kind).hint(context)
 
-    def parse(self, text: str, context: Context) -> float | str:
-        """The float in SI, or the text of the formula in SI; raises QuantityError, of which FormulaError is one."""
+    def parse(self, text: str, context: Context) -> Component:
+        """The float or the formula, in SI; raises QuantityError, of which FormulaError is one."""
         if is_number(text) or _QUANTITY.fullmatch(text):
             return Measured(self.kind).parse(text, context)
         formula = parse_formula(text, *(float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind)))
         if is_number(formula):
             return parse_number(formula)
-        if context.units.origin is not None:
-            formula = MapFormula(formula)
-            formula.origin = context.units.origin
-        return formula
+        return CoordinateFormula(formula, context.units.origin or (0.0, 0.0))
 
 
 def _checked(text: str) -> str:
