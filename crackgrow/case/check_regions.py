@@ -70,7 +70,7 @@ def _region(scene: Scene, key: Path, on: dict[str, Any]) -> Faults:
     if scene.report.sound(*key):
         yield from _part(scene, key, on, edge)
     if scene.report.sound(*key):
-        scene.regions[key] = region_of(body, on, scene.tolerance)
+        scene.regions[key] = region_of(body, edge, on)
 
 
 def _settle(scene: Scene, key: Path, on: dict[str, Any], end: str, edge: Edge) -> Faults:

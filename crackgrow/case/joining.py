@@ -97,8 +97,8 @@ def _runs_along(line: LineString, part: tuple[float, float], thing: Thing, toler
 
 def joined(
     cracks: Mapping[str, Floats], tolerances: Mapping[str, tuple[float, float]], fixed: Sequence[Thing], same: float
-) -> tuple[dict[str, Floats], list[Move], set[tuple[str, str]]]:
-    """Cracks (n, 2) m whose ends lie on what they come near to; what moved, and all ends that lie on something.
+) -> tuple[dict[str, Floats], list[Move]]:
+    """Cracks (n, 2) m whose ends lie on what they come near to; a move, perhaps by nothing, of each such end.
 
     tolerances: how near (m), of start and end
     same: m, what is nearer lies there already
@@ -112,7 +112,7 @@ def joined(
     names = list(lines)
     ends = [(number, end) for number in range(len(names)) for end in ("start", "end")]
     if not ends:
-        return dict(cracks), [], set()
+        return dict(cracks), []
     reach = np.concatenate([tolerances[name] for name in names])
     points = shapely.points(np.concatenate([lines[name][[0, -1]] for name in names]))
     near: list[list[int]] = [[] for _ in ends]
@@ -139,7 +139,7 @@ def joined(
         place, before = (of[name][0 if which == "start" else -1] for of in (lines, cracks))
         what = f"the {which} of crack '{name}'"
         moves.append(Move(what, onto, float(np.hypot(*(place - before))), tuple(place.tolist()), (name, which)))
-    return {name: frozen(lines.get(name, points)) for name, points in cracks.items()}, moves, set(found)
+    return {name: frozen(lines.get(name, points)) for name, points in cracks.items()}, moves
 
 
 def _ended(line: Floats, near: Sequence[Thing], tolerance: float, same: float) -> tuple[Floats, str] | None:

@@ -168,7 +168,7 @@ def place_cracks(scene: Scene) -> None:
     for name, points in scene.cracks.items():
         lengths = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
         reach[name] = (min(scene.reach, ITS_OWN * lengths[0]), min(scene.reach, ITS_OWN * lengths[-1]))
-    cracks, moves, _ = joined(scene.cracks, reach, rims_of(scene.bodies.values()), scene.tolerance)
+    cracks, moves = joined(scene.cracks, reach, rims_of(scene.bodies.values()), scene.tolerance)
     scene.cracks.update(cracks)
     scene.moves.extend(moves)
 

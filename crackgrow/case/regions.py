@@ -11,7 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Bools, Floats, Ints, frozen
 from crackgrow.case.scalars import Context, Numeric
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.units import UNITS, QuantityError, parse_quantity
@@ -111,17 +111,15 @@ def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
     return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
-def region_of(body: BodyShape, on: Resolved, tolerance: float) -> EdgeRegion:
-    """Return the edge `on` names, or its part between `from` and `to` (m, degrees on an arc), which lie on it."""
-    edge = edge_of(body, on["edge"], tolerance)
+def region_of(body: BodyShape, edge: Edge, on: Resolved) -> EdgeRegion:
+    """Return the part of an edge between the places `from` and `to` of `on` (m, degrees on an arc), which lie on it."""
     places = (on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
     parts = edge.parts(*sorted(map(edge.along, places)))
     if edge.backwards:
         parts = [(side, 1.0 - end, 1.0 - start) for side, start, end in reversed(parts)]
-    sides, limits = np.array([part[0] for part in parts], dtype=np.int64), np.array([part[1:] for part in parts])
+    sides = np.array([side for side, *_ in parts], dtype=np.int64)
     sides.setflags(write=False)
-    limits.setflags(write=False)
-    return EdgeRegion(body.name, on["edge"], sides, limits)
+    return EdgeRegion(body.name, on["edge"], sides, frozen([limits for _, *limits in parts]))
 
 
 def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
