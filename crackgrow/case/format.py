@@ -282,7 +282,7 @@ FORMAT: Final[Format] = format_of(
     },
     wrapped={
         "Units": lambda mapping: UnitsOfCase(mapping.fields, part=mapping.part),
-        "Displacement": lambda mapping: replace(mapping, at_least_one=True, read_as=dict),
+        "Displacement": lambda mapping: replace(mapping, read_as=dict),
         "Traction": lambda mapping: replace(mapping, read_as=list),
     },
 )

@@ -150,7 +150,7 @@ class _Schemas:
             rule = {
                 "required": [spelt[0] for spelt in needed if len(spelt) == 1],
                 "anyOf": [{"required": [name]} for spelt in needed if len(spelt) > 1 for name in spelt],
-                "minProperties": int(form.at_least_one),
+                "minProperties": int(form.read_as is dict),
                 "propertyNames": {"enum": [name for spelt in names.values() for name in spelt]} if forms[1:] else {},
             }
             rules.append({key: its for key, its in rule.items() if its})

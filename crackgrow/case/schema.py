@@ -79,14 +79,12 @@ class Mapping:
     """A mapping with known keys.
 
     fields: what each key takes, in the order of the resolved case.
-    at_least_one: whether an empty mapping is a fault although no key is required.
     short: the key that a value stands for in place of the mapping; empty: none.
     part: its name in the format.
-    read_as: of a vector, which is a list of all components or a mapping that may lack some: which of them it becomes.
+    read_as: of a vector what it becomes: a list of all components, or a mapping that lacks some, but not all.
     """
 
     fields: AnyMapping[str, Field]
-    at_least_one: bool = False
     short: str = ""
     part: str = ""
     read_as: type | None = None
@@ -113,10 +111,6 @@ class Mapping:
     def required(self) -> set[str]:
         """The keys that must be given."""
         return {key for key, field in self.fields.items() if field.default is REQUIRED}
-
-    def defaults(self) -> dict[str, object]:
-        """Return what the mapping holds if no key is given; only for mappings without required keys."""
-        return {key: _default(field) for key, field in self.fields.items() if field.default is not OPTIONAL}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
@@ -145,9 +139,11 @@ class Mapping:
                     context.report.fault(inner, f"missing: {wanted.doc} ({wanted.spec.describe()})")
             elif isinstance(wanted.default, Same):
                 values[key] = values.get(wanted.default.key, INVALID)
+            elif wanted.default is BY_PARTS:
+                values[key] = wanted.spec.read(Table({}, node.place), inner, context)
             elif wanted.default is not OPTIONAL:
-                values[key] = _default(wanted)
-        if self.at_least_one and not any(key in self.fields for key in node.entries):
+                values[key] = deepcopy(wanted.default)
+        if self.read_as is dict and not any(key in self.fields for key in node.entries):
             context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
         return list(values.values()) if self.read_as is list else values
 
@@ -178,10 +174,6 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
     if not spellings.keys() & node.entries.keys():
         return node
     return Table({spellings.get(key, key): entry for key, entry in node.entries.items()}, node.place)
-
-
-def _default(wanted: Field) -> object:
-    return wanted.spec.defaults() if wanted.default is BY_PARTS else deepcopy(wanted.default)
 
 
 @dataclass(frozen=True, slots=True)
