@@ -26,7 +26,7 @@ from crackgrow.case.reader import Listing, Node, Scalar, Table
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.report import Path
 from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Context, Measured, Reference, Spec, Switch, Text, Words
-from crackgrow.case.schema import BY_PARTS, MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
+from crackgrow.case.schema import MOST_ITEMS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
 from crackgrow.case.shapes import Resolved
 from crackgrow.case.units import UNITS, Units, parse_quantity
 
@@ -73,9 +73,7 @@ class Format:
         self, takes: object, doc: str, default: object = "required", more: AnyMapping[str, Any] | None = None
     ) -> Field:
         spec, more = self.spec(takes), more or {}
-        if default == {} and isinstance(spec, Mapping):
-            default = BY_PARTS
-        elif isinstance(default, str) and default.startswith("same as "):
+        if isinstance(default, str) and default.startswith("same as "):
             default = Same(default.removeprefix("same as "))
         elif isinstance(default, str):
             default = {"required": REQUIRED, "optional": OPTIONAL}.get(default, default)

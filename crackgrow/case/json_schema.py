@@ -19,7 +19,7 @@ from crackgrow.case.overrides import BESIDE, OfFile
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.report import listed
 from crackgrow.case.scalars import PLAIN, SHARE, WHOLE, Measured, Reference, Switch, Text, Words
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
+from crackgrow.case.schema import OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
 from crackgrow.case.units import LARGEST, SMALLEST, UNITS, Units
 
 Schema = dict[str, Any]
@@ -164,7 +164,7 @@ class _Schemas:
         """What a key of one or several forms accepts; beside a reference draft 7 heeds no other key."""
         found: Schema = {"description": " / ".join(dict.fromkeys(field.doc for field in fields))}
         default = fields[0].default
-        if default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(default, Same):
+        if default not in (REQUIRED, OPTIONAL) and not isinstance(default, Same):
             found["default"] = default
         schemas = [self.of(field.spec) for field in fields]
         different = [its for k, its in enumerate(schemas) if its not in schemas[:k]]

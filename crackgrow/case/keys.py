@@ -12,7 +12,7 @@ from crackgrow.case.format import CASE
 from crackgrow.case.formula import OrFormula
 from crackgrow.case.regions import PlaceOnEdge
 from crackgrow.case.scalars import SHARE, Measured, Reference, Switch, Text, Words
-from crackgrow.case.schema import BY_PARTS, OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
+from crackgrow.case.schema import OPTIONAL, REQUIRED, Field, ListOf, Mapping, Named, OneOf, Same
 from crackgrow.case.units import UNITS, Units
 
 NAME: Final = "NAME"  # stands for a name of the user's choice
@@ -71,7 +71,7 @@ def _default(field: Field) -> str:
         return "required"
     if field.default is OPTIONAL:
         return "may be left out"
-    if field.default is BY_PARTS:
+    if isinstance(field.spec, Mapping):
         return "that of its keys"
     if isinstance(field.default, Same):
         return f"that of {field.default.key}"

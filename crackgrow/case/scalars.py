@@ -101,14 +101,8 @@ Bounds = tuple[tuple[str, float], ...]
 """Limits of a number in SI, each with its sign."""
 
 
-class Numeric:
+class Numeric(Spec):
     """A number, a quantity or what stands for one, written without quotes."""
-
-    __slots__ = ()
-
-    def describe(self) -> str:
-        """Say in a few words what is allowed."""
-        raise NotImplementedError
 
     def parse(self, text: str, context: Context) -> object:
         """Convert a text of a case to a value in SI units; each kind of number does so. Raises QuantityError."""

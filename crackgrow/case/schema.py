@@ -18,7 +18,6 @@ SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the 
 
 REQUIRED: Final = object()  # the key must be given
 OPTIONAL: Final = object()  # the key may be left out and then stays out
-BY_PARTS: Final = object()  # left out means: as if it were given without any key in it
 
 _NAME: Final = re.compile(r"\w[\w-]{0,63}")
 
@@ -36,7 +35,7 @@ class Field:
 
     spec: Any
     doc: str  # one line for the user
-    default: object = REQUIRED  # a plain SI value, `Same`, REQUIRED, OPTIONAL, BY_PARTS
+    default: object = REQUIRED  # a plain SI value, {} of a mapping, `Same`, REQUIRED, OPTIONAL
     offered: bool = True  # whether messages name the key; else the program writes it
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
     field: str = ""  # of the model that it is, if that has another name
@@ -139,7 +138,7 @@ class Mapping:
                     context.report.fault(inner, f"missing: {wanted.doc} ({wanted.spec.describe()})")
             elif isinstance(wanted.default, Same):
                 values[key] = values.get(wanted.default.key, INVALID)
-            elif wanted.default is BY_PARTS:
+            elif isinstance(wanted.spec, Mapping) and wanted.default is not OPTIONAL:
                 values[key] = wanted.spec.read(Table({}, node.place), inner, context)
             elif wanted.default is not OPTIONAL:
                 values[key] = deepcopy(wanted.default)
