@@ -19,6 +19,7 @@ from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
+NOWHERE = np.empty((0, 2))  # no place
 FREE_MOTION = 1e-8  # displacements of held components, scaled by the body's size, below which a motion is free
 
 SAMPLES_ACROSS = 17  # places across a body at which the formula of a stress must have a value
@@ -31,8 +32,8 @@ def check_supports(scene: Scene) -> Faults:
     """Report supports given twice, formulas without value and rigid motions left free."""
     yield from _held_twice(scene)
     for index, support in scene.items("supports", "displacement"):
-        if (places := _places(scene, index)) is not None:
-            yield from _without_value(scene, ("supports", index, "displacement"), support["displacement"], places)
+        key = ("supports", index, "displacement")
+        yield from _without_value(scene, key, support["displacement"], _places(scene, index))
     settled = all(("supports", index, "on") in scene.regions for index, _ in scene.items("supports", "on"))
     if not (scene.complete and scene.report.sound("supports") and settled):
         return
@@ -86,8 +87,7 @@ def _free_motions(scene: Scene, body: BodyShape) -> Faults:
     held, R = [np.zeros(3)], body.size / 2
     for index, support in scene.items("supports", "displacement"):
         name = scene.holders["supports", index, "at"] if "at" in support else support["on"]["body"]
-        places = _places(scene, index, ENDS) if name == body.name else None
-        for dx, dy in [] if places is None else (places - body.center) / R:
+        for dx, dy in (_places(scene, index, ENDS) - body.center) / R if name == body.name else ():
             rows = {"x": np.array([1.0, 0.0, -dy]), "y": np.array([0.0, 1.0, dx])}
             held += [rows[component] for component in support["displacement"]]
     A = np.array(held)
@@ -100,13 +100,13 @@ def _free_motions(scene: Scene, body: BodyShape) -> Faults:
         yield ("supports",), f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
 
 
-def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
-    """The point of a support, or places along the part of an edge that it holds, (n, 2) m; None if they are unknown."""
+def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats:
+    """The point of a support, or places along the part of an edge that it holds, (n, 2) m; none if they are unknown."""
     support = scene.resolved["supports"][index]
     if "at" in support:
         return np.array([support["at"]])
     region = scene.regions.get(("supports", index, "on"))
-    return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
+    return NOWHERE if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
 
 
 def check_foundations(scene: Scene) -> Faults:
@@ -166,16 +166,15 @@ def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
             yield ("supports", index, "displacement", component), message
 
 
-def _values(value: float | CoordinateFormula, places: Floats | None) -> Floats:
+def _values(value: float | CoordinateFormula, places: Floats) -> Floats:
     """Displacements (n,) m at places (n, 2) m, finite or not."""
-    assert places is not None  # its edge is known
     return value.values(places)[0] if isinstance(value, CoordinateFormula) else np.full(len(places), value)
 
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
     """Places (n, 2) m along the parts of sides that two regions have in common."""
     if first.body != second.body:
-        return np.empty((0, 2))
+        return NOWHERE
     sides, found = scene.bodies[first.body].sides, []
     for side, limits in zip(first.sides.tolist(), first.limits, strict=True):
         for its_side, its_limits in zip(second.sides.tolist(), second.limits, strict=True):
@@ -183,7 +182,7 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
             if side == its_side and high - low > SAME_PLACE:
                 start, end = sides[side]
                 found.append([start + share * (end - start) for share in (low, high)])
-    return sampled(np.array(found)) if found else np.empty((0, 2))
+    return sampled(np.array(found).reshape(-1, 2, 2))
 
 
 def check_loads(scene: Scene) -> Faults:
@@ -201,23 +200,22 @@ def check_loads(scene: Scene) -> Faults:
         if len(fluids) > 1 and any("volume" in its for its in fluids):
             why = "the volume of a fluid gives its pressure, so it is the only fluid there"
             yield (*key, "crack"), f"crack '{load['crack']}' has a fluid already; {why}"
-        if places is not None:
-            for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
-                yield from _without_value(scene, (*key, kind), load[kind], places)
+        for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
+            yield from _without_value(scene, (*key, kind), load[kind], places)
 
 
-def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
-    """Places (n, 2) m where a load may vary, None where they are not known; reports what it cannot act on."""
+def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats:
+    """Places (n, 2) m where a load may vary, none where they are not known; reports what it cannot act on."""
     if region := scene.regions.get((*key, "on")):
         return sampled(ends_of(scene.bodies[region.body], region))
     if "gravity" in load or "stress" in load:
         body = scene.bodies.get(load["body"]) if knows(scene, (*key, "body"), "body", load["body"]) else None
         if body is None or "stress" not in load:
-            return None
+            return NOWHERE
         low, high = body.corners.min(axis=0), body.corners.max(axis=0)
         inside = np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T
         inside = low + (inside + 0.5) / SAMPLES_ACROSS * (high - low)
         return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])
     lines = lines_of(scene, key, load) if "crack" in load or "interface" in load else ()
     ends = [np.stack([points[:-1], points[1:]], axis=1) for points in lines]
-    return sampled(np.concatenate(ends)) if ends else None
+    return sampled(np.concatenate([np.empty((0, 2, 2)), *ends]))
