@@ -91,22 +91,18 @@ def read_case(text: str, source: str, name: str, overrides: Sequence[str] = ()) 
 
 def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: FilePath) -> Case:
     """The checked case of a node tree. Raises CaseError with every fault found."""
-    if not isinstance(root, Table):
-        if root is not None and not report.faults:
-            report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
-        raise report.error()
-    if "base" in root.entries and "parameters" in root.entries:
+    if isinstance(root, Table) and {"base", "parameters"} <= root.entries.keys():
         kind = "fit" if "measured" in root.entries else "sweep"
         report.fault((), f"this is a {kind} file, not a case: `crackgrow {kind} {report.source}` runs it", root.place)
         raise report.error()
     folders: dict[str, FilePath] = {}
-    root = with_base(root, path, report, folders)
-    if root is None:
+    case = with_base(root, path, report, folders)
+    if case is None:
         raise report.error()
     for override in overrides:
-        apply_override(root, override, report)
+        apply_override(case, override, report)
     context = Context(report, Units(), path.parent, folders)
-    resolved: Any = CASE.read(root, (), context)
+    resolved: Any = CASE.read(case, (), context)
     if not report.sound("units"):  # the rest was read in other units
         raise report.error()
     read_drawings(resolved, context)

@@ -96,13 +96,17 @@ class OfFile:
 
 
 def with_base(
-    root: Table, path: FilePath, report: Report, folders: dict[str, FilePath], above: tuple[FilePath, ...] = ()
+    root: Node | None, path: FilePath, report: Report, folders: dict[str, FilePath], above: tuple[FilePath, ...] = ()
 ) -> Table | None:
     """Return what a file says together with its base, None if that cannot be told; faults go to the report.
 
     folders: gets, by the name of each file in faults, what file names in it are relative to
     above: the files that this one is a base of
     """
+    if not isinstance(root, Table):
+        if root is not None and not isinstance(root, Broken):
+            report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
+        return None
     folders[str(path)] = path.parent
     if "base" not in root.entries:
         if "set" in root.entries:
@@ -115,15 +119,10 @@ def with_base(
     file = _base_of(root.entries["base"].node, path, report, (*above, path))
     if file is None:
         return None
-    node = read_file(file, report)
-    if isinstance(node, Table):
-        node = with_base(node, file, report, folders, (*above, path))
-    elif node is not None:
-        report.fault((), "the file holds no mapping; a case is written as key: value", node.place)
-    if not isinstance(node, Table):
-        return None
-    _change(node, root, report)
-    return node
+    base = with_base(read_file(file, report), file, report, folders, (*above, path))
+    if base is not None:
+        _change(base, root, report)
+    return base
 
 
 def _base_of(node: Node, path: FilePath, report: Report, files: tuple[FilePath, ...]) -> FilePath | None:
