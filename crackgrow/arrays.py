@@ -1,4 +1,4 @@
-"""The types of arrays, whose shape and unit stand where they are used; and a hash of what arrays hold."""
+"""The types of arrays, whose shape and unit stand where they are used; constant arrays; a hash of what arrays hold."""
 
 from __future__ import annotations
 
@@ -15,6 +15,13 @@ Complex = NDArray[np.complex128]
 
 KEY = 20
 """Bytes of a key."""
+
+
+def frozen(values: object) -> Floats:
+    """Return a float array that cannot be written to."""
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array
 
 
 def key_of(parts: Iterable[NDArray[np.generic]]) -> bytes:

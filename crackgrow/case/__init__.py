@@ -1,8 +1,8 @@
 """Case files: YAML text -> a checked, frozen Case in SI units, or every fault with its line.
 
-A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, which declared makes
-of format.yaml), files and curves, layout (the geometry), spacing, checks, which yield faults, and becomes the model,
-which is frozen. `dump_case` writes a case that reads back to the same bits; `from_dict` and `to_dict` do the same in
+A file goes through reader (nodes that know their line), base, overrides, format (a tree of specs, made of format.yaml),
+drawings (files and curves), layout (the geometry), sizing, checks, which yield faults, and becomes the model, which is
+frozen. `dump_case` writes a case that reads back to the same bits; `from_dict` and `to_dict` do the same in
 Python.
 """
 

@@ -10,7 +10,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case.check_regions import knows, lines_of
-from crackgrow.case.formula import CoordinateFormula, component_of
+from crackgrow.case.formula import CoordinateFormula
 from crackgrow.case.layout import Scene
 from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
@@ -19,6 +19,7 @@ from crackgrow.case.shapes import BodyShape, Resolved
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
+NOWHERE = np.empty((0, 2))  # no place
 FREE_MOTION = 1e-8  # displacements of held components, scaled by the body's size, below which a motion is free
 
 SAMPLES_ACROSS = 17  # places across a body at which the formula of a stress must have a value
@@ -31,8 +32,8 @@ def check_supports(scene: Scene) -> Faults:
     """Report supports given twice, formulas without value and rigid motions left free."""
     yield from _held_twice(scene)
     for index, support in scene.items("supports", "displacement"):
-        if (places := _places(scene, index)) is not None:
-            yield from _without_value(scene, ("supports", index, "displacement"), support["displacement"], places)
+        key = ("supports", index, "displacement")
+        yield from _without_value(scene, key, support["displacement"], _places(scene, index))
     settled = all(("supports", index, "on") in scene.regions for index, _ in scene.items("supports", "on"))
     if not (scene.complete and scene.report.sound("supports") and settled):
         return
@@ -53,7 +54,9 @@ def _held_twice(scene: Scene) -> Faults:
         for other, its_body, at, held in seen:
             twice = sorted(held & components)
             if twice and its_body == body and math.dist(point, at) <= scene.tolerance:
-                message = f"{' and '.join(twice)} at {scene.point(point)} is prescribed already by supports.{other}"
+                message = (
+                    f"{' and '.join(twice)} at {scene.units.place(point)} is prescribed already by supports.{other}"
+                )
                 yield ("supports", index, "displacement"), message
                 break
         seen.append((index, body, point, components))
@@ -64,11 +67,10 @@ def _without_value(scene: Scene, key: Path, value: Any, points: Floats) -> Fault
     parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for part, component in parts:
         yield from _without_value(scene, (*key, part), component, points)
-    formula = component_of(value) if isinstance(value, str) else None
-    if isinstance(formula, CoordinateFormula):
-        _, nowhere = formula.values(points)
+    if isinstance(value, CoordinateFormula):
+        _, nowhere = value.values(points)
         if nowhere is not None:
-            yield key, f"has no finite value at {scene.point(nowhere)}"
+            yield key, f"has no finite value at {scene.units.place(nowhere)}"
 
 
 def sampled(ends: Floats, parts: Floats = SAMPLES) -> Floats:
@@ -85,8 +87,7 @@ def _free_motions(scene: Scene, body: BodyShape) -> Faults:
     held, R = [np.zeros(3)], body.size / 2
     for index, support in scene.items("supports", "displacement"):
         name = scene.holders["supports", index, "at"] if "at" in support else support["on"]["body"]
-        places = _places(scene, index, ENDS) if name == body.name else None
-        for dx, dy in [] if places is None else (places - body.center) / R:
+        for dx, dy in (_places(scene, index, ENDS) - body.center) / R if name == body.name else ():
             rows = {"x": np.array([1.0, 0.0, -dy]), "y": np.array([0.0, 1.0, dx])}
             held += [rows[component] for component in support["displacement"]]
     A = np.array(held)
@@ -94,18 +95,18 @@ def _free_motions(scene: Scene, body: BodyShape) -> Faults:
     a, b = np.linalg.lstsq(A[:, :2], -A[:, 2], rcond=None)[0]  # of the turn by w = 1 that comes nearest to free
     if np.abs(A @ [a, b, 1.0]).max() <= FREE_MOTION:
         about = body.center + R * np.array([-b, a])
-        free.append(f"rotation about {scene.point(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
+        free.append(f"rotation about {scene.units.place(np.where(np.abs(about) < FREE_MOTION * R, 0.0, about))}")
     if free:
         yield ("supports",), f"body '{body.name}' is free to move: {' and '.join(free)}; it needs supports against that"
 
 
-def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats | None:
-    """The point of a support, or places along the part of an edge that it holds, (n, 2) m; None if they are unknown."""
+def _places(scene: Scene, index: int, parts: Floats = SAMPLES) -> Floats:
+    """The point of a support, or places along the part of an edge that it holds, (n, 2) m; none if they are unknown."""
     support = scene.resolved["supports"][index]
     if "at" in support:
         return np.array([support["at"]])
     region = scene.regions.get(("supports", index, "on"))
-    return None if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
+    return NOWHERE if region is None else sampled(ends_of(scene.bodies[region.body], region), parts)
 
 
 def check_foundations(scene: Scene) -> Faults:
@@ -116,8 +117,13 @@ def check_foundations(scene: Scene) -> Faults:
         region = scene.regions.get(key)
         if region is None:
             continue
-        for pair in scene.shared:
-            if region.body in pair and _lies_on(scene, region, pair):
+        for pair, lines in scene.shared.items():
+            if region.body not in pair:
+                continue
+            sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
+            near = shapely.multilinestrings([shapely.linestrings(line) for line in lines]).buffer(2 * scene.tolerance)
+            # a line that only touches the shared one runs inside of the buffer for a few tolerances
+            if np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance):
                 other = pair[1 - pair.index(region.body)]
                 yield key, f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
         for earlier, its_region in seen:
@@ -126,64 +132,49 @@ def check_foundations(scene: Scene) -> Faults:
         seen.append((index, region))
 
 
-def _lies_on(scene: Scene, region: EdgeRegion, pair: tuple[str, str]) -> bool:
-    """Whether a part of positive length of a region lies on the boundary shared by two bodies."""
-    sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
-    shared = shapely.multilinestrings([shapely.linestrings(line) for line in scene.shared[pair]])
-    near = shared.buffer(2 * scene.tolerance)
-    # A line that only touches the shared one runs inside of the buffer for a few tolerances.
-    return bool(np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance))
-
-
 def check_agreement(scene: Scene) -> Faults:
     """Report components of a displacement that another support prescribes otherwise at a place of both.
 
     Edges that meet at a corner have no part in common: what a corner alone would have to do two ways, no edge is held
     to. Points on a held edge are warned of (`run.scene_warnings`).
     """
-    held = [index for index, _ in scene.items("supports", "displacement")]
-    regions = [(index, scene.regions.get(("supports", index, "on"))) for index in held]
-    for number, (index, mine) in enumerate(regions):
-        for other, its in regions[:number]:
-            places = np.empty((0, 2)) if mine is None or its is None else _shared(scene, mine, its)
+    held = [
+        (index, scene.regions.get(("supports", index, "on"))) for index, _ in scene.items("supports", "displacement")
+    ]
+    edges = [(index, region) for index, region in held if region is not None]
+    for number, (index, mine) in enumerate(edges):
+        for other, its in edges[:number]:
+            places = _shared(scene, mine, its)
             if len(places):
                 yield from _otherwise(scene, index, other, places)
 
 
 def _otherwise(scene: Scene, index: int, other: int, places: Floats) -> Faults:
     """Report the components that differ at one of the places (n, 2) m of two supports."""
-    displacement, its = (scene.resolved["supports"][each]["displacement"] for each in (index, other))
-    for component in [name for name in displacement if name in its]:
-        here, there = (_values(each[component], places) for each in (displacement, its))
-        of_mine = _values(displacement[component], _places(scene, index))
-        of_other = _values(its[component], _places(scene, other))
-        if here is None or there is None or of_mine is None or of_other is None:
-            continue
-        apart, largest = np.abs(here - there), float(np.abs(np.concatenate([of_mine, of_other])).max())
-        if np.any(apart > ALIKE * largest):
+    both = {each: scene.resolved["supports"][each]["displacement"] for each in (index, other)}
+    for component in [name for name in both[index] if name in both[other]]:
+        here, there = (_values(each[component], places) for each in both.values())
+        own = [_values(each[component], _places(scene, which)) for which, each in both.items()]
+        with np.errstate(invalid="ignore"):  # of formulas without a value, which is told elsewhere
+            apart, largest = np.abs(here - there), np.abs(np.concatenate(own)).max()
+        if np.isfinite(apart).all() and np.any(apart > ALIKE * largest):
             worst = int(np.argmax(apart))
             message = (
-                f"{component} at {scene.point(places[worst])} is {scene.length(float(here[worst]))} here and "
+                f"{component} at {scene.units.place(places[worst])} is {scene.length(float(here[worst]))} here and "
                 f"{scene.length(float(there[worst]))} by supports.{other}; a place can be held in one way alone"
             )
             yield ("supports", index, "displacement", component), message
 
 
-def _values(value: float | str, places: Floats | None) -> Floats | None:
-    """Displacements (n,) m at places (n, 2) m; None where these or the values of a formula are not known."""
-    if places is None:
-        return None
-    formula = component_of(value)
-    if not isinstance(formula, CoordinateFormula):
-        return np.full(len(places), value)
-    values, nowhere = formula.values(places)
-    return values if nowhere is None else None
+def _values(value: float | CoordinateFormula, places: Floats) -> Floats:
+    """Displacements (n,) m at places (n, 2) m, finite or not."""
+    return value.values(places)[0] if isinstance(value, CoordinateFormula) else np.full(len(places), value)
 
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
     """Places (n, 2) m along the parts of sides that two regions have in common."""
     if first.body != second.body:
-        return np.empty((0, 2))
+        return NOWHERE
     sides, found = scene.bodies[first.body].sides, []
     for side, limits in zip(first.sides.tolist(), first.limits, strict=True):
         for its_side, its_limits in zip(second.sides.tolist(), second.limits, strict=True):
@@ -191,7 +182,7 @@ def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
             if side == its_side and high - low > SAME_PLACE:
                 start, end = sides[side]
                 found.append([start + share * (end - start) for share in (low, high)])
-    return sampled(np.array(found)) if found else np.empty((0, 2))
+    return sampled(np.array(found).reshape(-1, 2, 2))
 
 
 def check_loads(scene: Scene) -> Faults:
@@ -205,31 +196,26 @@ def check_loads(scene: Scene) -> Faults:
         if set(load.get("interface", ())) in bonded:
             why = "no fluid gets between faces that never part; give it a law of contact"
             yield (*key, "interface"), f"the interface of {' and '.join(load['interface'])} is bonded: {why}"
-        same = [
-            its
-            for n, its in scene.listed("loads")
-            if n <= index and "crack" in load and its.get("crack") == load["crack"]
-        ]
-        if len(same) > 1 and any("volume" in its for its in same):
+        fluids = [its for n, its in scene.listed("loads") if n <= index and its.get("crack") == load.get("crack", "")]
+        if len(fluids) > 1 and any("volume" in its for its in fluids):
             why = "the volume of a fluid gives its pressure, so it is the only fluid there"
             yield (*key, "crack"), f"crack '{load['crack']}' has a fluid already; {why}"
-        if places is not None:
-            for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
-                yield from _without_value(scene, (*key, kind), load[kind], places)
+        for kind in load.keys() & {"traction", "far_field", "pressure", "stress"}:  # it has one of them
+            yield from _without_value(scene, (*key, kind), load[kind], places)
 
 
-def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats | None:
-    """Places (n, 2) m where a load may vary, None where they are not known; reports what it cannot act on."""
+def _loaded_places(scene: Scene, key: Path, load: Resolved) -> Floats:
+    """Places (n, 2) m where a load may vary, none where they are not known; reports what it cannot act on."""
     if region := scene.regions.get((*key, "on")):
         return sampled(ends_of(scene.bodies[region.body], region))
     if "gravity" in load or "stress" in load:
         body = scene.bodies.get(load["body"]) if knows(scene, (*key, "body"), "body", load["body"]) else None
         if body is None or "stress" not in load:
-            return None
+            return NOWHERE
         low, high = body.corners.min(axis=0), body.corners.max(axis=0)
         inside = np.indices((SAMPLES_ACROSS, SAMPLES_ACROSS)).reshape(2, -1).T
         inside = low + (inside + 0.5) / SAMPLES_ACROSS * (high - low)
         return np.concatenate([sampled(body.sides), inside[shapely.contains_xy(body.polygon, *inside.T)]])
     lines = lines_of(scene, key, load) if "crack" in load or "interface" in load else ()
     ends = [np.stack([points[:-1], points[1:]], axis=1) for points in lines]
-    return sampled(np.concatenate(ends)) if ends else None
+    return sampled(np.concatenate([np.empty((0, 2, 2)), *ends]))

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 import shapely
 from shapely import LineString, Point, Polygon
@@ -24,21 +22,16 @@ from crackgrow.case.segments import (
 from crackgrow.case.shapes import BodyShape
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _Surroundings:
-    """A body with what the cracks in it are held against."""
-
-    body: BodyShape
-    boundary: shapely.Geometry
-    grown: Polygon  # larger by the tolerance
-    sides: shapely.STRtree
-    corners: shapely.STRtree
-
-
 def check_cracks(scene: Scene) -> Faults:
     """Report cracks that are too short, leave their body or run along its boundary, or meet others not as allowed."""
     names = [name for name, points in scene.cracks.items() if len(points) > 1]
-    yield from _too_short(scene)
+    spacing = scene.get("numerics", "spacing") or 0.0
+    for name, points in scene.cracks.items():
+        length = line_length(points)
+        if len(points) < 2:
+            yield _path(name), "has no length: at least two different points are wanted"
+        elif length < SMALLEST * spacing:
+            yield _path(name), f"length {scene.length(length)} is less than {smallest(scene, spacing)}"
     segments = segments_of([scene.cracks[name] for name in names])
     pairs = close_segments(segments, scene.tolerance)
     if len(pairs) > MOST_PAIRS:
@@ -51,26 +44,27 @@ def check_cracks(scene: Scene) -> Faults:
     found = {names[lines[k, 0]]: pairs[k] for k in itself[::-1].tolist()}  # of several the first one
     for name, pair in found.items():
         yield _path(name), _meets_itself(scene, segments, pair)
-    surroundings = {name: _surroundings(body, scene.tolerance) for name, body in scene.bodies.items()}
+    grown = {name: body.polygon.buffer(scene.tolerance) for name, body in scene.bodies.items()}
+    shapely.prepare([*grown.values()])
     inside, refused = set(), set()
     for name in [name for name in names if name in scene.hosts and name not in found]:
-        around = surroundings[scene.hosts[name]]
-        if problem := _problem(scene, scene.cracks[name], around):
+        body = scene.bodies[scene.hosts[name]]
+        if problem := _problem(scene, scene.cracks[name], body, grown[body.name]):
             yield _path(name), problem
             continue
         inside.add(name)
         for end, point in zip(("start", "end"), scene.cracks[name][[0, -1]], strict=True):
-            if end in scene.tips_of(name) and Point(point).dwithin(around.boundary, scene.tolerance):
-                edge = _edge_at(scene, around.body, Point(point))
+            if end in scene.tips_of(name) and Point(point).dwithin(body.polygon.boundary, scene.tolerance):
+                edge = _edge_at(scene, body, Point(point))
                 remedy = "put it inside, or leave this end out of `tips`"
-                yield _path(name), f"the tip at the {end} {scene.point(point)} lies on {edge}; {remedy}"
+                yield _path(name), f"the tip at the {end} {scene.units.place(point)} lies on {edge}; {remedy}"
                 refused.add((name, end))
     along = set()
     for k in np.flatnonzero(runs & ~of_one).tolist():
         one, other = (names[line] for line in lines[k])
         if {one, other} <= inside and (one, other) not in along:
             along.add((one, other))
-            shown = " to ".join(scene.point(end) for end in parts[k])
+            shown = " to ".join(scene.units.place(end) for end in parts[k])
             message = f"runs along crack '{one}' from {shown}; cracks may meet at points only: shorten one of them"
             yield _path(other), message
     yield from _tips(scene, [name for name in names if name in inside], along, refused)
@@ -80,25 +74,14 @@ def _path(name: str) -> Path:
     return "cracks", name, "path"
 
 
-def _too_short(scene: Scene) -> Faults:
-    """Report cracks without length, and cracks that are less than the smallest cells."""
-    spacing = scene.get("numerics", "spacing") or 0.0
-    for name, points in scene.cracks.items():
-        length = line_length(points)
-        if len(points) < 2:
-            yield _path(name), "has no length: at least two different points are wanted"
-        elif length < SMALLEST * spacing:
-            yield _path(name), f"length {scene.length(length)} is less than {smallest(scene, spacing)}"
-
-
 def _meets_itself(scene: Scene, segments: Segments, pair: Ints) -> str:
     """Say where two segments of a crack cross, touch or lie on each other."""
     first, second = pair.tolist()
     if second - first == 1:
         vertex = second - int(np.searchsorted(segments.lines, segments.lines[first]))
-        where = scene.point(segments.ends[second, 0])
+        where = scene.units.place(segments.ends[second, 0])
         return f"folds back on itself at vertex {vertex} {where}; end it there"
-    where = scene.point(places_between(segments, pair[None])[0])
+    where = scene.units.place(places_between(segments, pair[None])[0])
     return f"crosses or touches itself at {where}; give it as two cracks, which may meet there"
 
 
@@ -116,54 +99,50 @@ def _tips(scene: Scene, names: list[str], along: set[tuple[str, str]], refused: 
         left = " ".join(end for end in tips if end not in found) or "none"
         for end, host in found.items():
             if end in tips and not {(name, host), (host, name)} & along:
-                where = scene.point(scene.cracks[name][0 if end == "start" else -1])
+                where = scene.units.place(scene.cracks[name][0 if end == "start" else -1])
                 message = f"the tip at the {end} {where} lies on crack '{host}', where it cannot grow"
                 yield _path(name), f"{message}; leave this end out of `tips`: `tips: {left}`"
 
 
-def _surroundings(body: BodyShape, tolerance: float) -> _Surroundings:
-    boundary, grown = body.polygon.boundary, body.polygon.buffer(tolerance)
-    shapely.prepare([boundary, grown, body.polygon])
-    sides = shapely.STRtree(shapely.linestrings(body.sides))
-    return _Surroundings(body, boundary, grown, sides, shapely.STRtree(shapely.points(body.corners)))
+def _problem(scene: Scene, points: Floats, body: BodyShape, grown: Polygon) -> str | None:
+    """Say where a crack leaves its body, or touches the boundary not with an end, if it does.
 
-
-def _problem(scene: Scene, points: Floats, around: _Surroundings) -> str | None:
-    """Say where a crack leaves its body, or touches the boundary not with an end, if it does."""
-    body, vertices, line = around.body, shapely.points(points), LineString(points)
-    on_edge = shapely.dwithin(vertices, around.boundary, scene.tolerance)
+    grown: the body, larger by the tolerance
+    """
+    vertices, line = shapely.points(points), LineString(points)
+    on_edge = shapely.dwithin(vertices, body.polygon.boundary, scene.tolerance)
     outside = ~on_edge & ~shapely.contains(body.polygon, vertices)
     last = len(points) - 1
     for index in np.flatnonzero(on_edge | outside).tolist():
-        where = f"{ {0: 'start', last: 'end'}.get(index, f'vertex {index}') } {scene.point(points[index])}"
+        where = f"{ {0: 'start', last: 'end'}.get(index, f'vertex {index}') } {scene.units.place(points[index])}"
         if outside[index]:
             return f"{where} {_outside(scene, body, vertices[index], index in (0, last))}"
         if 0 < index < last:
             return f"{where} lies on {_edge_at(scene, body, vertices[index])}; only an end may: give it as two cracks"
-    found = _along(scene, points, around)
+    found = _along(scene, points, body)
     if found is not None:
         middle = shapely.Point(found.mean(axis=0))
-        shown = " to ".join(scene.point(end) for end in found)
+        shown = " to ".join(scene.units.place(end) for end in found)
         return f"runs along {_edge_at(scene, body, middle)} from {shown}; only an end may lie there"
-    if not around.grown.covers(line):
-        left = shapely.points(shapely.get_coordinates(line.difference(around.grown)))
+    if not grown.covers(line):
+        left = shapely.points(shapely.get_coordinates(line.difference(grown)))
         first = left[np.argmin(shapely.line_locate_point(line, left))]
         edge = _edge_at(scene, body, first)
-        return f"leaves body '{body.name}' at {scene.point([first.x, first.y])}, through {edge}; end it there"
-    for corner in around.corners.query(line, predicate="dwithin", distance=scene.tolerance).tolist():
-        at = body.corners[corner]
-        if np.hypot(*(points[[0, -1]] - at).T).min() > scene.tolerance:
+        return f"leaves body '{body.name}' at {scene.units.place([first.x, first.y])}, through {edge}; end it there"
+    near = body.side_tree.query(line, predicate="dwithin", distance=scene.tolerance)
+    for at in body.corners[np.sort(near)]:
+        if line.dwithin(Point(at), scene.tolerance) and np.hypot(*(points[[0, -1]] - at).T).min() > scene.tolerance:
             edge = _edge_at(scene, body, Point(at))
-            return f"touches {edge} at {scene.point(at)}; only an end may: give it as two cracks"
+            return f"touches {edge} at {scene.units.place(at)}; only an end may: give it as two cracks"
     return None
 
 
-def _along(scene: Scene, points: Floats, around: _Surroundings) -> Floats | None:
+def _along(scene: Scene, points: Floats, body: BodyShape) -> Floats | None:
     """Return ends `(2, 2) float` of the first part of a crack that runs along the boundary of its body."""
     segments = np.stack([points[:-1], points[1:]], axis=1)
     shapes = shapely.linestrings(segments)
-    own, sides = around.sides.query(shapes, predicate="dwithin", distance=scene.tolerance)
-    parts = common_parts(segments[own], around.body.sides[sides], scene.tolerance)
+    own, sides = body.side_tree.query(shapes, predicate="dwithin", distance=scene.tolerance)
+    parts = common_parts(segments[own], body.sides[sides], scene.tolerance)
     found = np.flatnonzero(~np.isnan(parts[:, 0, 0]))
     return parts[found[np.argmin(own[found])]] if len(found) else None
 

@@ -143,16 +143,12 @@ def _critical(scene: Scene) -> Faults:
     starts = scene.starts_cracks or scene.parts_interfaces
     if sound("growth", "initiation") and not starts and set(tips) <= {"none"}:
         yield ("loading",), "critical needs a tip that can grow, where the criterion is judged; `tips` has none"
-    if sound("loads") and sound("supports") and not _has_scaled(scene):
+    if not (sound("loads") and sound("supports")):
+        return
+    supports, free = scene.resolved["supports"], [its for its in scene.resolved["loads"] if not its.get("held", False)]
+    sizes = [next(load[key] for key in LOADS if key in load) for load in free]
+    sizes += [[*its.get("displacement", {}).values(), *its.get("moves", [])] for its in supports]
+    parts = [part for size in sizes for part in (size if isinstance(size, list) else [size])]
+    if not any(part != 0.0 for part in parts):
         message = "critical scales the loads that are not held and the prescribed displacements, and all of them are"
         yield ("loading",), f"{message} held or zero: no load factor changes anything; leave out `held`"
-
-
-def _has_scaled(scene: Scene) -> bool:
-    """Whether a load that is not held, or a prescribed displacement, is not zero, or a formula."""
-    free = [load for load in scene.resolved["loads"] if not load.get("held", False)]
-    sizes = [next(load[key] for key in LOADS if key in load) for load in free]
-    sizes += [list(support.get("displacement", {}).values()) for support in scene.resolved["supports"]]
-    sizes += [support.get("moves", []) for support in scene.resolved["supports"]]
-    parts = [part for size in sizes for part in (size if isinstance(size, list) else [size])]
-    return any(isinstance(part, str) or part != 0.0 for part in parts)

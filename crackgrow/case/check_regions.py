@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from fractions import Fraction
-from typing import Any, Literal
+from typing import Any, Final, Literal
 
 import numpy as np
 import shapely
 from shapely import LineString, Point
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.layout import Scene, named
-from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Along, Edge, edge_of, region_of
-from crackgrow.case.report import Faults, Path, did_you_mean, quoted
-from crackgrow.case.shapes import Resolved, edge_hint, frozen
+from crackgrow.case.regions import FULL_CIRCLE, SAME_PLACE, Edge, edge_of, region_of
+from crackgrow.case.report import Faults, Path, did_you_mean, listed, quoted
+from crackgrow.case.shapes import Resolved
+from crackgrow.case.units import QuantityError, parse_quantity
+
+AXES: Final = {"x": 0, "y": 1}  # of what tells a place on an edge
 
 
 def check_regions(scene: Scene) -> Faults:
@@ -59,29 +61,27 @@ def _region(scene: Scene, key: Path, on: dict[str, Any]) -> Faults:
     if body is None or not scene.report.sound("bodies", body.name, "edges"):
         return
     if on["edge"] not in body.edge_names:
-        allowed = edge_hint(on["edge"], body.edge_names)
+        allowed = listed(body.edge_names) + did_you_mean(on["edge"], body.edge_names)
         yield (*key, "edge"), f"body '{body.name}' has no edge {quoted(on['edge'])}; it has: {allowed}"
         return
     edge = edge_of(body, on["edge"], scene.tolerance)
-    for end in [end for end in ("from", "to") if end in on]:
+    for end in [end for end in ("from", "to") if isinstance(on.get(end), str)]:  # others are settled
         yield from _settle(scene, (*key, end), on, end, edge)
     if scene.report.sound(*key):
         yield from _part(scene, key, on, edge)
     if scene.report.sound(*key):
-        scene.regions[key] = region_of(body, on, scene.tolerance)
+        scene.regions[key] = region_of(body, edge, on)
 
 
 def _settle(scene: Scene, key: Path, on: dict[str, Any], end: str, edge: Edge) -> Faults:
     """Bring `from` or `to` to what the edge measures; report the other kind, and places off the edge."""
-    place: Along = on[end]
-    kind, other = ("an angle", "a length") if edge.measure == "angle" else ("a length", "an angle")
-    value = place.angle if edge.measure == "angle" else place.length
-    if value is None:
-        yield key, f"a place on edge '{on['edge']}' is given by {kind}, not by {other}"
+    try:
+        kind, axis = "angle" if edge.measure == "angle" else "length", AXES.get(edge.measure)
+        value = on[end] = parse_quantity(on[end], kind, scene.units, axis)
+    except QuantityError:
+        wanted, given = ("an angle", "a length") if edge.measure == "angle" else ("a length", "an angle")
+        yield key, f"a place on edge '{on['edge']}' is given by {wanted}, not by {given}"
         return
-    if edge.measure in ("x", "y"):
-        value = scene.units.along(repr(value), Fraction(1), "xy".index(edge.measure))
-    on[end] = value
     low, high = edge.reach
     if edge.measure == "angle":
         if not -FULL_CIRCLE <= value <= 2 * FULL_CIRCLE:
@@ -96,9 +96,7 @@ def _shown(scene: Scene, edge: Edge, place: float) -> str:
     """Write a place on an edge."""
     if edge.measure == "angle":
         return f"{place:g} deg"
-    return (
-        scene.length(place) if edge.measure == "distance" else scene.units.coordinate(place, "xy".index(edge.measure))
-    )
+    return scene.length(place) if edge.measure == "distance" else scene.units.coordinate(place, AXES[edge.measure])
 
 
 def _part(scene: Scene, key: Path, on: dict[str, Any], edge: Edge) -> Faults:

@@ -6,12 +6,17 @@ import math
 from collections.abc import Iterator
 from itertools import pairwise
 
+import numpy as np
+import shapely
+
 from crackgrow.case.check_regions import knows
-from crackgrow.case.cracked import fault_of_crack, fault_of_toughness
 from crackgrow.case.format import FORMAT
 from crackgrow.case.layout import SMALLEST, Scene, named
 from crackgrow.case.model import STEEPEST, CoulombContact
 from crackgrow.case.report import Faults, Path, quoted
+from crackgrow.case.segments import STRAIGHT, line_length, opened, parted
+from crackgrow.case.shapes import Resolved
+from crackgrow.vectors import cross
 
 MAX_NODES = 4_000_000  # lattice nodes; beyond, the memory of no workstation suffices
 MIN_SPACINGS_ACROSS = 2  # of the smaller side of a body
@@ -90,20 +95,15 @@ def _spacing(scene: Scene, spacing: float) -> Faults:
     width, height = (scene.box[1] - scene.box[0]).tolist()
     n_nodes = (width / spacing + margin) * (height / spacing + margin)
     if n_nodes > MAX_NODES:
-        rule, least = scene.get("numerics", "auto_rule"), scene.length(_finest_spacing(width, height, margin))
+        a, b, c = MAX_NODES - margin**2, -margin * (width + height), -width * height  # a h^2 + b h + c = 0
+        finest = (-b + math.sqrt(b**2 - 4 * a * c)) / (2 * a)
+        digit = 10.0 ** (math.floor(math.log10(finest)) - 1)  # two digits of it, rounded up
+        rule, least = scene.get("numerics", "auto_rule"), scene.length(math.ceil(finest / digit) * digit)
         given = scene.length(spacing) + (f" (auto: {rule})" if rule else "")
         remedy = (
             f"give a spacing by hand, of {least} or more, or a smaller body" if rule else f"wanted: {least} or more"
         )
         yield key, f"{given} gives about {n_nodes:.2g} lattice nodes; at most {MAX_NODES:g} are allowed; {remedy}"
-
-
-def _finest_spacing(width: float, height: float, margin: float) -> float:
-    """The least spacing (m), two digits of it and rounded up, that needs no more than the nodes that are allowed."""
-    a, b, c = MAX_NODES - margin**2, -margin * (width + height), -width * height  # a h^2 + b h + c = 0
-    least = (-b + math.sqrt(b**2 - 4 * a * c)) / (2 * a)
-    digit = 10.0 ** (math.floor(math.log10(least)) - 1)
-    return math.ceil(least / digit) * digit
 
 
 def check_contacts(scene: Scene) -> Faults:
@@ -206,10 +206,15 @@ def check_interfaces(scene: Scene) -> Faults:
                 yield from _pair(scene, key, pair, seen)
                 seen.setdefault(frozenset(pair), index)
                 sound = scene.report.sound("interfaces", index) and scene.lines_between(*pair)
-                if sound and "cracked" in interface and (fault := fault_of_crack(scene, interface)):
+                if sound and "cracked" in interface and (fault := _fault_of_crack(scene, interface)):
                     yield ("interfaces", index, "cracked"), fault
-                if sound and "toughness" in interface and (fault := fault_of_toughness(scene, interface)):
-                    yield ("interfaces", index, "toughness"), fault
+                tough, law = sound and "toughness" in interface, scene.get("growth", "law")
+                if tough and interface["contact"] == "bonded":
+                    why = "so that this has no law; give it a law of contact"
+                    yield ("interfaces", index, "toughness"), f"lets a bond part, and the interface is bonded, {why}"
+                elif tough and law not in (None, "critical"):
+                    why = f"not at a rate; wanted with growth.law: {law}: leave it out"
+                    yield ("interfaces", index, "toughness"), f"lets a tip grow at G = G_c, {why}"
     if isinstance(listing, list) and clear == len(listing):  # else the missing one may be that which cannot be read
         for first, second in scene.shared:
             if frozenset((first, second)) not in seen:
@@ -229,3 +234,34 @@ def _pair(scene: Scene, key: Path, pair: list[str], seen: dict[frozenset[str], i
         gap = scene.bodies[first].polygon.distance(scene.bodies[second].polygon)
         apart = f"they are {scene.length(gap)} apart" if gap > scene.tolerance else "they touch at points only"
         yield key, f"'{first}' and '{second}' share no boundary: {apart}"
+
+
+def _fault_of_crack(scene: Scene, interface: Resolved) -> str:
+    """What is wrong with the cracked part of an interface, in words; empty where nothing is."""
+    if interface["contact"] == "bonded":
+        return "the interface is bonded, so that its cracked part has no law; give it a law of contact"
+    ends, reach = interface["cracked"], scene.reach
+    lines = opened(scene.lines_between(*interface["between"]), ends)
+    whole = shapely.MultiLineString(list(lines))
+    for end in ends:
+        line = shapely.shortest_line(whole, shapely.Point(end))
+        apart = float(shapely.length(line))
+        if apart > reach:
+            where = f"{scene.exact_point(np.array(end))} is {scene.units.show(apart, 'length', 3)} from the interface"
+            return f"{where}; the nearest point of it is {scene.exact_point(shapely.get_coordinates(line)[0])}"
+    found = parted(lines, ends, reach)
+    if found is None:
+        return "its ends lie on different lines of the interface; wanted: both on one of them"
+    crack, left = found
+    if line_length(crack) <= max(SMALLEST * (scene.get("numerics", "spacing") or 0.0), reach):
+        return f"the cracked part has a length of {scene.length(line_length(crack))}; wanted: two places apart"
+    if not left:
+        return "the cracked part is the whole interface; leave `cracked` out"
+    for line in left:
+        for before, behind in ((crack, line), (line, crack)):
+            if np.hypot(*(before[-1] - behind[0])) <= scene.tolerance:
+                step, next_step = before[-1] - before[-2], behind[1] - behind[0]
+                if abs(np.arctan2(cross(step, next_step), step @ next_step)) > STRAIGHT:
+                    where = scene.units.place(behind[0])
+                    return f"an end of the cracked part {where} lies on a corner of the interface; wanted: beside it"
+    return ""

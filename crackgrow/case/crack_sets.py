@@ -18,7 +18,7 @@ from crackgrow.case.joining import Thing, crack_thing, joined, rims_of, unstacke
 from crackgrow.case.layout import ENDS_WITH_TIP, Scene, named, points_of
 from crackgrow.case.map_file import Feature, attribute
 from crackgrow.case.mesh_file import LONGEST_NAME, ContentError
-from crackgrow.case.model import Cut
+from crackgrow.case.model import Cut, Move
 from crackgrow.case.report import Place, did_you_mean, quoted
 from crackgrow.case.schema import MOST_ITEMS
 from crackgrow.case.shapes import Resolved, without_repeats
@@ -167,7 +167,7 @@ def _inside(line: LineString, rock: shapely.Geometry, least: float) -> list[Line
 def _cracks_of(scene: Scene, pieces: list[_Piece], fixed: Sequence[Thing]) -> dict[str, tuple[_Piece, Resolved]]:
     """The cracks that lines of maps become, with their names, without what runs along others, and joined to them."""
     named_pieces: dict[str, _Piece] = {}
-    on_something: set[tuple[str, str]] = set()
+    moves: list[Move] = []
     for rounds in range(MOST_ROUNDS):  # what is joined may run along
         left = _unstacked(scene, pieces, fixed)
         if rounds > 0 and left is pieces:
@@ -182,11 +182,11 @@ def _cracks_of(scene: Scene, pieces: list[_Piece], fixed: Sequence[Thing]) -> di
         }
         lines = {name: points_of({"points": its.line.coords}, its.tolerance) for name, its in named_pieces.items()}
         reach = {name: (its.tolerance, its.tolerance) for name, its in named_pieces.items()}
-        lines, moves, on_something = joined(lines, reach, fixed, scene.tolerance)
+        lines, moves = joined(lines, reach, fixed, scene.tolerance)
         scene.moves.extend(moves)
         named_pieces = {name: replace(its, line=LineString(lines[name])) for name, its in named_pieces.items()}
         pieces = list(named_pieces.values())
-    found = {}
+    found, on_something = {}, {move.end for move in moves}
     for name, piece in named_pieces.items():
         tips = [end for end in ENDS_WITH_TIP[piece.crack["tips"]] if (name, end) not in on_something]
         rest = {key: value for key, value in piece.crack.items() if key != "contact_by"}

@@ -1,4 +1,5 @@
-"""A case as YAML text that reads back to the same case, bit for bit; and as a mapping: what `Case` offers in Python."""
+"""A case as YAML text that reads back to the same case, bit for bit; as a mapping, as `Case` offers it in Python; and
+in words what was changed when it was read."""
 
 from __future__ import annotations
 
@@ -12,10 +13,9 @@ import numpy as np
 import yaml
 
 from crackgrow.case.format import CASE, FORMAT
-from crackgrow.case.formula import MapFormula
 from crackgrow.case.load import REDUCTION, read_case
 from crackgrow.case.model import Case, CriticalLoad
-from crackgrow.case.units import Coordinate
+from crackgrow.case.units import Coordinate, Metres, place_text
 from crackgrow.errors import CaseError, Fault
 
 T = TypeVar("T")
@@ -28,13 +28,7 @@ class _Dumper(yaml.SafeDumper):
         return True
 
 
-def _on_map(dumper: _Dumper, value: Coordinate) -> yaml.ScalarNode:
-    """A coordinate as the map has it, with all its digits."""
-    return dumper.represent_scalar("tag:yaml.org,2002:float", value.text)
-
-
-_Dumper.add_representer(Coordinate, _on_map)
-_Dumper.add_representer(MapFormula, _Dumper.represent_str)
+_Dumper.add_representer(Coordinate, lambda its, value: its.represent_scalar("tag:yaml.org,2002:float", value.text))
 
 
 def dump_case(case: Case) -> str:
@@ -103,12 +97,6 @@ def case_from(mapping: AnyMapping[str, Any], name: str) -> Case:
     return _without_lines(yaml_text(_plain(mapping, "")), "the mapping", name)
 
 
-def mapping_of(case: Case) -> dict[str, Any]:
-    """Return a case as a mapping in the case format: SI, every default filled in, the caller's own."""
-    found: dict[str, Any] = yaml.safe_load(dump_case(case))
-    return found
-
-
 def changed(case: Case, settings: Sequence[str]) -> Case:
     """Return a case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI.
 
@@ -166,3 +154,16 @@ def differing(a: AnyMapping[str, str], b: AnyMapping[str, str], missing: T) -> d
     """The values in both of the settings that are not the same, by dotted key; `missing` stands for one not given."""
     keys = [key for key in dict.fromkeys([*a, *b]) if a.get(key) != b.get(key)]
     return {key: (a.get(key, missing), b.get(key, missing)) for key in keys}
+
+
+def changes_of(case: Case) -> tuple[list[str], list[str]]:
+    """What was moved when the case was read, and what of cracks was left out, the largest first."""
+    moved, left = [], []
+    for move in sorted(case.moved, key=lambda move: -move.distance):
+        there = place_text(np.add(move.place, case.origin), 12)
+        moved.append(f"{move.what} by {Metres(move.distance):.2g} onto {move.onto} at {there}")
+    for part in sorted(case.cut, key=lambda part: (not part.whole, -part.length)):
+        crack = f"'{part.crack}'{f' ({part.where})' if part.where else ''}"
+        much = "all of " if part.whole else f"{Metres(part.length):.3g} of " if part.length else ""
+        left.append(f"{much}{crack} at {place_text(np.add(part.place, case.origin))}: {part.why}")
+    return moved, left

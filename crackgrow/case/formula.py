@@ -15,7 +15,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.report import clean, did_you_mean, quoted
-from crackgrow.case.scalars import NUMBER, Context, Measured, Numeric, Schema, Schemas, Takes, units_of
+from crackgrow.case.scalars import Context, Measured, Numeric
 from crackgrow.case.units import UNITS, QuantityError, is_number, parse_number, place_text
 from crackgrow.errors import CaseError
 
@@ -33,10 +33,8 @@ _EXTREMES: Final[dict[str, Callable[..., Floats]]] = {"min": np.minimum, "max": 
 _FUNCTIONS: Final = (*ONE_VALUE, *_EXTREMES)
 _NAMES: Final = ("x", "y", "pi")
 
-_ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
+ALPHABET = rf"[0-9.eE_+\-*/(),\s]|{'|'.join((*_NAMES, *_FUNCTIONS))}"
 """Pattern of the letters, signs and words that a formula is made of."""
-
-_NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 
 _ALLOWED = f"numbers, x, y, pi, + - * / **, parentheses, {', '.join(_FUNCTIONS)}"
 
@@ -49,12 +47,6 @@ Component = float | Formula
 
 class FormulaError(QuantityError):
     """A text that is no formula; the message says why."""
-
-
-class MapFormula(str):
-    """The text of a formula whose x and y are those of a map."""
-
-    origin: tuple[float, float]  # m, of the case on the map
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -90,11 +82,6 @@ class CoordinateFormula:
             values = np.array(np.broadcast_to(_function_of(self.text)(x, y), x.shape), dtype=float)
         finite = np.isfinite(values)
         return values, None if finite.all() else points[int(np.argmin(finite))]
-
-
-def component_of(value: float | str) -> Component:
-    """A component of a resolved case: a number, or the text of a formula."""
-    return CoordinateFormula(str(value), getattr(value, "origin", (0.0, 0.0))) if isinstance(value, str) else value
 
 
 def component_at(component: Component, places: Floats) -> Floats:
@@ -133,28 +120,17 @@ class OrFormula(Numeric):
     def describe(self) -> str:
         return f'a {self.kind} or a formula in x and y such as "0.09*x - 0.1"'
 
-    def takes(self) -> Takes:
-        return Takes(self.describe(), units_of(self.kind))
-
-    def schema(self, schemas: Schemas) -> Schema:
-        pattern = rf"^(?!\s*{NUMBER}\s*$){_NO_FORMULA}({_ALPHABET})+$"
-        formula = {"title": "formula (in x and y, such as 0.09*x - 0.1)", "type": "string", "pattern": pattern}
-        return {"anyOf": [Measured(self.kind).schema(schemas), schemas.named("formula", lambda: formula)]}
-
     def hint(self, context: Context) -> str:
         return Measured(self.kind).hint(context)
 
-    def parse(self, text: str, context: Context) -> float | str:
-        """The float in SI, or the text of the formula in SI; raises QuantityError, of which FormulaError is one."""
+    def parse(self, text: str, context: Context) -> Component:
+        """The float or the formula, in SI; raises QuantityError, of which FormulaError is one."""
         if is_number(text) or _QUANTITY.fullmatch(text):
             return Measured(self.kind).parse(text, context)
         formula = parse_formula(text, *(float(UNITS[kind][context.units.of(kind)]) for kind in ("length", self.kind)))
         if is_number(formula):
             return parse_number(formula)
-        if context.units.origin is not None:
-            formula = MapFormula(formula)
-            formula.origin = context.units.origin
-        return formula
+        return CoordinateFormula(formula, context.units.origin or (0.0, 0.0))
 
 
 def _checked(text: str) -> str:

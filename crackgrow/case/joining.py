@@ -11,9 +11,9 @@ import shapely
 from shapely import LineString, Point
 from shapely.ops import substring
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.model import Move
-from crackgrow.case.shapes import BodyShape, frozen
+from crackgrow.case.shapes import BodyShape
 from crackgrow.case.touching import round_off
 
 ALONG: Final = 10.0  # tolerances: a line that is beside another one for longer runs along it; below 6 degrees at an end
@@ -25,26 +25,20 @@ class Thing:
     """What a line may end on, or run along."""
 
     words: str  # such as "crack 'joint'"
+    vertex: str  # what a vertex of it is called
     shape: LineString
     is_rim: bool = False  # of a body: nothing touches it but with an end
-
-    @property
-    def vertex(self) -> str:
-        """What a vertex of it is called."""
-        return (
-            f"a corner of {self.words.removeprefix('the boundary of ')}" if self.is_rim else f"a vertex of {self.words}"
-        )
 
 
 def crack_thing(name: str, points: Floats) -> Thing:
     """A crack (n, 2) m."""
-    return Thing(f"crack '{name}'", LineString(points))
+    return Thing(f"crack '{name}'", f"a vertex of crack '{name}'", LineString(points))
 
 
 def rims_of(bodies: Iterable[BodyShape]) -> list[Thing]:
     """The outlines and holes of bodies."""
-    rings = [(body.name, ring.points) for body in bodies for ring in body.rings]
-    return [Thing(f"the boundary of body '{name}'", LineString([*ring, ring[0]]), is_rim=True) for name, ring in rings]
+    rings = [(f"body '{its.name}'", LineString([*ring.points, ring.points[0]])) for its in bodies for ring in its.rings]
+    return [Thing(f"the boundary of {body}", f"a corner of {body}", ring, is_rim=True) for body, ring in rings]
 
 
 def unstacked(
@@ -70,8 +64,8 @@ def unstacked(
 
 def _clear_of(line: LineString, thing: Thing, tolerance: float) -> list[tuple[float, float]]:
     """The parts of a line, from one arc length (m) to another, that are left of it beside something."""
-    along = [ends for ends in _beside(line, thing.shape, tolerance) if _runs_along(line, ends, thing, tolerance)]
-    along += _parts(line, line.intersection(thing.shape))
+    beside = _parts(line, thing.shape.buffer(tolerance))
+    along = [ends for ends in beside if _runs_along(line, ends, thing, tolerance)] + _parts(line, thing.shape)
     close, begin, kept = thing.shape.buffer(2.0 * tolerance), 0.0, []
     for start, end in [*sorted(along), (line.length, line.length)]:
         if start - begin > tolerance and not close.covers(substring(line, begin, start)):  # its ends would be on it
@@ -80,15 +74,10 @@ def _clear_of(line: LineString, thing: Thing, tolerance: float) -> list[tuple[fl
     return kept
 
 
-def _beside(line: LineString, other: shapely.Geometry, tolerance: float) -> list[tuple[float, float]]:
-    """The parts of a line, from one arc length (m) to another, that lie within the tolerance of something."""
-    return _parts(line, line.intersection(other.buffer(tolerance)))
-
-
-def _parts(line: LineString, within: shapely.Geometry) -> list[tuple[float, float]]:
-    """The parts of a line that are parts of another shape of parts of it, in order."""
-    parts = [part for part in shapely.get_parts(shapely.line_merge(within)) if part.length > 0.0]
-    ends = [sorted(line.project(Point(part.coords[end])) for end in (0, -1)) for part in parts]
+def _parts(line: LineString, other: shapely.Geometry) -> list[tuple[float, float]]:
+    """The parts of a line, from one arc length (m) to another, that lie in or on something, in order."""
+    found = shapely.get_parts(shapely.line_merge(line.intersection(other)))
+    ends = [sorted(line.project(Point(part.coords[end])) for end in (0, -1)) for part in found if part.length > 0.0]
     return sorted((start, end) for start, end in ends)
 
 
@@ -108,8 +97,8 @@ def _runs_along(line: LineString, part: tuple[float, float], thing: Thing, toler
 
 def joined(
     cracks: Mapping[str, Floats], tolerances: Mapping[str, tuple[float, float]], fixed: Sequence[Thing], same: float
-) -> tuple[dict[str, Floats], list[Move], set[tuple[str, str]]]:
-    """Cracks (n, 2) m whose ends lie on what they come near to; what moved, and all ends that lie on something.
+) -> tuple[dict[str, Floats], list[Move]]:
+    """Cracks (n, 2) m whose ends lie on what they come near to; a move, perhaps by nothing, of each such end.
 
     tolerances: how near (m), of start and end
     same: m, what is nearer lies there already
@@ -123,7 +112,7 @@ def joined(
     names = list(lines)
     ends = [(number, end) for number in range(len(names)) for end in ("start", "end")]
     if not ends:
-        return dict(cracks), [], set()
+        return dict(cracks), []
     reach = np.concatenate([tolerances[name] for name in names])
     points = shapely.points(np.concatenate([lines[name][[0, -1]] for name in names]))
     near: list[list[int]] = [[] for _ in ends]
@@ -150,7 +139,7 @@ def joined(
         place, before = (of[name][0 if which == "start" else -1] for of in (lines, cracks))
         what = f"the {which} of crack '{name}'"
         moves.append(Move(what, onto, float(np.hypot(*(place - before))), tuple(place.tolist()), (name, which)))
-    return {name: frozen(lines.get(name, points)) for name, points in cracks.items()}, moves, set(found)
+    return {name: frozen(lines.get(name, points)) for name, points in cracks.items()}, moves
 
 
 def _ended(line: Floats, near: Sequence[Thing], tolerance: float, same: float) -> tuple[Floats, str] | None:
@@ -203,5 +192,5 @@ def _is_amiss(ended: Floats, thing: Thing, tolerance: float, same: float) -> boo
 
 def _last(line: LineString, other: shapely.Geometry, tolerance: float) -> float:
     """The arc length (m) from which on the end of a line lies within the tolerance of something."""
-    parts = _beside(line, other, (1.0 + 1e-6) * tolerance)
+    parts = _parts(line, other.buffer((1.0 + 1e-6) * tolerance))
     return max(parts, key=lambda part: part[1])[0] if parts else line.length

@@ -10,13 +10,13 @@ import numpy as np
 import shapely
 from shapely import LineString
 
-from crackgrow.arrays import Floats
+from crackgrow.arrays import Floats, frozen
 from crackgrow.case.joining import joined, rims_of
 from crackgrow.case.model import Cut, EdgeRegion, Move
 from crackgrow.case.report import Path, Report
 from crackgrow.case.segments import line_length, segments_of
-from crackgrow.case.shapes import BodyShape, Resolved, direction_of, frozen, shape_of, without_repeats
-from crackgrow.case.touching import ITS_OWN, SNAP, close_pairs, overlap, shared_lines, size_of, snapped_bodies
+from crackgrow.case.shapes import BodyShape, Resolved, direction_of, shape_of, without_repeats
+from crackgrow.case.touching import ITS_OWN, SNAP, overlap, shared_lines, size_of, snapped_bodies
 from crackgrow.case.toughness import BY_K, MODE_I, radius_of, shear_radius_of
 from crackgrow.case.units import UNITS, Units
 
@@ -129,10 +129,6 @@ class Scene:
         """Write a length in the units of the case."""
         return self.units.show(value, "length")
 
-    def point(self, point: Floats | list[float]) -> str:
-        """Write a point in the units of the case."""
-        return self.units.place(point)
-
     def exact_point(self, point: Floats) -> str:
         """Write a point with as many digits as tell it from what lies within reach of it."""
         return self.units.place(point, EXACT)
@@ -168,24 +164,13 @@ def place_cracks(scene: Scene) -> None:
             least = min(np.inf if spacing is None else spacing, line_length(points_of(crack["path"])))
             scene.cracks[name] = points_of(crack["path"], SHORTEST * least)
     scene.hosts.update(_hosts(scene.cracks, list(scene.bodies.values())))
-    cracks, moves, _ = joined(
-        scene.cracks,
-        {name: _reach_of(scene, points) for name, points in scene.cracks.items()},
-        rims_of(scene.bodies.values()),
-        scene.tolerance,
-    )
+    reach = {}  # the segments that move with an end turn by less than half a degree
+    for name, points in scene.cracks.items():
+        lengths = np.hypot(*np.diff(points, axis=0).T) if len(points) > 1 else np.zeros(1)
+        reach[name] = (min(scene.reach, ITS_OWN * lengths[0]), min(scene.reach, ITS_OWN * lengths[-1]))
+    cracks, moves = joined(scene.cracks, reach, rims_of(scene.bodies.values()), scene.tolerance)
     scene.cracks.update(cracks)
     scene.moves.extend(moves)
-
-
-def _reach_of(scene: Scene, points: Floats) -> tuple[float, float]:
-    """How far (m) the ends of a crack may move: the segments that move with them turn by less than half a degree."""
-    first, last = (
-        (float(np.hypot(*step)) for step in (points[1] - points[0], points[-1] - points[-2]))
-        if len(points) > 1
-        else (0.0, 0.0)
-    )
-    return min(scene.reach, ITS_OWN * first), min(scene.reach, ITS_OWN * last)
 
 
 def points_of(path: Resolved, smallest: float = 0.0) -> Floats:
@@ -227,10 +212,12 @@ def _place(scene: Scene, shapes: list[BodyShape]) -> None:
             scene.report.fault(("bodies", body.name, "shape"), message)
     bodies = [body for body in bodies if scene.report.sound("bodies", body.name, "shape")]
     scene.bodies.update((body.name, body) for body in bodies)
-    for first, second in [(bodies[one], bodies[other]) for one, other in close_pairs(bodies, scene.tolerance)]:
+    polygons = np.array([body.polygon for body in bodies], dtype=object)
+    pairs = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=scene.tolerance).T.tolist()
+    for first, second in [(bodies[one], bodies[other]) for one, other in sorted(pairs) if one < other]:
         place = overlap(first, second, scene.tolerance)
         if place is not None:
-            message = f"overlaps body '{first.name}', such as at {scene.point(place)}"
+            message = f"overlaps body '{first.name}', such as at {scene.units.place(place)}"
             scene.report.fault(("bodies", second.name, "shape"), message)
         elif lines := shared_lines(first, second, scene.tolerance):
             scene.shared[first.name, second.name] = lines

@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path as FilePath
 from typing import Any, Final
 
+from crackgrow.arrays import frozen
 from crackgrow.case import model
 from crackgrow.case.check_actions import check_agreement, check_foundations, check_loads, check_supports
 from crackgrow.case.check_cracks import check_cracks
@@ -14,18 +15,17 @@ from crackgrow.case.check_regions import check_regions, place_points, settle_bod
 from crackgrow.case.check_strength import check_initiation, check_rate_law, check_strength, settle_direction
 from crackgrow.case.checks import check_contacts, check_interfaces, check_material, check_numerics
 from crackgrow.case.crack_sets import place_ends_and_sets
-from crackgrow.case.cracked import opened, parted
+from crackgrow.case.drawings import read_drawings
 from crackgrow.case.format import CASE, DEFINITIONS, FORMAT
 from crackgrow.case.layout import Scene, place_cracks, scene_of
-from crackgrow.case.minimal_supports import settle_supports
 from crackgrow.case.model import Case
-from crackgrow.case.outline import settle_outlines
-from crackgrow.case.outline_file import read_drawings
 from crackgrow.case.overrides import apply_override, with_base
 from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Faults, Path, Place, Report
 from crackgrow.case.scalars import Context
-from crackgrow.case.shapes import BodyShape, Resolved, frozen
+from crackgrow.case.segments import opened, parted
+from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.shorthand import settle_outlines, settle_supports
 from crackgrow.case.sizing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.case.touching import shared_lines
@@ -91,22 +91,18 @@ def read_case(text: str, source: str, name: str, overrides: Sequence[str] = ()) 
 
 def _case_of(root: Node | None, report: Report, overrides: Sequence[str], path: FilePath) -> Case:
     """The checked case of a node tree. Raises CaseError with every fault found."""
-    if not isinstance(root, Table):
-        if root is not None and not report.faults:
-            report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
-        raise report.error()
-    if "base" in root.entries and "parameters" in root.entries:
+    if isinstance(root, Table) and {"base", "parameters"} <= root.entries.keys():
         kind = "fit" if "measured" in root.entries else "sweep"
         report.fault((), f"this is a {kind} file, not a case: `crackgrow {kind} {report.source}` runs it", root.place)
         raise report.error()
     folders: dict[str, FilePath] = {}
-    root = with_base(root, path, report, folders)
-    if root is None:
+    case = with_base(root, path, report, folders)
+    if case is None:
         raise report.error()
     for override in overrides:
-        apply_override(root, override, report)
+        apply_override(case, override, report)
     context = Context(report, Units(), path.parent, folders)
-    resolved: Any = CASE.read(root, (), context)
+    resolved: Any = CASE.read(case, (), context)
     if not report.sound("units"):  # the rest was read in other units
         raise report.error()
     read_drawings(resolved, context)

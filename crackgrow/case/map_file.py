@@ -1,6 +1,6 @@
 """Files of maps: GeoJSON, WKT, tables of vertices, and what GDAL reads. Each shape keeps its attributes and its place.
 
-Coordinates stay in the unit of the file; what is to be drawn of them is decided in `outline_file` and `crack_sets`.
+Coordinates stay in the unit of the file; what is to be drawn of them is decided in `drawings` and `crack_sets`.
 """
 
 from __future__ import annotations

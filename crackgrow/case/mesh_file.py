@@ -16,6 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 import shapely
+from shapely.geometry.polygon import orient
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.report import clean, did_you_mean, listed, quoted
@@ -74,42 +75,36 @@ class PlaneMesh:
     def path(self, curve: str) -> Floats:
         """The vertices (n, 2) of a curve from end to end, in the direction of its first cell; raises ContentError."""
         sides = _group(self.curves, curve, "curve")
-        chains = self._lines({frozenset(side) for side in sides})
-        if len(chains) != 1 or chains[0][0] == chains[0][-1]:
+        pairs = np.array([sorted(side) for side in {*map(frozenset, sides)} if len(side) == 2], dtype=np.int64)
+        lines = shapely.get_parts(shapely.line_merge(shapely.MultiLineString([*self.points[pairs.reshape(-1, 2)]])))
+        if len(lines) != 1 or lines[0].is_closed:
             what = "branches, closes or is in several parts; a crack is a line"
             raise ContentError(f"has a curve {quoted(curve)} that {what}")
-        (chain,) = chains
+        node_at = {tuple(self.points[node]): node for node in pairs.ravel().tolist()}
+        chain = [node_at[place] for place in lines[0].coords]
         chain = chain if chain.index(sides[0][0]) < chain.index(sides[0][1]) else chain[::-1]
         kept = [k for k in range(1, len(chain) - 1) if not self._straight(*chain[k - 1 : k + 2])]
         return np.asarray(self.points[[chain[0], *(chain[k] for k in kept), chain[-1]]], dtype=float)
-
-    def _lines(self, sides: Iterable[Side]) -> list[list[int]]:
-        """Sides joined to lines of nodes where two of them meet."""
-        pairs = np.array([sorted(side) for side in sides if len(side) == 2], dtype=np.int64).reshape(-1, 2)
-        lines = shapely.line_merge(shapely.MultiLineString([*self.points[pairs]]))
-        node = {tuple(self.points[number]): number for number in pairs.ravel().tolist()}
-        return [[node[place] for place in line.coords] for line in shapely.get_parts(lines)]
 
     def _rings(self, cells: Iterable[int]) -> list[list[int]]:
         """The closed lines of nodes round cells: the outer one, counter-clockwise, and holes in the order of cells."""
         around = (self.surfaces[cell].tolist() for cell in cells)
         count = Counter(frozenset(side) for nodes in around for side in pairwise([*nodes, nodes[0]]))
-        rim = [side for side, number in count.items() if number == 1 and len(side) == 2]
-        for node, number in Counter(node for side in rim for node in sorted(side)).items():
+        rim = [sorted(side) for side, number in count.items() if number == 1 and len(side) == 2]
+        for node, number in Counter(node for side in rim for node in side).items():
             if number > 2:
                 x, y = self.points[node]
                 raise ContentError(f"has a region whose outline touches itself at ({x:.6g}, {y:.6g})")
-        lines = self._lines(rim)
-        line_of = {node: number for number, line in enumerate(lines) for node in line}
-        first: dict[int, Side] = {}
-        for side in rim:
-            first.setdefault(line_of[min(side)], side)
-        rings = [_from_side(lines[number][:-1], *sorted(side)) for number, side in first.items()]
-        outer = rings.pop(int(np.argmax([shapely.Polygon(self.points[ring]).area for ring in rings])))
-        body = shapely.Polygon(self.points[outer])
-        if not all(body.contains(shapely.Polygon(self.points[ring])) for ring in rings):
+        body = shapely.build_area(shapely.MultiLineString([*self.points[np.array(rim)]]))
+        if body.geom_type != "Polygon":
             raise ContentError("is in several pieces; each body is one: give each piece a group of its own")
-        return [outer if shapely.is_ccw(body.exterior) else outer[::-1], *rings]
+        body = orient(body)
+        node_at = {tuple(self.points[node]): node for side in rim for node in side}
+        outer, *holes = ([node_at[place] for place in ring.coords[:-1]] for ring in (body.exterior, *body.interiors))
+        order = {node: number for number, side in reversed(list(enumerate(rim))) for node in side}
+        begins = [min(hole, key=lambda node: (order[node], node)) for hole in holes]
+        begun = [hole[hole.index(node) :] + hole[: hole.index(node)] for hole, node in zip(holes, begins, strict=True)]
+        return [outer, *sorted(begun, key=lambda hole: order[hole[0]])]
 
     def _corners(self, ring: list[int], names: Mapping[Side, str]) -> list[tuple[int, str]]:
         """The nodes of a ring at which it turns, or its edge has another name; and the name of the edge after each."""
@@ -129,13 +124,6 @@ class PlaneMesh:
         x, y = self.points[node] - start
         off = abs(x * along[1] - y * along[0])
         return length > 0 and off <= SAME * self.extent * length and 0 < (x, y) @ along < length**2
-
-
-def _from_side(ring: list[int], start: int, second: int) -> list[int]:
-    """A ring of nodes that begins with one of its sides."""
-    place = ring.index(start)
-    ring = ring[place:] + ring[:place]
-    return ring if ring[1] == second else [ring[0], *ring[:0:-1]]
 
 
 def _edges(names: list[str]) -> dict[str, list[int]]:

@@ -9,7 +9,7 @@ from typing import Final
 
 from crackgrow.case.reader import MAX_DEPTH, Broken, Entry, Listing, Node, Scalar, Table, parse, read_file
 from crackgrow.case.report import Path, Place, Report, clean, did_you_mean, quoted
-from crackgrow.case.scalars import INVALID, Context, Schema, Schemas, Takes, given
+from crackgrow.case.scalars import INVALID, Context, given
 
 WORD_OR_MAPPING: Final = {("loading",): "", ("growth", "initiation"): "at"}
 """Keys that take a word or a mapping: with an override of a key inside, the word stands for this key, or gives way."""
@@ -88,12 +88,6 @@ class OfFile:
     def describe(self) -> str:
         return self.kind
 
-    def takes(self) -> Takes:
-        return Takes(self.kind)
-
-    def schema(self, _: Schemas) -> Schema:
-        return {"type": "object" if self.kind == "a mapping" else "string"}
-
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Refuse an override: the base has been read by then."""
         if not isinstance(node, Broken):
@@ -102,13 +96,17 @@ class OfFile:
 
 
 def with_base(
-    root: Table, path: FilePath, report: Report, folders: dict[str, FilePath], above: tuple[FilePath, ...] = ()
+    root: Node | None, path: FilePath, report: Report, folders: dict[str, FilePath], above: tuple[FilePath, ...] = ()
 ) -> Table | None:
     """Return what a file says together with its base, None if that cannot be told; faults go to the report.
 
     folders: gets, by the name of each file in faults, what file names in it are relative to
     above: the files that this one is a base of
     """
+    if not isinstance(root, Table):
+        if root is not None and not isinstance(root, Broken):
+            report.fault((), "the file holds no mapping; a case is written as key: value", root.place)
+        return None
     folders[str(path)] = path.parent
     if "base" not in root.entries:
         if "set" in root.entries:
@@ -121,15 +119,10 @@ def with_base(
     file = _base_of(root.entries["base"].node, path, report, (*above, path))
     if file is None:
         return None
-    node = read_file(file, report)
-    if isinstance(node, Table):
-        node = with_base(node, file, report, folders, (*above, path))
-    elif node is not None:
-        report.fault((), "the file holds no mapping; a case is written as key: value", node.place)
-    if not isinstance(node, Table):
-        return None
-    _change(node, root, report)
-    return node
+    base = with_base(read_file(file, report), file, report, folders, (*above, path))
+    if base is not None:
+        _change(base, root, report)
+    return base
 
 
 def _base_of(node: Node, path: FilePath, report: Report, files: tuple[FilePath, ...]) -> FilePath | None:

@@ -11,6 +11,7 @@ import yaml
 from crackgrow.case.report import Path, Place, Report, clean, quoted
 
 MAX_DEPTH = 40  # of nested lists and mappings; the format needs 7
+TOO_DEEP = f"nested deeper than {MAX_DEPTH} levels"
 MAX_BYTES = 2**19  # its text takes two or three seconds to read
 MAX_COPIES = 100_000  # of values that stand for aliases
 
@@ -75,7 +76,7 @@ class _Stop(Exception):  # noqa: N818  (no error: the reason is in the report)
 
 def read_file(file: str | FilePath, report: Report) -> Node | None:
     """Return the node tree of a case file, or None if it cannot be read; faults go to the report."""
-    path = FilePath(file)
+    path, line, n_faults = FilePath(file), None, len(report.faults)
     try:
         if not path.exists():
             problem = "no such file"
@@ -86,25 +87,16 @@ def read_file(file: str | FilePath, report: Report) -> Node | None:
         elif path.stat().st_size > MAX_BYTES:
             problem = f"is larger than {MAX_BYTES // 2**10} KiB; a case file is small"
         else:
-            return _decode_and_parse(path.read_bytes(), report, str(file))
+            node = parse(path.read_bytes().decode("utf-8-sig"), report, Place(str(file), 1))
+            if node is not None or len(report.faults) > n_faults:
+                return node
+            problem, line = "the file is empty", 1
+    except UnicodeDecodeError as error:
+        problem, line = "is not a text in UTF-8", error.object.count(b"\n", 0, error.start) + 1
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
         problem = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    report.fault((), problem, Place(str(file), None))
+    report.fault((), problem, Place(str(file), line))
     return None
-
-
-def _decode_and_parse(data: bytes, report: Report, source: str) -> Node | None:
-    try:
-        text = data.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        report.fault((), "is not a text in UTF-8", Place(source, line))
-        return None
-    n_faults = len(report.faults)
-    node = parse(text, report, Place(source, 1))
-    if node is None and len(report.faults) == n_faults:
-        report.fault((), "the file is empty", Place(source, 1))
-    return node
 
 
 def parse(text: str, report: Report, start: Place, path: Path = ()) -> Node | None:
@@ -113,20 +105,25 @@ def parse(text: str, report: Report, start: Place, path: Path = ()) -> Node | No
     start: place of the text; lines are counted only if it has one.
     path: key path of the document, for faults.
     """
-    builder = _Builder(report, start)
+    builder, line = _Builder(report, start), 0
     try:
-        return builder.document(text, path)
+        loader = _Loader(text)
+        composed = loader.get_single_node()
+        node = None if composed is None else builder.node(composed, path, 0)
+        return None if isinstance(node, Scalar) and node.is_null else node
     except _Stop:
         return None
+    except RecursionError:
+        path, problem, line = path[:8], TOO_DEEP, loader.line
     except yaml.reader.ReaderError as error:
         line = text.count("\n", 0, error.position)
-        letter = ascii(chr(int(error.character)))
-        report.fault(path, f"not valid YAML: the character {letter} is not allowed", builder.at(line))
+        problem = f"not valid YAML: the character {chr(int(error.character))!a} is not allowed"
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
-        report.fault(path, f"not valid YAML: {_in_words(error, text)}", builder.at(mark.line if mark else 0))
+        problem, line = f"not valid YAML: {_in_words(error, text)}", mark.line if mark else 0
     except (yaml.YAMLError, ValueError, OverflowError) as error:  # such as an escape beyond Unicode
-        report.fault(path, f"not valid YAML: {clean(str(error))}", builder.at(builder.loader.line))
+        problem, line = f"not valid YAML: {clean(str(error))}", loader.line
+    report.fault(path, problem, builder.at(line))
     return None
 
 
@@ -179,8 +176,6 @@ class _Loader(yaml.SafeLoader):
 class _Builder:
     """Makes nodes of those that PyYAML composes; each alias gets a value of its own, as an override may change it."""
 
-    loader: _Loader
-
     def __init__(self, report: Report, start: Place) -> None:
         self.report = report
         self.start = start
@@ -191,15 +186,6 @@ class _Builder:
         """The place of a line, counted from 0."""
         return self.start if self.start.line is None else Place(self.start.source, line + 1)
 
-    def document(self, text: str, path: Path) -> Node | None:
-        self.loader = _Loader(text)
-        try:
-            composed = self.loader.get_single_node()
-        except RecursionError:
-            self.stop(f"nested deeper than {MAX_DEPTH} levels", path, self.at(self.loader.line))
-        node = None if composed is None else self.node(composed, path, 0)
-        return None if isinstance(node, Scalar) and node.is_null else node
-
     def stop(self, reason: str, path: Path, place: Place) -> NoReturn:
         self.report.fault(path[:8], reason, place)
         raise _Stop
@@ -209,7 +195,7 @@ class _Builder:
         self.copies += id(given) in self.seen
         self.seen.add(id(given))
         if depth > MAX_DEPTH:
-            self.stop(f"nested deeper than {MAX_DEPTH} levels", path, place)
+            self.stop(TOO_DEEP, path, place)
         if self.copies > MAX_COPIES:
             self.stop(f"aliases stand for more than {MAX_COPIES:,} values", path, place)
         if isinstance(given, yaml.ScalarNode):

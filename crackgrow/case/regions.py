@@ -11,8 +11,8 @@ from typing import Literal
 
 import numpy as np
 
-from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.scalars import Context, Measured, Numeric, Schema, Schemas, Takes, units_of
+from crackgrow.arrays import Bools, Floats, Ints, frozen
+from crackgrow.case.scalars import Context, Numeric
 from crackgrow.case.shapes import BodyShape, Resolved
 from crackgrow.case.units import UNITS, QuantityError, parse_quantity
 
@@ -58,6 +58,38 @@ class Edge:
         """Lengths (k,) m of the sides."""
         return np.asarray(np.hypot(*(self.ends[:, 1] - self.ends[:, 0]).T))
 
+    def along(self, place: float) -> float:
+        """Distance (m) from the begin of the edge, as drawn, to a place (m or degrees); it grows from turn to turn."""
+        if self.measure == "distance":
+            return place
+        begins = np.append(0.0, np.cumsum(self.lengths))
+        if self.measure == "angle":
+            chords = np.append(np.flatnonzero(np.append(True, self.drawn[1:] != self.drawn[:-1])), len(self.sides))
+            step = FULL_CIRCLE / (len(chords) - 1)
+            turn, chord = divmod(math.floor(place / step), len(chords) - 1)
+            half = math.radians(step) / 2
+            part = 0.5 + math.tan((2.0 * (place / step % 1.0) - 1.0) * half) / math.tan(half) / 2  # of the chord
+            first, last = begins[chords[chord : chord + 2]]
+            return float(turn * begins[-1] + first + part * (last - first))
+        axis = "xy".index(self.measure)
+        first, last = self.ends[0, 0, axis], self.ends[-1, 1, axis]
+        return float((place - first) / (last - first) * begins[-1])
+
+    def parts(self, start: float, end: float) -> list[tuple[int, float, float]]:
+        """The sides between two distances (m) along it, each with the fractions at which its part begins and ends.
+
+        Fractions hardly more than 0 or less than 1 are these.
+        """
+        total, found = self.lengths.sum(), []
+        for turn in range(math.floor(start / total), math.ceil(end / total)) if self.measure == "angle" else (0,):
+            passed = turn * total
+            for side, length in zip(self.sides, self.lengths.tolist(), strict=True):
+                limits = ((start - passed) / length, (end - passed) / length)
+                low, high = (0.0 if t <= SAME_PLACE else 1.0 if t >= 1.0 - SAME_PLACE else t for t in limits)
+                found += [(side, low, high)] if high > low else []
+                passed += length
+        return found
+
 
 def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
     """Return the edge of a body that has one of that name."""
@@ -79,20 +111,15 @@ def edge_of(body: BodyShape, name: str, tolerance: float) -> Edge:
     return Edge(tuple((first_side + ids[order]).tolist()), ends[order], drawn, ring.backwards, measure, reach)
 
 
-def region_of(body: BodyShape, on: Resolved, tolerance: float) -> EdgeRegion:
-    """Return the edge `on` names, or its part between `from` and `to` (m, degrees on an arc), which lie on it."""
-    edge = edge_of(body, on["edge"], tolerance)
-    if "from" not in on and "to" not in on:
-        parts = [(side, 0.0, 1.0) for side in edge.sides]
-    else:
-        part_of = _part_of_arc if edge.measure == "angle" else _part_of_line
-        parts = part_of(edge, on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
+def region_of(body: BodyShape, edge: Edge, on: Resolved) -> EdgeRegion:
+    """Return the part of an edge between the places `from` and `to` of `on` (m, degrees on an arc), which lie on it."""
+    places = (on.get("from", edge.reach[0]), on.get("to", edge.reach[1]))
+    parts = edge.parts(*sorted(map(edge.along, places)))
     if edge.backwards:
         parts = [(side, 1.0 - end, 1.0 - start) for side, start, end in reversed(parts)]
-    sides, limits = np.array([part[0] for part in parts], dtype=np.int64), np.array([part[1:] for part in parts])
+    sides = np.array([side for side, *_ in parts], dtype=np.int64)
     sides.setflags(write=False)
-    limits.setflags(write=False)
-    return EdgeRegion(body.name, on["edge"], sides, limits)
+    return EdgeRegion(body.name, on["edge"], sides, frozen([limits for _, *limits in parts]))
 
 
 def ends_of(body: BodyShape, region: EdgeRegion) -> Floats:
@@ -114,82 +141,20 @@ def _measure(ends: Floats, given: Floats, is_arc: bool, tolerance: float) -> tup
     return "distance", (0.0, float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum()))
 
 
-def _part_of_line(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
-    """Return sides with fractions, both in drawing order, between two places on straight sides."""
-    if edge.measure != "distance":
-        axis = "xy".index(edge.measure)
-        first, second = edge.ends[0, 0, axis], edge.ends[-1, 1, axis]
-        start, end = sorted(((place - first) / (second - first) * edge.lengths.sum()) for place in (start, end))
-    return _parts(edge, range(len(edge.sides)), start, end)
-
-
-def _part_of_arc(edge: Edge, start: float, end: float) -> list[tuple[int, float, float]]:
-    """Return sides with fractions, both in drawing order, between two angles in degrees."""
-    chords = np.flatnonzero(np.append(True, edge.drawn[1:] != edge.drawn[:-1])).tolist()  # the first side of each
-    bounds, n = [*chords, len(edge.sides)], len(chords)
-    step = FULL_CIRCLE / n
-    parts = []
-    for k in range(math.floor(start / step), math.ceil(end / step)):
-        sides = range(bounds[k % n], bounds[k % n + 1])
-        low, high = (_chord_fraction(angle / step - k, step) * edge.lengths[sides].sum() for angle in (start, end))
-        parts += _parts(edge, sides, low, high)
-    return parts
-
-
-def _parts(edge: Edge, sides: range, start: float, end: float) -> list[tuple[int, float, float]]:
-    """Return those of some sides that lie between two distances (m) from where they begin, with fractions.
-
-    Fractions hardly more than 0 or less than 1 are these.
-    """
-    parts, passed = [], 0.0
-    for side, length in zip(sides, edge.lengths[sides].tolist(), strict=True):
-        limits = ((start - passed) / length, (end - passed) / length)
-        low, high = (0.0 if t <= SAME_PLACE else 1.0 if t >= 1.0 - SAME_PLACE else t for t in limits)
-        parts += [(edge.sides[side], low, high)] if high > low else []
-        passed += length
-    return parts
-
-
-def _chord_fraction(fraction: float, step: float) -> float:
-    """Return where a ray at this fraction of a step of degrees cuts the chord of the step, clipped to it."""
-    if not 0.0 < fraction < 1.0:
-        return min(max(fraction, 0.0), 1.0)
-    half = math.radians(step) / 2
-    return 0.5 + math.tan((2.0 * fraction - 1.0) * half) / math.tan(half) / 2
-
-
-@dataclass(frozen=True, slots=True)
-class Along:
-    """A place on an edge that is not known yet; a bare number can be either, the other one is None."""
-
-    length: float | None  # m
-    angle: float | None  # degrees
-
-
 class PlaceOnEdge(Numeric):
-    """A length or an angle, a bare number in the length unit of the case or in degrees."""
+    """A length or an angle, as text: which of them a bare number is, the edge tells."""
 
     def describe(self) -> str:
         return "a length, or an angle on an arc"
-
-    def takes(self) -> Takes:
-        return Takes("length, or angle on an arc", f"{units_of('length')}; on an arc {units_of('angle')}")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"anyOf": [Measured(kind).schema(schemas) for kind in ("length", "angle")]}
 
     def hint(self, context: Context) -> str:
         named = " | ".join((*UNITS["length"], *UNITS["angle"]))
         return f" ({named}; a bare number means {context.units.length} or deg)"
 
-    def parse(self, text: str, context: Context) -> Along:
-        """The place; raises QuantityError."""
-        values: list[float | None] = []
-        for kind in ("length", "angle"):
-            try:
-                values.append(parse_quantity(text, kind, context.units))
-            except QuantityError:
-                if values == [None]:
-                    raise
-                values.append(None)
-        return Along(*values)
+    def parse(self, text: str, context: Context) -> str:
+        """The text; raises QuantityError where it is neither of them."""
+        try:
+            parse_quantity(text, "length", context.units)
+        except QuantityError:
+            parse_quantity(text, "angle", context.units)
+        return text

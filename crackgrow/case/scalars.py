@@ -1,20 +1,17 @@
-"""Specs of single values: text, words, switches, numbers and quantities with a unit."""
+"""Specs of single values: text, words, switches, numbers, quantities with a unit, and names of what is defined."""
 
 from __future__ import annotations
 
 import operator
-import re
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from fractions import Fraction
 from pathlib import Path as FilePath
-from typing import Any, Final, NamedTuple, Protocol
+from typing import Any, Final, Protocol
 
 from crackgrow.case.reader import Broken, Listing, Node, Scalar
 from crackgrow.case.report import Path, Report, did_you_mean, quoted
-from crackgrow.case.units import LARGEST, SMALLEST, UNITS, QuantityError, Units, is_number, parse_number, parse_quantity
-
-Schema = dict[str, Any]  # in JSON Schema
+from crackgrow.case.units import UNITS, QuantityError, Units, is_number, parse_number, parse_quantity
 
 PLAIN: Final = "number"  # kinds without a unit
 WHOLE: Final = "whole number"
@@ -22,9 +19,7 @@ SHARE: Final = "share"
 
 INVALID: Final = object()  # stands for a value whose fault is in the report
 
-NUMBER: Final = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"  # pattern of a number in JSON Schema
 _BEGIN_OF_NUMBER: Final = tuple("+-.0123456789")
-_NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
 
 
 @dataclass(slots=True)
@@ -44,42 +39,13 @@ class Context:
 
 
 class Spec(Protocol):
-    """What is allowed at one place of a file. Those of cases also tell what they take, and their JSON Schema."""
+    """What is allowed at one place of a file."""
 
     def describe(self) -> str:
         """Say in a few words what is allowed."""
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the plain SI value with defaults filled in, or INVALID after reporting why not."""
-
-
-class Takes(NamedTuple):
-    """What a spec takes, for the documentation."""
-
-    kind: str
-    units: str = ""  # that it may have, and what a bare number means
-    allowed: str = ""  # values; empty where the kind says all
-
-
-class Schemas:
-    """JSON Schemas of specs; parts of the format and quantities are definitions that the others refer to."""
-
-    def __init__(self) -> None:
-        self.definitions: dict[str, Schema] = {}
-
-    def of(self, spec: Any) -> Schema:
-        """What a spec accepts, as far as JSON Schema can say it."""
-        part = getattr(spec, "part", "")
-        found: Schema = self.named(part, lambda: spec.schema(self)) if part else spec.schema(self)
-        return found
-
-    def named(self, name: str, make: Callable[[], Schema]) -> Schema:
-        """A reference to a definition, made where it is not known yet."""
-        name = re.sub(r"\W+", "_", name)
-        if name not in self.definitions:
-            self.definitions[name] = {}  # its place, before those inside of it
-            self.definitions[name] = make()
-        return {"$ref": f"#/definitions/{name}"}
 
 
 def given(node: Node) -> str:
@@ -105,12 +71,6 @@ class Text:
     def describe(self) -> str:
         return "a text"
 
-    def takes(self) -> Takes:
-        return Takes("text")
-
-    def schema(self, _: Schemas) -> Schema:  # an editor takes 2017 and true for no texts, the reader does
-        return {"type": ["string", "number", "boolean"], **({} if self.may_be_empty else {"pattern": r"\S"})}
-
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the text."""
         if not isinstance(node, Scalar) or node.is_null or not (self.may_be_empty or node.text.strip()):
@@ -125,12 +85,6 @@ class Switch:
     def describe(self) -> str:
         return "true | false"
 
-    def takes(self) -> Takes:
-        return Takes("true or false")
-
-    def schema(self, _: Schemas) -> Schema:
-        return {"type": "boolean"}
-
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the bool."""
         if isinstance(node, Scalar) and node.plain and node.text.lower() in ("true", "false"):
@@ -138,26 +92,17 @@ class Switch:
         return refuse(node, self.describe(), path, context)
 
 
-SIGNS: Final[dict[str, tuple[str, Callable[[float, float], bool]]]] = {
-    ">": ("exclusiveMinimum", operator.gt),
-    ">=": ("minimum", operator.ge),
-    "<": ("exclusiveMaximum", operator.lt),
-    "<=": ("maximum", operator.le),
-}
-"""Of the sign of a bound its key in JSON Schema, and when it holds."""
+SIGNS: Final[dict[str, Callable[[float, float], bool]]] = {
+    ">": operator.gt, ">=": operator.ge, "<": operator.lt, "<=": operator.le,
+}  # fmt: skip
+"""Of the sign of a bound when it holds."""
 
 Bounds = tuple[tuple[str, float], ...]
 """Limits of a number in SI, each with its sign."""
 
 
-class Numeric:
+class Numeric(Spec):
     """A number, a quantity or what stands for one, written without quotes."""
-
-    __slots__ = ()
-
-    def describe(self) -> str:
-        """Say in a few words what is allowed."""
-        raise NotImplementedError
 
     def parse(self, text: str, context: Context) -> object:
         """Convert a text of a case to a value in SI units; each kind of number does so. Raises QuantityError."""
@@ -197,37 +142,12 @@ class Measured(Numeric):
 
     def holds(self, value: float) -> bool:
         """Whether a number lies within the bounds."""
-        return all(SIGNS[sign][1](value, limit) for sign, limit in self.bounds)
+        return all(SIGNS[sign](value, limit) for sign, limit in self.bounds)
 
     def describe(self) -> str:
         kind = "part such as 0.01 or 1 %" if self.kind == SHARE else self.kind
         grid = "" if self.step is None else f"in steps of {self.step:g}"
         return " ".join(filter(None, ["an" if kind[0] in "aeiou" else "a", kind, self.limits, grid]))
-
-    def takes(self) -> Takes:
-        if self.kind == SHARE:
-            return Takes(self.describe())
-        grid = f", in steps of {self.step:g}" if self.step else ""
-        return Takes(self.kind, units_of(self.kind) if self.kind in UNITS else "", self.limits + grid)
-
-    def schema(self, schemas: Schemas) -> Schema:
-        limits: Schema = {SIGNS[sign][0]: limit for sign, limit in self.bounds}  # a text heeds none of them
-        if self.kind == WHOLE:
-            return {"type": "integer", **limits}
-        if self.kind == SHARE:
-            return {"anyOf": [{"type": "number", **limits}, {"type": "string", "pattern": rf"^\s*{NUMBER}\s*%\s*$"}]}
-        if self.kind == PLAIN:
-            return {"allOf": [schemas.named("number", lambda: _bare(1.0))], **limits}
-        whole = schemas.named(self.kind, lambda: _quantity(self.kind))
-        if not limits:
-            return whole
-        sign = {}  # what a pattern can tell of the bounds of a number with a unit
-        if (">", 0) in self.bounds:
-            sign = {"pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
-        elif (">=", 0) in self.bounds:
-            sign = {"pattern": rf"^(?!\s*-{_NOT_ZERO})"}
-        bounded = {"title": f"{self.kind} {self.limits}", "allOf": [whole], **limits, **sign}
-        return schemas.named(" ".join([self.kind, *map(str, limits)]), lambda: bounded)
 
     def parse(self, text: str, context: Context) -> float:
         """The number, whole where it is to be; raises QuantityError."""
@@ -272,18 +192,6 @@ class Words:
     def describe(self) -> str:
         return " | ".join([*self.words, *([self.spec.describe()] if self.spec else [])])
 
-    def takes(self) -> Takes:
-        told = [f"`{word}`: {doc}" for word, doc in zip(self.words, self.docs, strict=True)] if self.docs else []
-        listed = "; ".join(told or [f"`{word}`" for word in self.words])
-        if not self.spec:
-            return Takes("word", "", listed)
-        kind, units, allowed = self.spec.takes()
-        return Takes(f"word or {kind}", units, ", or ".join(filter(None, (listed, allowed))))
-
-    def schema(self, schemas: Schemas) -> Schema:
-        listed = {"enum": list(self.words), **({"enumDescriptions": list(self.docs)} if self.docs else {})}
-        return {"anyOf": [listed, schemas.of(self.spec)]} if self.spec else listed
-
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the word or the other spec's value."""
         if isinstance(node, Scalar) and node.text in self.words:
@@ -295,33 +203,26 @@ class Words:
         return refuse(node, f"{self.describe()}{note}{hint}", path, context)
 
 
-def units_of(kind: str) -> str:
-    """Units of a quantity, and the one of a bare number where the case chooses it."""
-    listed = ", ".join(UNITS[kind])
-    return f"{listed}; bare: that of units.{kind}" if hasattr(Units(), kind) else listed
+@dataclass(frozen=True, slots=True)
+class Reference:
+    """A thing that is written out, or the name of one that is defined; the value is the thing."""
 
+    where: str  # the key that holds the definitions
+    spec: Any  # of what is written out
 
-def _bare(largest: float) -> Schema:
-    """A number that is physical in the largest of its units: not .nan, which no bound refuses, and 0 or far from it."""
-    near = {"exclusiveMinimum": -SMALLEST / largest, "exclusiveMaximum": SMALLEST / largest, "not": {"const": 0}}
-    return {"title": "number", "type": "number", "minimum": -LARGEST, "maximum": LARGEST, "not": near}
+    def describe(self) -> str:
+        return f"{self.spec.describe()}, or a name from `{self.where}`"
 
-
-def _quantity(kind: str) -> Schema:
-    """A bare number, whose unit is another key's business, or a text of a number and a unit."""
-    chosen = {
-        "length": "in units.length",
-        "stress": "in units.stress",
-        "toughness": "in units.stress sqrt(m), where units.length is m",
-        "stiffness": "in units.stress / units.length",
-        "area": "in units.length^2",
-    }
-    bare = chosen.get(kind, f"in {next(iter(UNITS[kind]))}")
-    units = "|".join(re.escape(unit) for unit in UNITS[kind])
-    return {
-        "title": f"{kind} ({' | '.join(UNITS[kind])}; a bare number is {bare})",
-        "anyOf": [
-            _bare(float(max(UNITS[kind].values()))),
-            {"type": "string", "pattern": rf"^\s*{NUMBER}\s*({units})\s*$"},
-        ],
-    }
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return the thing; faults that are found in it later stand in the lines of its definition."""
+        words = self.spec.words if isinstance(self.spec, Words) else ()
+        if not isinstance(node, Scalar) or node.is_null or node.text in words:
+            return self.spec.read(node, path, context)
+        known = context.defined.get(self.where, {})
+        if node.text not in known:
+            has = f"`{self.where}` has: {', '.join(known) or 'none'}{did_you_mean(node.text, [*known, *words])}"
+            return context.refused(path, f"{quoted(node.text)} given; wanted: {self.describe()}; {has}")
+        if not context.report.sound(self.where, node.text):
+            context.report.doubt(path)  # its faults are reported where it is defined
+            return INVALID
+        return self.spec.read(known[node.text], path, context)

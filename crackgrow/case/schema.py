@@ -1,23 +1,25 @@
-"""Specs of lists and mappings: the case format is one tree of specs, `format.CASE`."""
+"""Specs of lists, mappings and things under names: the case format is one tree of specs, `format.CASE`."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping as AnyMapping
 from copy import deepcopy
 from dataclasses import dataclass
 from typing import Any, Final
 
 from crackgrow.case.reader import Entry, Listing, Node, Scalar, Table
-from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest
-from crackgrow.case.scalars import INVALID, Context, Measured, Numeric, Schema, Schemas, Takes, Words, refuse
+from crackgrow.case.report import Path, did_you_mean, dotted, explained, nearest, quoted
+from crackgrow.case.scalars import INVALID, Context, Numeric, Words, refuse
 
 MOST_ITEMS: Final = 1000  # of a list, unless it says otherwise: beyond, checks take too long
-SHORT: Final = 20  # letters of a kind: in a list of some it is repeated
+CONSTANTS: Final = ("true", "false", "null")  # of YAML
 SHOWN_UNKNOWN: Final = 50  # of more keys that a mapping does not take only the number is told
 
 REQUIRED: Final = object()  # the key must be given
 OPTIONAL: Final = object()  # the key may be left out and then stays out
-BY_PARTS: Final = object()  # left out means: as if it were given without any key in it
+
+_NAME: Final = re.compile(r"\w[\w-]{0,63}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,19 +35,10 @@ class Field:
 
     spec: Any
     doc: str  # one line for the user
-    default: object = REQUIRED  # a plain SI value, `Same`, REQUIRED, OPTIONAL, BY_PARTS
+    default: object = REQUIRED  # a plain SI value, {} of a mapping, `Same`, REQUIRED, OPTIONAL
     offered: bool = True  # whether messages name the key; else the program writes it
     also: tuple[str, ...] = ()  # other spellings that are taken for the key
     field: str = ""  # of the model that it is, if that has another name
-
-    def schema(self, schemas: Schemas) -> Schema:
-        """What the key accepts, with what an editor shows of it; beside a reference draft 7 heeds no other key."""
-        measured = isinstance(getattr(self.spec, "spec", None) or self.spec, Measured)
-        found: Schema = {"description": f"{self.doc}: {self.spec.describe()}" if measured else self.doc}
-        if self.default not in (REQUIRED, OPTIONAL, BY_PARTS) and not isinstance(self.default, Same):
-            found["default"] = self.default
-        accepted = schemas.of(self.spec)
-        return {**found, "allOf": [accepted]} if "$ref" in accepted else {**accepted, **found}
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,19 +54,6 @@ class ListOf:
         if self.alone:
             return f"{self.spec.describe()}, or a list of them"
         return f"a list{'' if self.length is None else f' of {self.length}'}: each item {self.spec.describe()}"
-
-    def takes(self) -> Takes:
-        kind, units, allowed = self.spec.takes()
-        if self.alone:
-            return Takes(f"{kind}, or list of them", units, allowed)
-        if self.length and len(kind) <= SHORT:
-            return Takes(f"[{', '.join([kind] * self.length)}]", units, allowed)
-        return Takes(f"list of {self.length}, each {kind}" if self.length else f"list, each {kind}", units, allowed)
-
-    def schema(self, schemas: Schemas) -> Schema:
-        sized = {"minItems": self.length, "maxItems": self.length} if self.length else {"maxItems": self.at_most}
-        found = {"type": "array", "items": schemas.of(self.spec), **sized}
-        return {"anyOf": [schemas.of(self.spec), found]} if self.alone else found
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a list; faulty items are INVALID and keep their place."""
@@ -98,14 +78,12 @@ class Mapping:
     """A mapping with known keys.
 
     fields: what each key takes, in the order of the resolved case.
-    at_least_one: whether an empty mapping is a fault although no key is required.
     short: the key that a value stands for in place of the mapping; empty: none.
     part: its name in the format.
-    read_as: of a vector, which is a list of all components or a mapping that may lack some: which of them it becomes.
+    read_as: of a vector what it becomes: a list of all components, or a mapping that lacks some, but not all.
     """
 
     fields: AnyMapping[str, Field]
-    at_least_one: bool = False
     short: str = ""
     part: str = ""
     read_as: type | None = None
@@ -121,25 +99,6 @@ class Mapping:
         word = f"{self.other.describe()}, or " if self.other else ""
         return f"{word}a mapping of {', '.join(self.offered())}"
 
-    def takes(self) -> Takes:
-        kind, *rest = self.other.takes() if self.other else ("",)
-        return Takes(f"{kind}, or mapping", *(rest if self.read_as else ())) if kind else Takes("mapping")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        spelt = {key: [key, *(word for word in field.also if word != "true")] for key, field in self.fields.items()}
-        needed = [spelt[key] for key in self.fields if key in self.required()]
-        required = [names[0] for names in needed if len(names) == 1]
-        either = [{"required": [name]} for names in needed if len(names) > 1 for name in names]
-        found = {
-            "type": "object",
-            "properties": {name: self.fields[key].schema(schemas) for key, names in spelt.items() for name in names},
-            "additionalProperties": False,
-            **({"required": required} if required else {}),
-            **({"anyOf": either} if either else {}),
-            **({"minProperties": 1} if self.at_least_one else {}),
-        }
-        return {"anyOf": [schemas.of(self.other), found]} if self.other else found
-
     def offered(self) -> list[str]:
         """The keys that are named to users."""
         return [key for key, field in self.fields.items() if field.offered]
@@ -152,10 +111,6 @@ class Mapping:
         """The keys that must be given."""
         return {key for key, field in self.fields.items() if field.default is REQUIRED}
 
-    def defaults(self) -> dict[str, object]:
-        """Return what the mapping holds if no key is given; only for mappings without required keys."""
-        return {key: _default(field) for key, field in self.fields.items() if field.default is not OPTIONAL}
-
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return a dict with the keys in the order of `fields`; faulty values are INVALID or left out."""
         if self.read_as and isinstance(node, Listing):
@@ -163,7 +118,8 @@ class Mapping:
             if self.read_as is list or listed is INVALID:
                 return listed
             return dict(zip(self.fields, listed, strict=True))
-        if self.short and self._is_short(node):
+        stands_alone = Scalar if self.short and isinstance(self.other, Numeric | Words) else Listing
+        if self.short and isinstance(node, stands_alone) and not (isinstance(node, Scalar) and node.is_null):
             node = Table({self.short: Entry(node.place, node)}, node.place)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
@@ -182,17 +138,13 @@ class Mapping:
                     context.report.fault(inner, f"missing: {wanted.doc} ({wanted.spec.describe()})")
             elif isinstance(wanted.default, Same):
                 values[key] = values.get(wanted.default.key, INVALID)
+            elif isinstance(wanted.spec, Mapping) and wanted.default is not OPTIONAL:
+                values[key] = wanted.spec.read(Table({}, node.place), inner, context)
             elif wanted.default is not OPTIONAL:
-                values[key] = _default(wanted)
-        if self.at_least_one and not any(key in self.fields for key in node.entries):
+                values[key] = deepcopy(wanted.default)
+        if self.read_as is dict and not any(key in self.fields for key in node.entries):
             context.report.fault(path, f"needs at least one of {', '.join(self.fields)}")
         return list(values.values()) if self.read_as is list else values
-
-    def _is_short(self, node: Node) -> bool:
-        """Whether a node stands for the value of the `short` key."""
-        if isinstance(self.fields[self.short].spec, Numeric | Words):
-            return isinstance(node, Scalar) and not node.is_null
-        return isinstance(node, Listing)
 
     def _report_unknown(self, node: Table, path: Path, context: Context) -> set[str]:
         """Report keys that the mapping does not take; return the keys that were probably meant."""
@@ -205,17 +157,14 @@ class Mapping:
             free = [known for known in self.offered() if known not in node.entries]
             meant = [known for known in self.offered() if known.rstrip("s") == key.rstrip("s")]
             if not meant and not explained(key, free):
-                meant = [f"{outer}.{key}" for outer, its in self.fields.items() if key in _offered_inside(its.spec)]
+                inner = [(outer, its.spec) for outer, its in self.fields.items() if isinstance(its.spec, Mapping)]
+                meant = [f"{outer}.{key}" for outer, spec in inner if key in spec.offered()]
             hint = f"; did you mean '{meant[0]}'?" if meant else did_you_mean(key, free)
             hint = hint or did_you_mean(key, self.offered())
             message = f"unknown key; allowed: {', '.join(self.offered())}{hint}"
             context.report.fault((*path, key), message, entry.place)
             guesses.add(nearest(key, free) or "")
         return guesses
-
-
-def _offered_inside(spec: Any) -> list[str]:
-    return spec.offered() if isinstance(spec, Mapping) else []
 
 
 def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
@@ -226,10 +175,6 @@ def _respelt(node: Table, fields: AnyMapping[str, Field]) -> Table:
     return Table({spellings.get(key, key): entry for key, entry in node.entries.items()}, node.place)
 
 
-def _default(wanted: Field) -> object:
-    return wanted.spec.defaults() if wanted.default is BY_PARTS else deepcopy(wanted.default)
-
-
 @dataclass(frozen=True, slots=True)
 class OneOf:
     """One of several mappings, told apart by the keys that are given."""
@@ -237,15 +182,16 @@ class OneOf:
     forms: tuple[Mapping, ...]
     part: str = ""  # its name in the format
 
+    @property
+    def fields(self) -> AnyMapping[str, Field]:
+        """The keys of all forms, each as the first one that has it takes it."""
+        found: dict[str, Field] = {}
+        for form in self.forms:
+            found = {**found, **{key: field for key, field in form.fields.items() if key not in found}}
+        return found
+
     def describe(self) -> str:
         return " or ".join(form.describe() for form in self.forms)
-
-    def takes(self) -> Takes:
-        short = [form.takes().kind for form in self.forms if form.short]
-        return Takes((short or ["mapping"])[0], "", f"with {' or '.join(form.form() for form in self.forms)}")
-
-    def schema(self, schemas: Schemas) -> Schema:
-        return {"anyOf": [schemas.of(form) for form in self.forms]}
 
     def read(self, node: Node, path: Path, context: Context) -> object:
         """Return the value of the form that is given."""
@@ -253,7 +199,7 @@ class OneOf:
             return short[0].read(node, path, context)
         if not isinstance(node, Table):
             return refuse(node, self.describe(), path, context)
-        every = {key: field for form in self.forms for key, field in form.fields.items()}
+        every = self.fields
         known, node = list(every), _respelt(node, every)
         free = [key for key in known if key not in node.entries]
         given = node.entries.keys() & every.keys()
@@ -279,8 +225,11 @@ class OneOf:
             context.report.fault(path, either)
         else:
             others = [key for key in node.entries if key in given and key != odd]
-            context.report.put((*path, odd), node.entries[odd].place)
-            message = f"does not go with {', '.join(others)}; {either}{_instead(path, odd, node)}"
+            place = node.entries[odd].place
+            context.report.put((*path, odd), place)
+            message = f"does not go with {', '.join(others)}; {either}"
+            if place.line is None and any(entry.place.line for entry in node.entries.values()):  # an override adds it
+                message += f"; --set '{dotted(path)}={{{odd}: ...}}' takes the place of all of them"
             context.report.fault((*path, odd), message)
         return INVALID
 
@@ -295,9 +244,42 @@ class OneOf:
         return None
 
 
-def _instead(path: Path, key: str, node: Table) -> str:
-    """How an override takes the place of all keys of the file, where it has added one to them."""
-    lines = [entry.place.line for entry in node.entries.values()]
-    if node.entries[key].place.line is not None or not any(lines):
-        return ""
-    return f"; --set '{dotted(path)}={{{key}: ...}}' takes the place of all of them"
+@dataclass(frozen=True, slots=True)
+class Named:
+    """Things under names of the user's choice."""
+
+    thing: str
+    spec: Any
+    at_most: int = MOST_ITEMS
+    any_name: bool = False  # whether names are those of another file, whatever they are
+    other_words: tuple[str, ...] | None = None  # what is no name of a thing that other keys refer to; None: none does
+
+    def describe(self) -> str:
+        return f"a mapping of names, each a {self.thing}"
+
+    def read(self, node: Node, path: Path, context: Context) -> object:
+        """Return a dict of the values in file order."""
+        if not isinstance(node, Table):
+            return refuse(node, self.describe(), path, context)
+        if len(node.entries) > self.at_most:
+            return context.refused(path, f"{len(node.entries)} names given; wanted: {self.at_most} at most")
+        values: dict[str, object] = {}
+        taken = () if self.other_words is None else (*self.other_words, *CONSTANTS)
+        if taken:
+            context.defined[str(path[-1])] = {name: entry.node for name, entry in node.entries.items()}
+        for name, entry in node.entries.items():
+            inner = (*path, name)
+            context.report.put(inner, entry.place)
+            if entry.implied:
+                known = [other for other, its in node.entries.items() if not its.implied]
+                message = f"the case has no {self.thing} {quoted(name)}; it has: {', '.join(known) or 'none'}"
+                context.report.fault(inner, message + did_you_mean(name, known), entry.place)
+            elif not (self.any_name or _NAME.fullmatch(name)):
+                message = f"{quoted(name)} is not a name; use letters, digits, _ and -, 64 at most"
+                context.report.fault(inner, message, entry.place)
+            else:
+                values[name] = self.spec.read(entry.node, inner, context)
+            if name in taken:
+                message = f"{quoted(name)} is no name here: these words mean something else: {', '.join(taken)}"
+                context.report.fault(inner, message)
+        return values

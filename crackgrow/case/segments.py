@@ -1,4 +1,4 @@
-"""Straight segments of many lines: which come close, which run along each other, where they meet."""
+"""Lines as straight segments: which come close, which run along each other, where they meet; parts of boundaries."""
 
 from __future__ import annotations
 
@@ -8,11 +8,13 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from shapely.ops import substring
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats, Ints, frozen
 
 MOST_PAIRS = 200_000  # of segments that come close; cracks of a scene make a few per crack
 CHUNK = 64  # segments that are looked at together
+STRAIGHT = np.deg2rad(0.5)  # a boundary that turns less at a tip is straight there
 SAME_MEETING = 10.0  # places nearer than so many tolerances are one: each lies within the tolerance of its lines
 
 
@@ -91,3 +93,44 @@ def meeting_places(lines: Sequence[Floats], tolerance: float) -> Floats:
     point, spot = shapely.STRtree(shapely.get_parts(spots)).query(shapely.points(places), predicate="intersects")
     _, first = np.unique(spot, return_index=True)
     return np.asarray(places[np.sort(point[first])])
+
+
+def opened(lines: tuple[Floats, ...], ends: Sequence[Sequence[float]]) -> tuple[Floats, ...]:
+    """The lines of a boundary; of one all round a body, which comes in halves, one line that ends far from a crack.
+
+    The crack is the shorter way between its `ends`.
+    """
+    if len(lines) != 2 or any((one[-1] != other[0]).any() for one, other in (lines, lines[::-1])):
+        return lines
+    ring = shapely.LineString(np.concatenate([lines[0], lines[1][1:]]))
+    first, last = (ring.project(shapely.Point(end)) for end in ends)
+    over = (last - first) % ring.length
+    at = (first + 0.5 * over + (0.5 * ring.length if over <= 0.5 * ring.length else 0.0)) % ring.length
+    parts = [shapely.get_coordinates(substring(ring, *part)) for part in ((at, ring.length), (0.0, at))]
+    return (frozen(np.concatenate([parts[0], parts[1][1:]])),)
+
+
+def parted(
+    lines: Sequence[Floats], ends: Sequence[Sequence[float]], reach: float
+) -> tuple[Floats, tuple[Floats, ...]] | None:
+    """The cracked part (n, 2) m of a boundary between two places on one of its lines, and the lines that are left.
+
+    None where no line has both. An end within `reach` (m) of a corner is there.
+    """
+    places = [shapely.Point(end) for end in ends]
+    for number, line in enumerate(lines):
+        shape = shapely.LineString(line)
+        if all(shape.dwithin(place, reach) for place in places):
+            corners = [shape.project(shapely.Point(corner)) for corner in line]
+            first, last = sorted(_snapped(shape.project(place), corners, reach) for place in places)
+            pieces = [(start, end) for start, end in ((0.0, first), (last, shape.length)) if end > start]
+            left = [frozen(shapely.get_coordinates(substring(shape, *piece))) for piece in pieces]
+            crack = frozen(shapely.get_coordinates(substring(shape, first, last)))
+            return crack, (*left, *lines[:number], *lines[number + 1 :])
+    return None
+
+
+def _snapped(at: float, corners: Sequence[float], reach: float) -> float:
+    """A place along a line (m), moved onto a corner of it that is within reach."""
+    nearest = min(corners, key=lambda corner: abs(corner - at))
+    return nearest if abs(nearest - at) <= reach else at

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from itertools import pairwise
 from typing import Any, Final
 
@@ -12,8 +13,8 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from crackgrow.arrays import Floats
-from crackgrow.case.report import Path, Report, did_you_mean, listed, quoted
+from crackgrow.arrays import Floats, frozen
+from crackgrow.case.report import Path, Report, listed, quoted
 from crackgrow.case.segments import close_segments, places_between, segments_of
 from crackgrow.case.units import Units
 
@@ -43,13 +44,24 @@ class DrawnRing:
         return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class BodyShape:
     """Geometry of a body whose shape has no fault."""
 
     name: str
     rings: tuple[DrawnRing, ...]  # the outline, then the holes
-    polygon: Polygon
+
+    @cached_property
+    def polygon(self) -> Polygon:
+        """The body as a shape."""
+        polygon = Polygon(self.outline, [ring.points for ring in self.rings[1:]])
+        shapely.prepare(polygon)
+        return polygon
+
+    @cached_property
+    def side_tree(self) -> shapely.STRtree:
+        """Its sides in their order."""
+        return shapely.STRtree(shapely.linestrings(self.sides))
 
     @property
     def outline(self) -> Floats:
@@ -87,11 +99,6 @@ class BodyShape:
         return tuple(dict.fromkeys(name for ring in self.rings for name in ring.edge_names))
 
 
-def body_shape(name: str, rings: list[DrawnRing]) -> BodyShape:
-    """Return the geometry of a body with these rings."""
-    return BodyShape(name, tuple(rings), Polygon(rings[0].points, [ring.points for ring in rings[1:]]))
-
-
 def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodyShape | None:
     """Return the geometry of a body, or None after reporting why it has none."""
     key: Path = ("bodies", name, "shape")
@@ -105,7 +112,10 @@ def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodySha
             report.fault(where, problem)
             continue
         names = names if index == 0 else (HOLE.format(index - 1),) * len(points)
-        rings.append(_oriented(points, names, is_hole=index > 0, is_arc="disk" in part))
+        backwards = shapely.is_ccw(shapely.LinearRing(points)) == (index > 0)
+        if backwards:  # the first corner stays the first
+            points, names = frozen(np.roll(points[::-1], 1, axis=0)), names[::-1]
+        rings.append(DrawnRing(points, names, points, np.arange(len(points)), backwards, "disk" in part))
     if not report.sound(*key):
         return None
     _check_holes(rings, key, report)
@@ -113,7 +123,7 @@ def shape_of(name: str, body: Resolved, report: Report, units: Units) -> BodySha
         return None
     if "edges" in body and report.sound("bodies", name, "edges"):
         rings[0] = _renamed(rings[0], body, ("bodies", name, "edges"), report)
-    return body_shape(name, rings)
+    return BodyShape(name, tuple(rings))
 
 
 def without_repeats(points: Floats, *, closed: bool, smallest: float = 0.0) -> NDArray[np.int64]:
@@ -129,13 +139,6 @@ def without_repeats(points: Floats, *, closed: bool, smallest: float = 0.0) -> N
     while closed and len(kept) > 1 and math.dist(points[kept[-1]], points[0]) <= smallest:
         kept.pop()
     return np.array(kept, dtype=np.int64)
-
-
-def frozen(values: object) -> Floats:
-    """Return a float array that cannot be written to."""
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array
 
 
 def direction_of(angle: float) -> tuple[float, float]:
@@ -163,14 +166,6 @@ def _drawn(shape: Resolved) -> tuple[Floats, tuple[str, ...]]:
     # one that leaves the last point of the first corner's run.
     ends = [*every[1:], len(points)][: len(kept)]
     return frozen(points[kept]), tuple(str(end - 1) for end in ends)
-
-
-def _oriented(points: Floats, names: tuple[str, ...], *, is_hole: bool, is_arc: bool) -> DrawnRing:
-    """Return the ring with rock on its left: an outline runs counter-clockwise, a hole clockwise."""
-    backwards = shapely.is_ccw(shapely.LinearRing(points)) == is_hole
-    if backwards:  # the first corner stays the first
-        points, names = np.roll(points[::-1], 1, axis=0), names[::-1]
-    return DrawnRing(frozen(points), names, frozen(points), np.arange(len(points)), backwards, is_arc)
 
 
 def _problem_of(points: Floats, names: tuple[str, ...], units: Units) -> str | None:
@@ -217,7 +212,7 @@ def _renamed(ring: DrawnRing, body: Resolved, key: Path, report: Report) -> Draw
     holes = [HOLE.format(k) for k in range(len(body["shape"].get("holes", ())))]
     for name, numbers in body["edges"].items():
         where = (*key, name)
-        given = [str(number) for number in (numbers if isinstance(numbers, list) else [numbers])]
+        given = list(map(str, numbers))
         strange = [number for number in given if number not in names]
         taken = [number for number in given if number in names and names[number] != number]
         if name.isdecimal() or name in holes:
@@ -235,8 +230,3 @@ def _renamed(ring: DrawnRing, body: Resolved, key: Path, report: Report) -> Draw
         else:
             names.update(dict.fromkeys(given, name))
     return replace(ring, edge_names=tuple(names[number] for number in ring.edge_names))
-
-
-def edge_hint(name: str, names: tuple[str, ...]) -> str:
-    """Say which edges there are, and which was probably meant."""
-    return listed(names) + did_you_mean(name, names)

@@ -140,7 +140,8 @@ def feature_lengths(body: str, rings: Sequence[Floats], origin: tuple[float, flo
     nearest = {(min(pair), max(pair)): apart for pair, apart in zip(pairs.T.tolist(), distances.tolist(), strict=True)}
     for (first, second), apart in sorted(nearest.items()):
         what = f"rock between {names[first]} and {names[second]} of body '{body}'"
-        yield Length("bridge", apart, what, _ends(shapely.shortest_line(lines[first], lines[second])))
+        link = shapely.shortest_line(lines[first], lines[second])
+        yield Length("bridge", apart, what, shapely.MultiPoint(link.coords))
     region = shapely.Polygon(rings[0], rings[1:])
     shapely.prepare(region)
     for name, line, width in zip(names, lines, widths, strict=True):
@@ -161,7 +162,13 @@ def _part_lengths(kind: Kind, verb: str, rims: Rims, regions: Sequence[EdgeRegio
         first_side = 0
         for name, ring in zip(_names(rings), rings, strict=True):
             lengths = np.hypot(*(np.roll(ring, -1, axis=0) - ring).T)
-            places = [places for region in mine for places in _intervals(region, first_side, lengths)]
+            begin = np.concatenate([[0.0], np.cumsum(lengths)])
+            places = [
+                (float(begin[side] + low * lengths[side]), float(begin[side] + high * lengths[side]))
+                for region in mine
+                for side, (low, high) in zip((region.sides - first_side).tolist(), region.limits.tolist(), strict=True)
+                if 0 <= side < len(lengths)
+            ]
             first_side += len(lengths)
             twice = shapely.LineString(np.concatenate([ring, ring, ring[:1]]))  # a part may lead past the first corner
             for start, end in _united(sorted(places), float(lengths.sum())):
@@ -177,11 +184,6 @@ def stretches(line: Floats) -> tuple[Ints, Floats]:
     sharp = 1 + np.flatnonzero(np.abs(turns) > SHARP_KINK)
     along = np.concatenate([[0.0], np.cumsum(np.hypot(*steps.T))])
     return sharp, np.diff(along[np.concatenate([[0], sharp, [len(line) - 1]])])
-
-
-def _ends(link: shapely.LineString) -> shapely.MultiPoint:
-    """Both ends of a line between two rims."""
-    return shapely.MultiPoint(shapely.get_coordinates(link))
 
 
 def _names(rings: Sequence[Floats]) -> list[str]:
@@ -253,7 +255,7 @@ def _bridges(
         for link in np.flatnonzero(lengths >= least)[np.argsort(lengths[lengths >= least])]:
             if _is_in_rock(links[link], region):
                 what = f"rock beside the corner {place_text(points[corner] + origin)} of {where}"
-                yield Length("bridge", float(lengths[link]), what, _ends(links[link]))
+                yield Length("bridge", float(lengths[link]), what, shapely.MultiPoint(links[link].coords))
                 break
 
 
@@ -261,14 +263,6 @@ def _is_in_rock(link: shapely.LineString, region: shapely.Polygon) -> bool:
     """Whether a line between two places of a rim leads through rock, and not along the rim."""
     inside = shapely.distance(region.boundary, link.interpolate(0.5, normalized=True)) > (1.0 - IN_ROCK) * link.length
     return bool(inside and shapely.length(shapely.intersection(region, link)) > IN_ROCK * link.length)
-
-
-def _intervals(region: EdgeRegion, first_side: int, lengths: Floats) -> Iterator[tuple[float, float]]:
-    """Arc lengths along a ring, whose sides are numbered from `first_side`, between which a region covers it."""
-    begin = np.concatenate([[0.0], np.cumsum(lengths)])
-    for side, (low, high) in zip((region.sides - first_side).tolist(), region.limits.tolist(), strict=True):
-        if 0 <= side < len(lengths):
-            yield float(begin[side] + low * lengths[side]), float(begin[side] + high * lengths[side])
 
 
 def _united(places: list[tuple[float, float]], total: float) -> list[tuple[float, float]]:

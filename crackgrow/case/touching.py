@@ -15,9 +15,9 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from crackgrow.arrays import Floats, Ints
+from crackgrow.arrays import Floats, Ints, frozen
 from crackgrow.case.model import Case, Move
-from crackgrow.case.shapes import BodyShape, DrawnRing, body_shape, frozen
+from crackgrow.case.shapes import BodyShape, DrawnRing
 
 SNAP: Final = 1e-5  # parts of the scene's size: what comes nearer touches
 ITS_OWN: Final = 0.01  # the same, of the sides or segments that move with a point: they turn by less than half a degree
@@ -75,7 +75,7 @@ def _with_corners_on(body: BodyShape, bodies: list[BodyShape], reach: float, mov
         for k in np.flatnonzero(near):
             what = f"a corner of body '{body.name}'"
             moves.append(_move(what, f"one of body '{owners[onto[k]]}'", distance[k], known[onto[k]]))
-    return body_shape(body.name, rings)
+    return BodyShape(body.name, tuple(rings))
 
 
 def _with_corners_of(body: BodyShape, bodies: list[BodyShape], reach: float, moves: list[Move]) -> BodyShape:
@@ -99,7 +99,7 @@ def _with_corners_of(body: BodyShape, bodies: list[BodyShape], reach: float, mov
         for k in order:
             what = f"a corner of body '{owners[corner[k]]}'"
             moves.append(_move(what, f"a side of body '{body.name}'", distance[k], known[corner[k]]))
-    return body_shape(body.name, rings)
+    return BodyShape(body.name, tuple(rings))
 
 
 def _with_corners(ring: DrawnRing, side: Ints, corners: Floats) -> DrawnRing:
@@ -114,13 +114,6 @@ def _with_corners(ring: DrawnRing, side: Ints, corners: Floats) -> DrawnRing:
         edge_names=tuple(np.insert(names, side + 1, names[side]).tolist()),
         drawn=np.insert(ring.drawn, side + 1, ring.drawn[side]),
     )
-
-
-def close_pairs(bodies: list[BodyShape], tolerance: float) -> list[tuple[int, int]]:
-    """Return the pairs of bodies that come within the tolerance, in order."""
-    polygons = np.array([body.polygon for body in bodies], dtype=object)
-    found = shapely.STRtree(polygons).query(polygons, predicate="dwithin", distance=tolerance)
-    return sorted((first, second) for first, second in found.T.tolist() if first < second)
 
 
 def overlap(first: BodyShape, second: BodyShape, tolerance: float) -> Floats | None:

@@ -14,8 +14,8 @@ import shapely
 from shapely.ops import substring
 
 from crackgrow.arrays import Floats, Ints
-from crackgrow.case.cracked import STRAIGHT
 from crackgrow.case.model import Case
+from crackgrow.case.segments import STRAIGHT
 from crackgrow.case.surface import SurfaceName, numbered
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths, kink_angles

@@ -10,7 +10,7 @@ import numpy as np
 
 from crackgrow.case import model
 from crackgrow.case.accuracy import STANDARD, name_of
-from crackgrow.case.changes import changes_of
+from crackgrow.case.dump import changes_of
 from crackgrow.case.layout import ON_OUTLINE
 from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.case.on_map import length_unit

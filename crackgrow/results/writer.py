@@ -11,7 +11,7 @@ from typing import Final
 
 from crackgrow import __version__
 from crackgrow.case import dump_case
-from crackgrow.case.changes import changes_of
+from crackgrow.case.dump import changes_of
 from crackgrow.case.model import Case
 from crackgrow.errors import reason_of
 from crackgrow.results import tables, vtk_frames

@@ -10,7 +10,7 @@ import shapely
 
 from crackgrow.arrays import Floats
 from crackgrow.case import model
-from crackgrow.case.changes import changes_of
+from crackgrow.case.dump import changes_of
 from crackgrow.case.formula import component_at
 from crackgrow.case.segments import line_length
 from crackgrow.case.touching import SNAP, scene_size

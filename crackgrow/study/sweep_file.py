@@ -14,7 +14,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from crackgrow.arrays import Floats
-from crackgrow.case.declared import format_of
+from crackgrow.case.format import format_of
 from crackgrow.case.reader import Broken, Listing, Node, Scalar, Table, read_file
 from crackgrow.case.report import Path as KeyPath
 from crackgrow.case.report import Place, Report, did_you_mean, quoted

@@ -24,8 +24,7 @@ import pyvista
 from crackgrow.api import run_case
 from crackgrow.case import load_case
 from crackgrow.case.accuracy import TARGETS, cells_along
-from crackgrow.case.keys import Key, case_keys
-from crackgrow.case.scalars import units_of
+from crackgrow.case.keys import Key, case_keys, units_of
 from crackgrow.case.units import UNITS
 from crackgrow.cli.command_line import groups
 from crackgrow.cli.reference import FOLDERS, key_entry

@@ -39,7 +39,8 @@ def test_names_of_what_is_no_file_of_an_outline(tmp_path: Path):
 # --- the outline as a whole: `outline` of supports and `far_field` of loads ------------------------------------------
 
 BLOCK = {"rock": rectangle(-5, -5, 10, 10)}
-SIDE_BY_SIDE = {"big": rectangle(-5, -5, 10, 10), "small": rectangle(5, -1, 2, 4)}
+PLACES = {"big": (-5, -5, 10, 10), "small": (5, -1, 2, 4)}
+SIDE_BY_SIDE = {name: rectangle(*place) for name, place in PLACES.items()}
 
 
 def outlined(shapes: dict[str, Any], supports: Any, loads: Any = (), **more: Any) -> Case:
@@ -60,6 +61,19 @@ def test_far_field_is_stress_times_normal_on_all_that_bodies_do_not_share():
     assert loads["big"].region.limits.tolist() == [[0.0, 1.0], [0.0, 0.4], [0.8, 1.0], [0.0, 1.0], [0.0, 1.0]]
     assert [load["far_field"] for load in case.to_dict()["loads"]] == [[-2e6, -1e7, 1e6]] * 2
     assert Case.from_dict(case.to_dict()).to_dict() == case.to_dict()
+
+
+def test_parts_of_an_outline_are_held_on_a_map_as_elsewhere():
+    on_map = {name: rectangle(x + 5000, y + 8000, w, h) for name, (x, y, w, h) in PLACES.items()}
+    units = {"stress": "MPa", "origin": [5000, 8000]}
+    glued = joint("big small", contact="bonded")
+    here = outlined(SIDE_BY_SIDE, [{"outline": "fixed"}], interfaces=glued)
+    there = outlined(on_map, [{"outline": "fixed"}], interfaces=glued, units=units)
+    told = [[(its.region.edge, its.region.limits.tolist()) for its in case.supports] for case in (here, there)]
+    assert told[0] == told[1]
+    assert ("right", [[0.0, 0.4]]) in told[0]
+    begins = [its["on"].get("from") for its in there.to_dict()["supports"] if its["on"]["edge"] == "right"]
+    assert begins == [7995.0, 8003.0, None]
 
 
 def test_a_far_field_may_vary_if_what_it_leaves_over_is_held():

@@ -124,7 +124,7 @@ def test_numbers(text: str, value: float):
 
 
 @pytest.mark.parametrize(
-    "text", ["", "x", "1_000", "0x10", "1:30", "1e", "--1", "1,5", "٣", "1 2", "nan", "-.inf", "1e61"]
+    "text", ["", "x", "1_000", "0x10", "1:30", "1e", "--1", "1,5", "٣", "1 2", "nan", "-.inf", "1e61", "1e-61"]
 )
 def test_not_a_number(text: str):
     with pytest.raises(QuantityError):
