@@ -99,6 +99,7 @@ class RunWriter:
         self._tally.resumed.append(step)
         self._memory = results["memory"]
         self._cpu_began -= results["cpu"]
+        vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         for own in own_files(self.folder, self.case.name):
             stale = own.step >= step if own.name in (FRAME, FACES) else own.name.startswith((REPORT, "render/"))
             if stale or not own.whole:
@@ -108,7 +109,6 @@ class RunWriter:
             self._tables["history"] = tables.Table(self.folder, "history")
         for table in self._tables.values():
             table.drop_from(step)
-        vtk_frames.write_series(self.folder, self.case.name, self._tally.frames, self._tally.cracks)
         self._log.go_on(f"crackgrow {__version__}, goes on with step {step}", results["seconds"])
         self._warn(*(f"resumed with step {step}: {text}" for text in found.remarks), self._remark)
         self._write_summary(RUNNING)
