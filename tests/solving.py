@@ -95,9 +95,9 @@ def solve_contact(
     memory = memory or ContactMemory.fresh(len(contact.weights))
     pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
     still = np.zeros(2 * len(contact.weights))
-    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given), still)
     free = contact.operator @ without[0]
-    return increment.formed(increment.solved(free), free, (loads, given), without)
+    increment = Increment(contact, memory, free, pull, OVERLAP * displacement_size(loads, without[0], given), still)
+    return increment.formed(increment.solved(), (loads, given), without)
 
 
 def whole_run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:

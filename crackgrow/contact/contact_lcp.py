@@ -7,7 +7,6 @@ free, and the compliance A (which may be rigid) are inverted instead.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -23,17 +22,6 @@ SINGULAR: Final = 1e14  # condition number of the scaled compliance from which i
 DETERMINATE: Final = 1e-8  # of the largest diagonal entry: less stiffness has a traction that balance alone gives
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _ContactLcp:
-    """LCP (17) of a contact problem in scaled variables: lambda = size z / root, v = size root w."""
-
-    M: Floats  # (k, k) with unit diagonal where friction does not couple: k = 3 n
-    q: Floats  # (k,)
-    d: Floats  # (k,) covering vector
-    root: Floats  # (k,) sqrt(Pa/m)
-    size: float  # sqrt(Pa m)
-
-
 def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     """Tractions of the contact problem by Lemke's method; for comparison and as a second opinion on Newton's.
 
@@ -41,9 +29,10 @@ def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     SOLVED_RESIDUAL. The active set that Lemke ends with is solved once more for the tractions themselves.
     Raises NotSolvedError where the compliance is singular (rigid contact at more points than the displacement follows).
     """
-    lcp = _contact_lcp(problem)
-    result = lemke(lcp.M, lcp.q, lcp.d)
-    p, du = _tractions(problem, lcp.size * result.z / lcp.root, lcp.size * lcp.root * result.w)
+    M, q, d, root = _contact_lcp(problem)
+    size = float(np.abs(q / root).max(initial=0.0)) or 1.0
+    result = lemke(M / np.outer(root, root), q / (root * size), d / root)  # entries of order one
+    p, du = _tractions(problem, size * result.z / root, size * root * result.w)
     active, (lying, unknowns) = active_set(problem, p, du), problem.settled()
     x, polished = np.append(p, _motion(problem, p, du)), unknowns(solve_active(lying, active))
     residual, polished_residual = (complementarity_residual(problem, each) for each in (x, polished))
@@ -55,8 +44,10 @@ def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     return ContactSolution(x[:m], status, result.pivots, active.states(), x[m:])
 
 
-def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
-    """The LCP v = M lambda + q of (17), v = -f, in the form M = m_c' A^-1 m_g, q = -C - m_c' A^-1 free.
+def _contact_lcp(problem: ContactProblem) -> tuple[Floats, Floats, Floats, Floats]:
+    """M, q of the LCP v = M lambda + q of (17), v = -f, its covering vector d, sqrt(|M_ii|) where nothing couples.
+
+    In the form M = m_c' A^-1 m_g, q = -C - m_c' A^-1 free.
 
     Per point lambda = (slip +, slip -, opening) and, with c the cohesion,
     f = (p_t + friction p_n - c, -p_t + friction p_n - c, p_n); blocks of n rows in this order. Slip opens by dilation,
@@ -78,7 +69,7 @@ def _contact_lcp(problem: ContactProblem) -> _ContactLcp:
     q = np.concatenate([limit - stuck[n:], limit + stuck[n:], -stuck[:n]])
     root_n, root_t = root[:n], root[n:]
     d_t = (1.0 + problem.friction) * np.maximum(root_n, root_t)
-    return _scaled(M, q, np.concatenate([d_t, d_t, root_n]), np.concatenate([root_t, root_t, root_n]))
+    return M, q, np.concatenate([d_t, d_t, root_n]), np.concatenate([root_t, root_t, root_n])
 
 
 def _dilation(problem: ContactProblem) -> tuple[Floats, tuple[Floats, Floats]]:
@@ -124,12 +115,6 @@ def _motion(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
         return np.zeros(0)
     left = du - problem.free + problem.points.compliance @ p
     return np.asarray(np.linalg.lstsq(problem.points.jump, left)[0])
-
-
-def _scaled(M: Floats, q: Floats, d: Floats, root: Floats) -> _ContactLcp:
-    """Scale rows and columns so that the diagonal of M and the largest |q| are of order one."""
-    size = float(np.abs(q / root).max(initial=0.0)) or 1.0
-    return _ContactLcp(M / np.outer(root, root), q / (root * size), d / root, root, size)
 
 
 def _tractions(problem: ContactProblem, slip_opening: Floats, v: Floats) -> tuple[Floats, Floats]:

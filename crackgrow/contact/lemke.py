@@ -10,13 +10,15 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from scipy.linalg.blas import dger
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
-from crackgrow.contact.tableau import Tableau
 
 FALSE_RAY: Final = 1e-9  # a ray that ends with z0 below this part of max |q| has reached a solution
 SCALINGS: Final = 20  # of rows and columns in turn; each halves the logarithms of what is left
+PIVOT: Final = 1e-11  # entries below this part of the largest of their column are round-off, not pivots
+TIE: Final = 1e-12  # ratios closer than this part of the largest basic value are ties
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -29,16 +31,6 @@ class LcpResult:
     # ended, but round-off left more than SOLVED_RESIDUAL
     status: str
     pivots: int
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Scaled:
-    """The problem in z = column z', w' = row w, with the largest entries of rows, columns and q of order one."""
-
-    M: Floats  # (n, n)
-    q: Floats  # (n,)
-    row: Floats  # (n,) powers of two, so that nothing is rounded
-    column: Floats  # (n,) powers of two
 
 
 def lemke(M: Floats, q: Floats, d: Floats | None = None, max_pivots: int | None = None) -> LcpResult:
@@ -55,9 +47,9 @@ def lemke(M: Floats, q: Floats, d: Floats | None = None, max_pivots: int | None 
     limit = 1000 + 20 * n if max_pivots is None else max_pivots
     if n == 0 or q.min() >= 0.0:
         return LcpResult(np.zeros(n), q.copy(), "solved", 0)
-    scaled = _scaled(M, q)
-    covering = np.ones(n) if d is None else d * scaled.row
-    table = Tableau(scaled.M, scaled.q, covering)
+    by_row, by_column = _scales(M, q)
+    M, q, covering = by_row[:, None] * M * by_column, by_row * q, np.ones(n) if d is None else d * by_row
+    table = _Tableau(M, q, covering)
     row, column, status = table.first_row(covering), n, "limit"
     for _ in range(limit):
         leaving = table.pivot(row, column)
@@ -67,17 +59,20 @@ def lemke(M: Floats, q: Floats, d: Floats | None = None, max_pivots: int | None 
         column = int(table.place[(leaving + n) % (2 * n)])
         row = table.leaving_row(column)
         if row < 0:
-            status = "solved" if table.artificial() <= FALSE_RAY * np.abs(scaled.q).max() else "ray"
+            status = "solved" if table.artificial() <= FALSE_RAY * np.abs(q).max() else "ray"
             break
     z, w = table.point()
     if status == "solved":
-        z, w = _refactored(scaled.M, scaled.q, z, w, table.basic)
-        status = "solved" if _violation(scaled.M, scaled.q, z) <= SOLVED_RESIDUAL else "inaccurate"
-    return LcpResult(scaled.column * z, w / scaled.row, status, table.n_pivots)
+        z, w = _refactored(M, q, z, w, table.basic)
+        status = "solved" if _violation(M, q, z) <= SOLVED_RESIDUAL else "inaccurate"
+    return LcpResult(by_column * z, w / by_row, status, table.n_pivots)
 
 
-def _scaled(M: Floats, q: Floats) -> _Scaled:
-    """Scale rows and columns by the square roots of their largest entries in turn; q gives a row of zeros its scale."""
+def _scales(M: Floats, q: Floats) -> tuple[Floats, Floats]:
+    """Powers of two (n,) for rows and columns with which the largest entries of these and of q are of order one.
+
+    They are the square roots of the largest entries, taken in turn; q gives a row of zeros its scale.
+    """
     with np.errstate(divide="ignore"):
         size, q_size = np.log2(np.abs(M)), np.log2(np.abs(q))
     row, column = np.zeros(q.size), np.zeros(q.size)
@@ -90,8 +85,7 @@ def _scaled(M: Floats, q: Floats) -> _Scaled:
     row = np.where(empty & np.isfinite(q_size), -q_size, row)
     row -= (q_size + row).max()  # the largest of q
     column -= np.max(size + row[:, None] + column, initial=-np.inf, where=np.isfinite(size)) if not empty.all() else 0.0
-    row, column = np.exp2(np.rint(row)), np.exp2(np.rint(column))
-    return _Scaled(row[:, None] * M * column, row * q, row, column)
+    return np.exp2(np.rint(row)), np.exp2(np.rint(column))
 
 
 def _refactored(M: Floats, q: Floats, z: Floats, w: Floats, basic: Ints) -> tuple[Floats, Floats]:
@@ -125,3 +119,79 @@ def _checked(M: Floats, q: Floats, d: Floats | None) -> tuple[Floats, Floats, Fl
     if d is not None and d.size and d.min() <= 0.0:
         raise ValueError(f"lemke d: least entry is {d.min():.6g}, must be positive")
     return M, q, d
+
+
+class _Tableau:
+    """Condensed tableau x_B + T x_N = value, where variables 0..n-1 are w, n..2n-1 are z, and 2n is z0.
+
+    Columns of the inverse basis, which the lexicographic rule compares, are those of w in T (n, n+1) where w is
+    nonbasic, else unit vectors.
+    """
+
+    def __init__(self, M: Floats, q: Floats, d: Floats) -> None:
+        n = q.size
+        self.T = np.asfortranarray(np.column_stack([-M, -d]))  # of which `dger` works in place
+        self.value, self.n_pivots = q.copy(), 0
+        self.basic = np.arange(n)  # variable of each row
+        self.nonbasic = np.arange(n, 2 * n + 1)  # variable of each column
+        self.place = np.concatenate([np.arange(n), np.arange(n + 1)])  # row or column of each variable
+
+    def first_row(self, d: Floats) -> int:
+        """Row that leaves when z0 enters: the most negative q/d, the last one of ties (lexicographic)."""
+        ratio = self.value / d
+        return int(np.flatnonzero(ratio <= ratio.min() + TIE * np.abs(ratio).max())[-1])
+
+    def leaving_row(self, column: int) -> int:
+        """Row of the lexicographic minimum ratio for an entering column; -1 where it may grow without end (a ray)."""
+        entries = self.T[:, column]
+        rows = np.flatnonzero(entries > PIVOT * max(1.0, float(np.abs(entries).max())))
+        if rows.size == 0:
+            return -1
+        ratio = np.maximum(self.value[rows], 0.0) / entries[rows]
+        rows = rows[ratio <= ratio.min() + TIE * max(1.0, float(self.value.max()))]
+        artificial = rows[self.basic[rows] == 2 * self.value.size]
+        if artificial.size:
+            return int(artificial[0])
+        return int(rows[0]) if rows.size == 1 else self._lexicographic(rows, entries)
+
+    def pivot(self, row: int, column: int) -> int:
+        """Exchange the variables of a row and a column; return the variable that left the basis."""
+        u, v = self.T[:, column].copy(), self.T[row].copy()
+        pivot = float(u[row])
+        step = self.value[row] / pivot
+        self.value -= step * u
+        self.value[row] = step
+        left, right = u.copy(), v / pivot
+        left[row], right[column] = 0.0, 0.0
+        self.T = dger(-1.0, left, right, a=self.T, overwrite_a=1)
+        self.T[row], self.T[:, column] = v / pivot, -u / pivot
+        self.T[row, column] = 1.0 / pivot
+        entering, leaving = int(self.nonbasic[column]), int(self.basic[row])
+        self.basic[row], self.nonbasic[column] = entering, leaving
+        self.place[entering], self.place[leaving] = row, column
+        self.n_pivots += 1
+        return leaving
+
+    def artificial(self) -> float:
+        """Value of z0."""
+        n = self.value.size
+        return float(self.value[self.basic == 2 * n].sum())
+
+    def point(self) -> tuple[Floats, Floats]:
+        """z (n,) and w (n,) of the basis."""
+        n = self.value.size
+        x = np.zeros(2 * n + 1)
+        x[self.basic] = np.maximum(self.value, 0.0)
+        return x[n : 2 * n], x[:n]
+
+    def _lexicographic(self, rows: Ints, entries: Floats) -> int:
+        n = self.value.size
+        for w in range(n):
+            place = int(self.place[w])
+            is_basic = place < n and self.basic[place] == w
+            inverse = (rows == place).astype(np.float64) if is_basic else self.T[rows, place]
+            ratio = inverse / entries[rows]
+            rows = rows[ratio <= ratio.min() + TIE * max(1.0, float(np.abs(ratio).max()))]
+            if rows.size == 1:
+                break
+        return int(rows[0])

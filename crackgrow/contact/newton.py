@@ -50,7 +50,7 @@ def solve_by_newton(
         sense = np.where(problem.resists, np.sign(problem.slipped), 1).astype(np.int64)
         active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, sense)
     else:
-        active = _branches(problem, _checked(problem, start))
+        active = _branches(problem, start)
     found = _stepped(problem, active, near)
     return found if found.status == "solved" else _by_proximal_points(problem, found)
 
@@ -143,16 +143,6 @@ def _branches(problem: ContactProblem, x: Floats) -> ActiveSet:
 def residual_floor(problem: ContactProblem) -> float:
     """The change of tractions by `project` that another step cannot lower, relative to the largest."""
     return max(REPEATED_ROUND_OFF, UNIT * float((problem.points.reach / problem.points.scale).max(initial=0.0)))
-
-
-def _checked(problem: ContactProblem, start: Floats) -> Floats:
-    shape = (problem.free.size + problem.n_motions,)
-    if start.shape != shape or not np.isfinite(start).all():
-        raise ValueError(
-            f"contact start: shape {start.shape} with {np.count_nonzero(~np.isfinite(start))} values that are not "
-            f"finite, must be finite of shape {shape}: leave it out to start from a first guess"
-        )
-    return np.asarray(start, dtype=np.float64)
 
 
 def residual(problem: ContactProblem, x: Floats, du: Floats) -> float:

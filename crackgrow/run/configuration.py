@@ -193,15 +193,15 @@ class Configuration:
             scaled += b * rock.forces
         return replace(self, contact=replace(self.contact, loads=_each_load(scaled, constant)))
 
-    def increment(self, level: LoadLevel, memory: ContactMemory) -> tuple[Increment, Floats]:
-        """An increment from `memory` on, and the jumps (2 n,) m without tractions at its end."""
+    def increment(self, level: LoadLevel, memory: ContactMemory) -> Increment:
+        """An increment from `memory` on."""
         units, share = self._units, self.shares(level)
         along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(level)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
         tolerance = OVERLAP * max(length, self.farthest(level))
         return Increment(
-            self.contact, memory, units.pull @ share, tolerance, share[2] * self._moved
-        ), units.jumps @ share
+            self.contact, memory, units.jumps @ share, units.pull @ share, tolerance, share[2] * self._moved
+        )
 
     def states(self, level: LoadLevel, memory: ContactMemory, near: PointStates | None = None) -> PointStates:
         """States of the contact points after an increment. Raises SolveError where there are none.
@@ -210,10 +210,10 @@ class Configuration:
         """
         check_magnitude("loads", self.loads(level), LARGEST, "N/m")
         check_magnitude("prescribed displacements", np.array([self.farthest(level)]), self._farthest, "m")
-        increment, free = self.increment(level, memory)
-        check_magnitude("displacements", free, self._farthest, "m")
+        increment = self.increment(level, memory)
+        check_magnitude("displacements", increment.free, self._farthest, "m")
         try:
-            found = increment.solved(free, None if near is None else increment.begun(near))
+            found = increment.solved(None if near is None else increment.begun(near))
         except TrialNotSolvedError as error:
             if self.contact.loose is None:
                 raise
@@ -277,10 +277,9 @@ class Configuration:
 
         `known` is what `displacements` says of them. Raises SolveError where they can't be found to a small residual.
         """
-        increment, free = self.increment(level, memory)
         loads, share = self.loads(level), self.shares(level)
         without = self._without_tractions(share)
-        outcome = increment.formed(states, free, (loads, self.given(level)), without, known)
+        outcome = self.increment(level, memory).formed(states, (loads, self.given(level)), without, known)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))

@@ -13,9 +13,9 @@ from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad, FluidVolume
 from crackgrow.case.toughness import averaging_radius
 from crackgrow.contact.faces import ContactFaces, points_at
+from crackgrow.contact.jump import elastic_tractions
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
-from crackgrow.contact.tractions import between_contact_points, elastic_tractions
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import turned_roots
 from crackgrow.fracture.advance import GrowingCrack
@@ -257,7 +257,7 @@ def _tractions(state: LoadState, surface: int) -> FaceTraction:
             normal, tangential = elastic_tractions(cover, faces, surface, s, law, outcome)
         else:
             points = outcome.points
-            normal, tangential = between_contact_points(faces, surface, s, points.normal, points.tangential)
+            normal, tangential = faces.between(surface, s, points.normal, points.tangential)
         if scene.has_fluid(name):
             places = cover.lattice.to_metres(points_at(cover, surface, s).points)
             normal = normal - scene.fluid_pressure(name, state.factor, places)

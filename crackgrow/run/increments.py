@@ -17,7 +17,6 @@ from crackgrow.case.surface import SurfaceName
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.solve import ContactOutcome, PointStates
-from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
@@ -94,8 +93,7 @@ class LoadState:
     @cached_property
     def memory(self) -> ContactMemory:
         """What the next part of an increment needs."""
-        increment, _ = self.configuration.increment(self.level, self.before)
-        return increment.memory_after(self.states)
+        return self.configuration.increment(self.level, self.before).memory_after(self.states)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,8 +170,8 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
             (dilation, points.dilation),
             (risen, outcome.memory.risen),
         ):
-            (values[mine],) = between_contact_points(old.faces, index, s, found)
-        nearest = nearest_contact_point(old.faces, index, s)
+            (values[mine],) = old.faces.between(index, s, found)
+        nearest = old.faces.nearest(index, s)
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic

@@ -1,6 +1,6 @@
 """The path of the contact points under a load that changes: straight pieces, from event to event.
 
-Everything is linear in the loads as long as each point stays on its branch of the law (`coulomb.Branches`). A piece
+Everything is linear in the loads as long as each point stays on its branch of the law (`contact.equations`). A piece
 sets out from a state on the branches that an increment to its end has, if these lead back to the state; else on those
 of a much shorter increment. It ends at the first event: a closed point is not pressed any more, or at its tensile
 strength, an open one closes, one that only its bond holds opens, a sticking one comes to its limit, or slip that
@@ -95,8 +95,7 @@ class _LoadPath:
 
     def on_branch(self, like: PointStates, share: float) -> PointStates:
         """The states there on branches of others, with what slip on these takes."""
-        increment, free = self.configuration.increment(self.level(share), self.was)
-        return increment.on_branch(like, free)
+        return self.configuration.increment(self.level(share), self.was).on_branch(like)
 
     def moved(self, states: PointStates) -> Floats:
         """How far (n,) m points have slipped on the way, less the elastic part."""

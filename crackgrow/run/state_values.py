@@ -27,7 +27,6 @@ from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.face_loads import filled_length
 from crackgrow.contact.faces import joined, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import CrackGeometry, body_index
@@ -78,8 +77,8 @@ def along_surfaces(state: LoadState) -> tuple[ContactPoints, tuple[CrackFaces, .
     )
     found = []
     for index, (surface, sample, (opening, slip)) in enumerate(zip(cover.surfaces, samples, along, strict=True)):
-        normal, tangential = between_contact_points(faces, index, sample.s, points.normal, points.tangential)
-        nearest = nearest_contact_point(faces, index, sample.s)
+        normal, tangential = faces.between(index, sample.s, points.normal, points.tangential)
+        nearest = faces.nearest(index, sample.s)
         found.append(
             CrackFaces(
                 crack=str(surface.name),

@@ -10,9 +10,9 @@ import pytest
 
 from crackgrow.contact import system
 from crackgrow.contact.coulomb import SLIP, STICK
+from crackgrow.contact.jump import elastic_tractions
 from crackgrow.contact.ripple import ripple, worst_ripple
 from crackgrow.contact.solve import ContactOutcome
-from crackgrow.contact.tractions import elastic_tractions
 from crackgrow.errors import SolveError
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.configuration import Configuration, LoadLevel
