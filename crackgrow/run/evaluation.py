@@ -32,7 +32,7 @@ from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import volume_pressure
-from crackgrow.run.warning_causes import WarningCause
+from crackgrow.run.warning_causes import limit_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -138,7 +138,7 @@ class StepSolution:
         """What the criticality of each tip is beyond 1 at a critical load factor, where bonds break: 0 elsewhere."""
         if not isinstance(self.scene.case.loading, CriticalLoad):
             return [0.0] * len(self.tips)
-        limit, ends = WarningCause.JUMP.limit, self.cover.tip_ends
+        limit, ends = limit_of("JUMP"), self.cover.tip_ends
         beyond = [0.0 if tip.verdict is None else tip.verdict.criticality - 1.0 for tip in self.tips]
         grows = [self.cracks[crack].can_grow(at_end) for crack, at_end in ends]
         return [more if may and more > limit else 0.0 for may, more in zip(grows, beyond, strict=True)]
