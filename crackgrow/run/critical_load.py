@@ -20,7 +20,7 @@ from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import TipLoading
 from crackgrow.run.configuration import Configuration, timed
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
-from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment, rising
+from crackgrow.run.increments import LoadState, Start, held_loads, increment, rising
 from crackgrow.run.state_values import history_of
 
 LARGEST_FACTOR = 1e6
@@ -60,7 +60,8 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         return search.found(first)
     while not trials[-1].is_critical:
         if trials[-1].factor >= LARGEST_FACTOR:
-            return replace(search.found(first), notes=(NEVER_CRITICAL,))
+            found = search.found(first)
+            return replace(found, notes=(*found.notes, NEVER_CRITICAL))
         trials = [*trials[-2:], *search.towards(trials[-1], search.beyond(*trials[-2:]))]
     (below, above), tries = trials[-2:], 0
     while not above.meets and above.factor - below.factor > SAME * above.factor:
@@ -153,16 +154,15 @@ class _Search:
 
     def _start_of(self, trial: _Trial) -> Start:
         """Where a way from a trial begins."""
-        return self._start if trial.solution is None else from_state(trial.solution.state)
+        return self._start if trial.solution is None else trial.solution
 
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search, with the time of all of them."""
         assert trial.solution is not None
-        *via, last = trial.came
         notes = tuple(dict.fromkeys(note for state in trial.came for note in state.notes))
-        state = replace(last, via=tuple(via), notes=notes)
         seconds = {**trial.solution.seconds, **self._seconds}
-        return replace(trial.solution, state=state, passed=history_of(state)[:-1], seconds=seconds)
+        solution = replace(trial.solution, via=trial.came[:-1], notes=notes, seconds=seconds)
+        return replace(solution, passed=history_of(solution)[:-1])
 
     def beyond(self, below: _Trial, above: _Trial) -> float:
         """The next factor where the criterion is met at neither of two: where it would be if all were linear."""

@@ -106,12 +106,12 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
         met = SurfaceName("interface", ending.debond.bodies).words
         met += f" (G/G_c of {ratios[0]} along it, {ratios[1]} straight on)"
         events.append(Event(step, kind, crack.crack.name, end_word(ending.at_end), ending.point, met))
-    return (_at_factor(solution, solution.state.factor / best) if goes_on and critical else solution), way, events
+    return (_at_factor(solution, solution.factor / best) if goes_on and critical else solution), way, events
 
 
 def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
     """The solution at another load factor."""
-    configuration, share = solution.configuration, factor / solution.state.factor
+    configuration, share = solution.configuration, factor / solution.factor
     found, errors = evaluated(increment(configuration, held_loads(configuration), factor)), solution.errors
     if errors is not None:
         K, T = (tuple(share * value for value in values) for values in (errors.K, errors.T))
@@ -122,7 +122,7 @@ def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
         factorizations=solution.factorizations,
         notes=tuple(note for note in solution.notes if note != NEVER_CRITICAL),
         origin=solution.origin,
-        passed=history_of(found.state)[:-1],
+        passed=history_of(found)[:-1],
         errors=errors,
     )
 
@@ -190,7 +190,7 @@ def _across(solution: StepSolution, ending: Ending, step: int) -> Way:
 def _tried(solution: StepSolution, way: Way) -> Way:
     """The way with its criticality, zero where that is not known, in a trial; at a critical load by that of the way."""
     scene = solution.scene.at_start.with_debonds((*solution.scene.debonds, *way.debonds))
-    cracks, factor = (*solution.cracks, *way.cracks), solution.state.factor
+    cracks, factor = (*solution.cracks, *way.cracks), solution.factor
     try:
         if not isinstance(scene.case.loading, CriticalLoad):
             return replace(way, criticality=_criticality(load(scene, cracks, solution), way))

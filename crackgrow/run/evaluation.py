@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -12,13 +12,9 @@ from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
 from crackgrow.case.model import CriticalLoad, FluidVolume
 from crackgrow.case.toughness import averaging_radius
-from crackgrow.contact.faces import ContactFaces, points_at
+from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import elastic_tractions
-from crackgrow.contact.solve import ContactOutcome
-from crackgrow.contact.system import ContactSystem
-from crackgrow.cover.cover import Cover
 from crackgrow.cover.shapes import turned_roots
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.debond import Debond
 from crackgrow.fracture.face_displacements import from_face_displacements
@@ -28,7 +24,7 @@ from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.subcritical import range_of_K
 from crackgrow.fracture.tip_stress import TipField, fields_of
-from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.configuration import timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import volume_pressure
@@ -83,55 +79,17 @@ class InterfaceTipState:
         return math.nan if self.debond is None else math.sqrt(max(self.release.G, 0.0) / self.debond.toughness)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StepSolution:
-    """Everything that is known of a configuration under its loads."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StepSolution(LoadState):
+    """A configuration under its loads with the fracture quantities of its tips, and how it was found."""
 
-    state: LoadState
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
     interface_tips: tuple[InterfaceTipState, ...]
-    seconds: dict[str, float]
     factorizations: int = 1  # solves that it took, those of rejected directions included
-    notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
     errors: Errors | None = None  # None: cells are by hand, and nothing was measured
-
-    @property
-    def configuration(self) -> Configuration:
-        """The configuration of the cracks."""
-        return self.state.configuration
-
-    @property
-    def scene(self) -> Scene:
-        """The scene, with what has started in it."""
-        return self.state.scene
-
-    @property
-    def cracks(self) -> tuple[GrowingCrack, ...]:
-        """The cracks."""
-        return self.configuration.cracks
-
-    @property
-    def cover(self) -> Cover:
-        """The cover of the configuration."""
-        return self.configuration.cover
-
-    @property
-    def contact(self) -> ContactSystem:
-        """What the contact points need of the rock."""
-        return self.configuration.contact
-
-    @property
-    def faces(self) -> ContactFaces:
-        """The contact points."""
-        return self.configuration.faces
-
-    @property
-    def outcome(self) -> ContactOutcome:
-        """Displacements and contact tractions."""
-        return self.state.outcome
 
     @property
     def jumps(self) -> list[float]:
@@ -146,13 +104,13 @@ class StepSolution:
 
 def evaluated(state: LoadState) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips."""
-    configuration = state.configuration
-    seconds = {**configuration.seconds, "contact": state.seconds}
+    seconds = {**state.configuration.seconds, **state.seconds}
     with timed(seconds, "criterion"):
-        fields = _stress_fields(state)
-        tips, starts = _tip_states(state, fields), _start_states(state, fields)
+        around = _stress_fields(state)
+        tips, starts = _tip_states(state, around), _start_states(state, around)
         interface_tips = tuple(_interface_tip_states(state))
-    return StepSolution(state, tips, starts, interface_tips, seconds)
+    known = {each.name: getattr(state, each.name) for each in fields(LoadState)} | {"seconds": seconds}
+    return StepSolution(**known, tips=tips, starts=starts, interface_tips=interface_tips)
 
 
 def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:

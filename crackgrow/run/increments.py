@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -18,6 +18,7 @@ from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.cover.cover import Cover, Surface
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.emissions import Course, Moves, released_by, told
@@ -39,19 +40,31 @@ SIMPSON = 2.0 / 3.0
 """Of what is in the middle beyond the mean of both ends: what the mean over all of the way has beyond it."""
 
 
-@dataclass(frozen=True, eq=False)
-class LoadState:
-    """A configuration under its loads."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where an increment starts from: the unloaded state, the one before, that of another configuration carried over.
+
+    What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
+    displacements would not be on any path of it.
+    """
+
+    level: LoadLevel  # how much of the loads acts already
+    memory: ContactMemory
+    energy: Energy
+    conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
+    round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
+    course: Course = field(default_factory=dict)  # what faces have done since the step began
+    grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadState(Start):
+    """A configuration under its loads, from which the next increment starts."""
 
     configuration: Configuration
-    level: LoadLevel
     before: ContactMemory  # what points remembered when the increment began
     states: PointStates  # of the condensed model
-    energy: Energy
-    round_off: float  # J/m, of the energies: round-off
-    conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
-    seconds: float  # of all increments
-    course: Course = field(default_factory=dict)  # what faces have done since the step began
+    seconds: Mapping[str, float] = field(default_factory=dict)  # by phase
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
     formed: ContactOutcome | None = None  # None: displacements are formed when they are asked for
@@ -71,6 +84,11 @@ class LoadState:
         """The cover of the configuration."""
         return self.configuration.cover
 
+    @property
+    def cracks(self) -> tuple[GrowingCrack, ...]:
+        """The cracks of the configuration."""
+        return self.configuration.cracks
+
     @cached_property
     def materials(self) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, in-situ stress included."""
@@ -89,24 +107,6 @@ class LoadState:
     def light(self) -> LoadState:
         """The state without what its contact was found by, which is large."""
         return replace(self, states=self.states.light())
-
-    @cached_property
-    def memory(self) -> ContactMemory:
-        """What the next part of an increment needs."""
-        return self.configuration.increment(self.level, self.before).memory_after(self.states)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Start:
-    """Where an increment starts from: the unloaded state, or the state of another configuration carried over."""
-
-    level: LoadLevel  # how much of the loads acts already
-    memory: ContactMemory
-    energy: Energy
-    conjugates: Floats
-    round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
-    grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
-    course: Course = field(default_factory=dict)  # what faces have done since the step began
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -130,19 +130,10 @@ def unloaded(configuration: Configuration) -> Start:
     return Start(LoadLevel(0.0, holding), memory, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
 
 
-def from_state(state: LoadState) -> Start:
-    """Go on from a state of the same configuration.
-
-    What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
-    displacements would not be on any path of it.
-    """
-    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off, course=state.course)
-
-
 def next_load(state: LoadState) -> Start:
     """Go on from a state with the next load of the case, which is a step of its own unless cracks grow."""
-    start = from_state(state)
-    return start if state.scene.case.growth is not None else replace(start, course={})
+    course = {} if state.scene.case.growth is None else state.course
+    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off, course)
 
 
 def mapped(state: LoadState, configuration: Configuration) -> Start:
@@ -233,7 +224,7 @@ def follow(
     for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if number else ():
         state = _part(configuration, at, start.level.towards(end, share))
         yield state, 0
-        at = from_state(state)
+        at = state
     pieces, jumps = number, 0
     before: Piece | None = None
     largest = max(abs(start.level.factor), abs(end.factor))
@@ -248,7 +239,7 @@ def follow(
         jumps = jumps + 1 if is_jump else 0
         state = _jumped(state, at) if is_jump else state
         yield state, jumps
-        at, pieces = from_state(state), pieces + 1
+        at, pieces = state, pieces + 1
 
 
 def _number_of(configuration: Configuration, start: Start) -> int:
@@ -271,8 +262,8 @@ def equilibrated(state: LoadState, configuration: Configuration) -> Start:
     start = replace(start, memory=_kept(state, configuration, start.memory))
     states = configuration.states(state.level, start.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
-    found = from_state(_booked(_stated(configuration, start, states, state.level), start))
-    return replace(found, course=next_load(state).course)
+    found = _booked(_stated(configuration, start, states, state.level), start)
+    return replace(next_load(found), course=next_load(state).course)
 
 
 def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemory) -> ContactMemory:
@@ -295,7 +286,8 @@ def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemor
 def _told(state: LoadState, began: float) -> LoadState:
     """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
     formed = state.outcome
-    return replace(state, states=state.states.light(keep=True), formed=formed, seconds=time.perf_counter() - began)
+    seconds = {"contact": time.perf_counter() - began}
+    return replace(state, states=state.states.light(keep=True), formed=formed, seconds=seconds)
 
 
 def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:
@@ -320,7 +312,7 @@ def held_loads(configuration: Configuration) -> Start:
     start, law = unloaded(configuration), configuration.contact.law
     remembers = law.friction.any() or law.cohesion.any() or law.tension.any()
     if configuration.constant.any() and remembers:
-        return from_state(increment(configuration, start, 0.0))
+        return increment(configuration, start, 0.0)
     return start
 
 
@@ -339,7 +331,8 @@ def _stated(
     """The state with its energies, of the states of contact points; in the `middle` too where the way is bent."""
     was, conjugates = start.memory, configuration.conjugates(level, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
-    state = LoadState(configuration, level, was, states, none, 0.0, conjugates, 0.0)
+    memory = configuration.increment(level, was).memory_after(states)
+    state = LoadState(level, memory, none, conjugates, configuration=configuration, before=was, states=states)
     shares = [configuration.shares(at) for at in (start.level, level)]
     change, more = conjugates - start.conjugates, shares[1] - shares[0]
     mean = 0.5 * (start.conjugates + conjugates)

@@ -57,14 +57,14 @@ class NextStepSolver:
 
         Where bonds break at a critical load, which they do at another one there, it is that of its own path.
         """
-        solution.contact.release()  # memory holds the factors of one mesh
-        own, factor = self.solve(scene), solution.state.factor
-        if isinstance(scene.case.loading, CriticalLoad) and own.state.factor == factor:
+        solution.configuration.contact.release()  # memory holds the factors of one mesh
+        own, factor = self.solve(scene), solution.factor
+        if isinstance(scene.case.loading, CriticalLoad) and own.factor == factor:
             return own, math.nan  # both are the first guess: the criterion is never met, or no tip can grow
-        if own.state.factor == factor or any(solution.jumps):
-            return own, own.state.factor
+        if own.factor == factor or any(solution.jumps):
+            return own, own.factor
         start = held_loads(own.configuration)
-        return replace(evaluated(increment(own.configuration, start, factor)), seconds=own.seconds), own.state.factor
+        return replace(evaluated(increment(own.configuration, start, factor)), seconds=own.seconds), own.factor
 
     def _origin(self, configuration: Configuration) -> Origin:
         """What a configuration goes on from."""
@@ -72,7 +72,7 @@ class NextStepSolver:
             return FROM_REST
         growth = configuration.scene.case.growth
         on = growth is not None and not growth.unload_between_steps
-        return Origin(self.before.state.factor, mapped(self.before.state, configuration) if on else None)
+        return Origin(self.before.factor, mapped(self.before, configuration) if on else None)
 
 
 def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:
@@ -135,13 +135,13 @@ class HistorySolver:
         """The solution on the cells of the companion, and its load factor."""
         last = self.number + 1 == scene.case.n_loads
         if last:
-            solution.contact.release()  # memory holds the factors of one mesh
+            solution.configuration.contact.release()  # memory holds the factors of one mesh
         if self.there is None or scene.grading != self.there.scene.grading:
             self.there = LoadsInTurn(scene, self.cracks)
         there = self.there.solution(self.number)
         if last:
-            there.contact.release()
-        return there, there.state.factor
+            there.configuration.contact.release()
+        return there, there.factor
 
 
 def _in_turn(
@@ -183,7 +183,7 @@ def _solved(states: States, n: int | None = None, paid: Configuration | None = N
     for state, origin in islice(states, n):
         number, came_from = number + 1, origin
         passed = (*(passed if n is None else ()), *history_of(state))
-        seconds.update({"contact": state.seconds})
+        seconds.update(state.seconds)
         if state.configuration is not paid:
             seconds.update(state.configuration.seconds)
             factorizations += 1

@@ -103,7 +103,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     known, before = _again(scene, begun), None
     while True:
         if before is not None:
-            before.contact.system.release()  # memory holds the factors of one step
+            before.configuration.contact.system.release()  # memory holds the factors of one step
         try:
             solution = known or load(scene, state.cracks, before)
         except (GeometryError, SolveError) as error:

@@ -49,18 +49,18 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
     """The result of a step, after which its tips advance."""
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, state.paths
-    contact, faces = solution.state.along_surfaces
+    contact, faces = solution.along_surfaces
     unknown, missed = (math.nan,) * len(solution.tips), contact_violations(solution, faces)
     errors = solution.errors or Errors(scene.grading, K=unknown, T=unknown, kinks=unknown)  # cells are by hand
     percent = {goal: 100.0 * BOUND * share for goal, share in errors.shares.items()}
     still = _sticking(contact, paths, pressed_strain(solution, faces))
-    means = specimen_means(solution.state)
+    means = specimen_means(solution)
     critical = isinstance(scene.case.loading, CriticalLoad)
     estimate = cache(estimate_maker(solution))
     asked = estimate if "energy_error" in scene.case.output.fields else None
     return StepResult(
         step=state.step,
-        load_factor=solution.state.factor,
+        load_factor=solution.factor,
         cracks=paths,
         events=state.events,
         tips=tuple(_tip(solution, tip, tip in advances.sites, errors, still) for tip in range(len(solution.tips))),
@@ -70,7 +70,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         ),
         contact=contact,
         faces=faces,
-        reactions=reactions(solution.state),
+        reactions=reactions(solution),
         mesh=FrameOnDemand(frame_maker(solution, asked)) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.points.n_unknowns,
@@ -82,7 +82,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         complementarity=outcome.complementarity,
         overlap=max((surface.overlap for surface in missed), default=0.0),
         overlap_share=max((surface.share for surface in missed), default=0.0),
-        energy=solution.state.energy,
+        energy=solution.energy,
         load_displacement=_load_displacement(solution),
         mean_stress=means[0],
         mean_strain=means[1],
@@ -96,10 +96,10 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         reaction_error=percent.get("reaction", math.nan),
         load_factor_error=percent.get("load_factor", math.nan) if critical else math.nan,
         stress=_stress(solution, faces),
-        history=history([*solution.passed, solution.state]),
+        history=history([*solution.passed, solution]),
         start=_start(solution),
         emissions=(
-            *(replace(event, step=state.step) for event in solution.state.course.values()),
+            *(replace(event, step=state.step) for event in solution.course.values()),
             *_growing(state.step, solution, advances),
         ),
         seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
@@ -127,7 +127,7 @@ def _interface_tip(solution: StepSolution, known: InterfaceTipState, advances: b
 def estimate_maker(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
     singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
-    return partial(error_estimate, solution.cover, solution.state.materials, solution.outcome.u, singular)
+    return partial(error_estimate, solution.cover, solution.materials, solution.outcome.u, singular)
 
 
 def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:
@@ -135,7 +135,7 @@ def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], 
 
     Places are those of the map, and bodies have their numbers in the case.
     """
-    cover, materials, u = solution.cover, solution.state.materials, solution.outcome.u
+    cover, materials, u = solution.cover, solution.materials, solution.outcome.u
     numbers, origin = solution.scene.numbers_at_start, solution.scene.case.origin
 
     def made() -> Frame:
@@ -152,7 +152,7 @@ def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
     """
     cracks = (face for surface, face in zip(solution.cover.surfaces, faces, strict=True) if surface.name.is_crack)
     pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
-    return max(pressure, mean_stress(solution.state))
+    return max(pressure, mean_stress(solution))
 
 
 def _load_displacement(solution: StepSolution) -> float:
@@ -163,8 +163,8 @@ def _load_displacement(solution: StepSolution) -> float:
     on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patches.nodes)]
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
-        return float(solution.state.conjugates[0]) / total
-    return solution.configuration.farthest(solution.state.level)
+        return float(solution.conjugates[0]) / total
+    return solution.configuration.farthest(solution.level)
 
 
 def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float) -> set[str]:
@@ -221,17 +221,17 @@ def _growing(step: int, solution: StepSolution, advances: Advances) -> Iterator[
         state, (index, at_end) = solution.tips[tip], cover.tip_ends[tip]
         assert growth is not None
         assert state.verdict is not None  # it was chosen by it
-        material = solution.state.materials[solution.scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
+        material = solution.materials[solution.scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
         length = advances.lengths.get((index, at_end), growth.increment)
         energy = length * kinked_release(state.K, state.verdict.kink, material)
         place, name = cover.lattice.to_metres(cover.tips[tip].point), str(cover.cracks[index].name)
-        yield Event(step, "growth", name, end_word(at_end), place, "", solution.state.factor, energy)
+        yield Event(step, "growth", name, end_word(at_end), place, "", solution.factor, energy)
     for number, known in enumerate(solution.interface_tips):
         if len(solution.configuration.sites) + number in advances.sites:
             assert growth is not None
             place, name = cover.lattice.to_metres(known.tip.point), str(cover.surfaces[known.tip.surface].name)
             energy, end = growth.increment * known.release.G, end_word(known.tip.at_end)
-            yield Event(step, "growth", name, end, place, "", solution.state.factor, energy)
+            yield Event(step, "growth", name, end, place, "", solution.factor, energy)
 
 
 def _start(solution: StepSolution) -> StartResult | None:

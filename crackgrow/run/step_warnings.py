@@ -53,7 +53,7 @@ def step_warnings(
     What holds for all steps is said at the first.
     """
     found = [
-        *(warning("NOTE", words=note) for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes)),
+        *(warning("NOTE", words=note) for note in (*solution.outcome.notes, *solution.notes)),
         *_missed(solution),
         *(scene_warnings(solution.scene, solution.cover) if step == 0 else ()),
         *_passing_through(solution, faces),
@@ -86,7 +86,7 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
 
     Faces are looked at along samples, and at the contact points of kinks, of which there is one for each normal.
     """
-    strain, found, (points, _) = pressed_strain(solution, faces), [], solution.state.along_surfaces
+    strain, found, (points, _) = pressed_strain(solution, faces), [], solution.along_surfaces
     names, round_off = np.array(points.crack), ROUND_OFF * float(np.abs(solution.outcome.u).max())
     for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
         mine = np.flatnonzero(names == face.crack)
@@ -129,7 +129,7 @@ def pressed_strain(solution: StepSolution, faces: Sequence[CrackFaces]) -> float
     Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
     """
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
-    return float(max(pressure, mean_stress(solution.state)) / min(m.young_prime for m in solution.scene.materials))
+    return float(max(pressure, mean_stress(solution)) / min(m.young_prime for m in solution.scene.materials))
 
 
 def _overlapping(surfaces: Sequence[ContactViolation]) -> Iterator[StepWarning]:
@@ -181,7 +181,7 @@ def ripples(solution: StepSolution) -> Iterator[StepWarning]:
 
 def _missed(solution: StepSolution) -> Iterator[StepWarning]:
     """A target that is not met; forces and energies that miss each other."""
-    errors, numerics, state = solution.errors, solution.scene.case.numerics, solution.state
+    errors, numerics, state = solution.errors, solution.scene.case.numerics, solution
     if errors is not None and errors.missed:
         off, wanted = errors.estimate(numerics.goal), 100.0 * numerics.target
         came = f"is off by an estimated {100.0 * off:.2g} %" if np.isfinite(off) else "has no error estimate"
@@ -247,7 +247,7 @@ def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) ->
         for face in faces
     ]
     elements, spacing = solution.cover.elements, solution.cover.lattice.spacing
-    for number, (body, material) in enumerate(zip(solution.scene.case.bodies, solution.state.materials, strict=True)):
+    for number, (body, material) in enumerate(zip(solution.scene.case.bodies, solution.materials, strict=True)):
         mine = np.flatnonzero(elements.body == number)
         along = elements.reference[mine] @ ALONG
         some = mine[np.concatenate([along.argmin(axis=0), along.argmax(axis=0)])]
@@ -264,14 +264,14 @@ def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) ->
 
 def _suction(solution: StepSolution) -> Iterator[StepWarning]:
     """Volumes of fluid that would pull at the faces."""
-    for reaction in reactions(solution.state):
-        if reaction.pressure < -limit_of("SUCTION") * mean_stress(solution.state):  # no volume: nan
+    for reaction in reactions(solution):
+        if reaction.pressure < -limit_of("SUCTION") * mean_stress(solution):  # no volume: nan
             yield warning("SUCTION", reaction.where, -reaction.pressure)
 
 
 def _on_points(solution: StepSolution) -> Iterator[StepWarning]:
     """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told."""
-    case, state = solution.scene.case, solution.state
+    case, state = solution.scene.case, solution
     if any(isinstance(load, Gravity) for load in case.loads):
         yield from unbalanced_loads(solution.scene, solution.cover)
         return

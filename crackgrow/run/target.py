@@ -67,7 +67,7 @@ def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: E
     numerics, refine = solution.scene.case.numerics, solution.scene.case.numerics.refine
     if before is not None and math.isinf(errors.estimate(numerics.goal)) and math.isinf(before.estimate(numerics.goal)):
         return errors.missed or "the companion mesh does not have it"  # nor on smaller cells
-    changes = tuple(_changes(solution.state))
+    changes = tuple(_changes(solution))
     wanted = refined(errors, before, numerics.target, numerics.goal, _lines(solution), changes)
     scene = solution.scene.with_grading(wanted)
     try:
@@ -86,7 +86,7 @@ def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: E
 def _held_against(solution: StepSolution, solver: StepSolver) -> tuple[Errors, Counter[str]]:
     """The errors of a step, and the seconds that its companion took; none where it has no solution."""
     scene = solution.scene
-    here = quantities(solution, solution.state.factor)
+    here = quantities(solution, solution.factor)
     try:
         on = scene.with_grading(replace(scene.grading, companion=True))
         there, own_factor = solver.companion(on, solution)
@@ -102,7 +102,7 @@ def next_grading(solution: StepSolution) -> Grading:
     errors, numerics = solution.errors, solution.scene.case.numerics
     if errors is None:
         return solution.scene.grading
-    return coarsened(errors, numerics.target, numerics.goal, _lines(solution), tuple(_changes(solution.state)))
+    return coarsened(errors, numerics.target, numerics.goal, _lines(solution), tuple(_changes(solution)))
 
 
 def _lines(solution: StepSolution) -> list[Floats]:
@@ -123,7 +123,7 @@ def _changes(state: LoadState) -> Iterator[tuple[int, float, float]]:
 
 def quantities(solution: StepSolution, own_factor: float) -> Quantities:
     """What a solution says of all that errors are stated of."""
-    state, tips = solution.state, solution.tips
+    state, tips = solution, solution.tips
     intensities = [tip.intensity for tip in tips]
     of_volumes = -state.outcome.multipliers[state.configuration.held.load >= 0]  # pressure times the length wetted
     forces = np.array([*(reaction.force for reaction in reactions(state)), *((f, 0.0) for f in of_volumes)])

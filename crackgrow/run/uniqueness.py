@@ -121,7 +121,7 @@ def unique_text(case: Case) -> Iterator[str]:
     scene, cracks = make_scene(under_its_loads(case)), beginning(case).cracks
     history = isinstance(case.loading, LoadHistory | Stages)
     for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
-        yield f"  at load factor {solution.state.factor:.6g}: {_found(solution)}"
+        yield f"  at load factor {solution.factor:.6g}: {_found(solution)}"
 
 
 def under_its_loads(case: Case) -> Case:
@@ -133,7 +133,7 @@ def under_its_loads(case: Case) -> Case:
 
 def _found(solution: StepSolution) -> str:
     """What is known of the solutions of a loaded configuration."""
-    contact, points = solution.contact, solution.outcome.points
+    contact, points = solution.configuration.contact, solution.outcome.points
     if why := why_not_examined(contact, points):
         return why
     limit = proven_limit(contact, points)
@@ -145,8 +145,8 @@ def _found(solution: StepSolution) -> str:
     if second is None:
         return f"no second solution was found, which is no proof that there is none: {beyond}"
     point = int(second.points[0])
-    there = solution.cover.lattice.to_map(solution.faces.nodes.points[[point]])[0]
-    place = solution.cover.surfaces[solution.faces.surface[point]].name
+    there = solution.cover.lattice.to_map(solution.configuration.faces.nodes.points[[point]])[0]
+    place = solution.cover.surfaces[solution.configuration.faces.surface[point]].name
     return (
         f"friction leaves more than one solution ({beyond}): in another one the point {place_text(there, 4)} of "
         f"'{place}', which {WORDS[int(points.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "

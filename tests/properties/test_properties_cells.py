@@ -155,7 +155,7 @@ def test_uniform_compression_passes_through_stuck_cracks(name: str, support: flo
     strain = LOAD / YOUNG * (1 + POISSON) * np.array([POISSON, POISSON - 1])
     exact = strain * (metres - 1e-3 * LOWER_EDGE)
     assert np.abs(found - exact).max() < 1e-6 * np.abs(exact).max()
-    outcome, normal = solution.outcome, solution.faces.nodes.normal
+    outcome, normal = solution.outcome, solution.configuration.faces.nodes.normal
     np.testing.assert_allclose(outcome.points.normal, -LOAD * normal[:, 1] ** 2, atol=1e-5 * LOAD)
     np.testing.assert_allclose(outcome.points.tangential, LOAD * normal[:, 0] * normal[:, 1], atol=1e-5 * LOAD)
     assert solution.outcome.residual < 1e-7

@@ -102,7 +102,7 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
     solution, frame = solved(*SCENES[name])
     mesh = output_mesh(solution.cover.elements, solution.cover.tips)
     node, element = mesh.place_node, mesh.place_element
-    stress = stress_at(solution.cover, solution.state.materials, solution.outcome.u, mesh.points[node], element)
+    stress = stress_at(solution.cover, solution.materials, solution.outcome.u, mesh.points[node], element)
     off_tips = from_tips(solution, frame.points[node]) > 1e-6
     size = np.abs(stress[off_tips]).max()
     np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)

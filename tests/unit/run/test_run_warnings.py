@@ -195,7 +195,7 @@ def test_a_path_that_saws_is_told_with_the_remedy(direction: str, told: int) -> 
 def test_pressed_faces_that_stand_apart_or_overlap_are_told() -> None:
     """As far as faces that overlap, where three contact points in turn are pressed; not beside one that is open."""
     solution = solve_case(shipped_case("compression30", ["numerics.spacing=3"]))
-    _, (face, *_) = solution.state.along_surfaces
+    _, (face, *_) = solution.along_surfaces
     assert (face.state != OPEN).all()
     opening = np.zeros(len(face.s))
     opening[3] = 0.3 * np.abs(face.slip).max()
@@ -220,10 +220,10 @@ def test_pressed_faces_that_stand_apart_or_overlap_are_told() -> None:
 def test_energy_that_nothing_has_given_is_told(released: float, error: float, told: int) -> None:
     """Where it is more than the error of the balance that is stated, and than what is small."""
     solution = solve_case(shipped_case("compression30", ["numerics.spacing=3"]))
-    energy = solution.state.energy
-    state = replace(solution.state, energy=replace(energy, released=released * energy.size, error=error))
-    _, faces = solution.state.along_surfaces
-    found = step_warnings(replace(solution, state=state), faces, (), step=1)
+    energy = solution.energy
+    state = replace(solution, energy=replace(energy, released=released * energy.size, error=error))
+    _, faces = solution.along_surfaces
+    found = step_warnings(state, faces, (), step=1)
     created = [warning for warning in found if warning.cause == "CREATED"]
     words = f"{released * energy.size:.3g} J/m are released, 0.2 % of the largest energy below zero"
     assert [words in warning.words for warning in created] == [True] * told

@@ -174,8 +174,8 @@ def cycle(*factors: float) -> tuple[list[LoadState], Floats]:
     scene = make_scene(load_case(CASES / "cyclic_friction.yaml", settings))
     found = list(load_history(scene, before_growth(scene.case)))
     if not factors:
-        np.testing.assert_allclose(AMPLITUDE * np.array([each.state.factor for each in found]), HISTORY, atol=1.0)
-    return [each.state for each in found], np.array([each.tips[1].K[1] for each in found])
+        np.testing.assert_allclose(AMPLITUDE * np.array([each.factor for each in found]), HISTORY, atol=1.0)
+    return list(found), np.array([each.tips[1].K[1] for each in found])
 
 
 def slip_of_cycle() -> float:
