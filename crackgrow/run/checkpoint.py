@@ -111,7 +111,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
         level, energy = LoadLevel(of_start["factor"], of_start["holding"]), Energy(**of_start["energy"])
         conjugates, grown = own.pop("conjugates"), of_start["grown"]
-        start = Start(level, ContactMemory(**own), energy, conjugates, of_start["round_off"], grown)
+        start = Start(level, ContactMemory(**own), energy, conjugates, of_start["round_off"], grown=grown)
     excavated = tuple(Excavated(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,

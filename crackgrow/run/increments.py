@@ -11,18 +11,17 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import LoadHistory
 from crackgrow.case.surface import SurfaceName
-from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
+from crackgrow.contact.coulomb import OPEN, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
-from crackgrow.run.emissions import Course, Moves, released_by, told
-from crackgrow.run.energies import dissipated_on, strain_energy
+from crackgrow.run.energies import Course, course_of_jump, course_to, dissipated_on, strain_energy
 from crackgrow.run.path import MOST_JUMPS, Piece, least_share, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
@@ -345,26 +344,7 @@ def _stated(
     slides, by_point = dissipated_on(configuration, was, state, middle)
     dissipated = none.dissipated + float(by_point.sum())
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), round_off)
-    moves = _moves(state, start, slides)
-    course = told(start.course, moves, by_point)
-    return replace(state, energy=energy, round_off=round_off, course=course)
-
-
-def _moves(state: LoadState, start: Start, slides: Bools, *, jumps: bool = False) -> Moves:
-    """What contact points do between a start and a state; a jump takes from those that had begun to break, too."""
-    configuration, was, now, law = state.configuration, start.memory, state.memory, state.configuration.contact.law
-    faces, cover, slip = configuration.faces, configuration.cover, np.abs(now.slip - was.slip)
-    pressed = (was.normal < 0.0) | (start.level.factor != 0.0)  # or have just lost their pressure, at an event
-    return Moves(
-        names=[str(surface.name) for surface in cover.surfaces],
-        surface=faces.surface,
-        points=cover.lattice.to_metres(faces.nodes.points),
-        load_factor=start.level.factor + 0.0,  # no -0
-        slip=slip,
-        slides=slides & (slip > 0.0),
-        parts=was.closed & ~now.closed & (was.coheres(law) | pressed),
-        breaks=law.breakable & (now.lost > was.lost) & (jumps | ~was.broken),
-    )
+    return replace(state, energy=energy, round_off=round_off, course=course_to(state, start, slides, by_point))
 
 
 def _missing(energy: Energy) -> float:
@@ -387,8 +367,6 @@ def _booked(state: LoadState, start: Start) -> LoadState:
 
 def _jumped(state: LoadState, start: Start) -> LoadState:
     """A state to which points have jumped, with what is released by it booked to their surfaces."""
-    booked, weights = _booked(state, start), state.configuration.contact.weights
-    moves = _moves(state, start, state.states.state == SLIP, jumps=True)
-    released = booked.energy.released - start.energy.released
-    course = told(state.course, moves, np.zeros(len(weights)))  # of what had begun to break in another step
-    return replace(booked, course=released_by(course, moves, weights, released))
+    booked = _booked(state, start)
+    course = course_of_jump(state, start, booked.energy.released - start.energy.released)
+    return replace(booked, course=course)

@@ -110,7 +110,6 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
 class SecondSolution:
     """Another state that meets the contact law under the same loads and the same memory."""
 
-    limit: float  # friction below which there is certainly none
     points: Ints  # (k,) contact points, those whose jump changes most first
     change: Floats  # (k,) m, how much farther or nearer the faces lie there, or how far along
     states: Ints  # (k,) OPEN, STICK or SLIP
@@ -118,17 +117,12 @@ class SecondSolution:
 
 def unique_text(case: Case) -> Iterator[str]:
     """What is known of the solutions of contact at every load factor of a case, in lines. Raises as a run does."""
-    scene, cracks = make_scene(under_its_loads(case)), beginning(case).cracks
     history = isinstance(case.loading, LoadHistory | Stages)
+    if isinstance(case.loading, StrengthReduction):  # with the strength that it has
+        case = replace(case, loading=LoadHistory(case.loading.factors))
+    scene, cracks = make_scene(case), beginning(case).cracks
     for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
         yield f"  at load factor {solution.factor:.6g}: {_found(solution)}"
-
-
-def under_its_loads(case: Case) -> Case:
-    """The case with the strength that it has, where it asks by how much that can be reduced."""
-    if not isinstance(case.loading, StrengthReduction):
-        return case
-    return replace(case, loading=LoadHistory(case.loading.factors))
 
 
 def _found(solution: StepSolution) -> str:
@@ -136,8 +130,9 @@ def _found(solution: StepSolution) -> str:
     contact, points = solution.configuration.contact, solution.outcome.points
     if why := why_not_examined(contact, points):
         return why
-    limit = proven_limit(contact, points)
-    if limit is None:
+    assert points.problem is not None  # it is examined
+    limit = friction_limit(points.problem.points.compliance, contact.weights[points.rows])
+    if points.problem.friction.max() < limit:
         touching = "no faces touch: " if (points.state == OPEN).all() else ""
         return f"{touching}there is exactly one solution"
     second = second_solution(contact, solution.outcome)
@@ -170,22 +165,11 @@ def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
     return "" if points.problem.friction.any() else "there is no friction: there is exactly one solution"
 
 
-def proven_limit(contact: ContactSystem, points: PointStates) -> float | None:
-    """The friction below which there is certainly one solution; None where all of it is below."""
-    problem = points.problem
-    assert problem is not None
-    limit = friction_limit(problem.points.compliance, contact.weights[points.rows])
-    return None if problem.friction.max() < limit else limit
-
-
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
-    """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound."""
+    """A second solution, if there is one and some start leads to it."""
     points = outcome.points
     problem, rows = points.problem, points.rows
-    if why_not_examined(contact, points) or problem is None or points.solution is None:
-        return None
-    limit = proven_limit(contact, points)
-    if limit is None:
+    if problem is None or points.solution is None:
         return None
     known = points.solution.traction
     for p in other_solutions(problem, known):
@@ -196,7 +180,7 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
             moved = problem.points.compliance @ (p - known)
             change = np.hypot(*moved.reshape(2, -1))
             order = np.argsort(-change, kind="stable")
-            return SecondSolution(limit, rows[order], change[order], states[order])
+            return SecondSolution(rows[order], change[order], states[order])
     return None
 
 

@@ -102,7 +102,7 @@ def test_where_only_loads_have_a_size_the_way_to_the_critical_one_does_not_matte
 ) -> None:
     settings = (f"cracks.flaw.contact.dilation_angle={dilation}",)
     configuration = ready(case_of("compression30", *CLOSED, *settings))
-    found = critical_load.critically_loaded(configuration, 0.07).state
+    found = critical_load.critically_loaded(configuration, 0.07)
     assert len(factors) <= 3
     alone = increment(configuration, held_loads(configuration), found.factor)
     for of in ("outcome.u", "outcome.multipliers", "outcome.memory.slip", "conjugates", "states.tractions"):
