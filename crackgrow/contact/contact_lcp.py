@@ -33,8 +33,10 @@ def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     size = float(np.abs(q / root).max(initial=0.0)) or 1.0
     result = lemke(M / np.outer(root, root), q / (root * size), d / root)  # entries of order one
     p, du = _tractions(problem, size * result.z / root, size * root * result.w)
+    left = du - problem.free + problem.points.compliance @ p
+    motion = np.linalg.lstsq(problem.points.jump, left)[0] if problem.n_motions else np.zeros(0)
     active, (lying, unknowns) = active_set(problem, p, du), problem.settled()
-    x, polished = np.append(p, _motion(problem, p, du)), unknowns(solve_active(lying, active))
+    x, polished = np.append(p, motion), unknowns(solve_active(lying, active))
     residual, polished_residual = (complementarity_residual(problem, each) for each in (x, polished))
     if polished_residual <= residual:
         x, residual = polished, polished_residual
@@ -107,14 +109,6 @@ def _inverse(problem: ContactProblem) -> tuple[Floats, Floats]:
             f"Lemke's method: use fewer contact points, a finite contact stiffness or the Newton solver"
         )
     return inverse[:m, :m] / np.outer(root, root), inverse[:m, m:] @ last / root
-
-
-def _motion(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
-    """Amplitudes (l,) of the rigid motions that go with tractions p and jumps du (m,)."""
-    if not problem.n_motions:
-        return np.zeros(0)
-    left = du - problem.free + problem.points.compliance @ p
-    return np.asarray(np.linalg.lstsq(problem.points.jump, left)[0])
 
 
 def _tractions(problem: ContactProblem, slip_opening: Floats, v: Floats) -> tuple[Floats, Floats]:

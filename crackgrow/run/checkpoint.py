@@ -35,11 +35,15 @@ class RunState:
     events: tuple[Event, ...] = ()  # of the advance that has made the cracks
     n_pieces: int = 0  # of rock at the start; 0: not counted yet
     origin: Origin | None = None  # of the step's solution; None: there is none yet
-    factorizations: int = 1  # of the step, rejected directions of growth included
+    factorizations: int | None = None  # of the step, where it was solved before
     notes: tuple[str, ...] = ()  # on how its solution was found
     errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time; in fatigue cycles
     debonds: tuple[Debond, ...] = ()  # the cracked parts of interfaces that have a toughness
+
+    def at_load(self, step: int) -> RunState:
+        """About to make the result of a load without growth, which may be the one that it is at."""
+        return RunState(step, self.cracks, factorizations=self.factorizations if step == self.step else None)
 
     @property
     def paths(self) -> tuple[CrackPath, ...]:
@@ -58,7 +62,7 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
     values: dict[str, Any] = {
         "events": [event_record(event) for event in state.events],
         "n_pieces": state.n_pieces,
-        "factorizations": solution.factorizations,
+        "factorizations": state.factorizations,
         "notes": list(solution.notes),
         "guess": origin.guess,
         "cracks": [

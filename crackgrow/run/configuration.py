@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -31,6 +29,7 @@ from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
 from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.ragged import distinct
+from crackgrow.run.clock import SPENT, timed
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
 from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
 from crackgrow.run.scene import Scene
@@ -98,7 +97,6 @@ class Configuration:
     faces: ContactFaces
     moves: Floats  # (surfaces, 2) m: how far foundations move at load factor 1
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
-    seconds: dict[str, float]
 
     @property
     def scaled(self) -> Floats:
@@ -186,9 +184,11 @@ class Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
         if not excavated:
             return self
-        scaled, constant = self.scaled.copy(), self.constant.copy()
+        scaled, constant, course = self.scaled.copy(), self.constant.copy(), self.scene.course
+        assert course is not None  # the case has stages
         for rock in excavated:
-            a, b = self.scene.parts_of_excavated(rock.body)
+            left = (1.0 - dict(stage.excavated).get(rock.body, 0.0) for stage in (course.begin, course.end))
+            a, b = course.parts(*left)
             constant += a * rock.forces
             scaled += b * rock.forces
         return replace(self, contact=replace(self.contact, loads=_each_load(scaled, constant)))
@@ -351,11 +351,10 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made."""
     scene = scene.with_cracks(growing)
     case = scene.case
-    seconds: dict[str, float] = {}
-    with timed(seconds, "cover"):
+    with timed("cover"):
         cover = cover_of(scene, growing)
         sites = sites_of(scene, cover, growing)
-    with timed(seconds, "assembly"):
+    with timed("assembly"):
         stiff = stiffness(cover, scene.materials, case.numerics.quadrature)
         matrix = with_dependent_held(stiff)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
@@ -370,10 +369,11 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         check_held(free, _patches_at(cover, faces))
         if volumes.any():
             check_not_seen(free, csr_array(held.matrix[volumes]))
-    with timed(seconds, "factorize"):
+    with timed("factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)
         system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), held.compliance)
+        SPENT.n_factorizations += 1
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing, scene.debonds)
     solver = case.numerics.contact.solver
@@ -382,7 +382,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     moves = np.zeros((len(cover.surfaces), 2))
     for n, foundation in enumerate(reversed(scene.foundations), 1):  # they are the last of the surfaces
         moves[-n] = foundation.moves
-    return Configuration(scene, growing, cover, stiff, held, contact, faces, moves, sites, seconds)
+    return Configuration(scene, growing, cover, stiff, held, contact, faces, moves, sites)
 
 
 def _each_load(scaled: Floats, constant: Floats) -> Floats:
@@ -432,11 +432,3 @@ def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
     """Physical patches next to the contact points."""
     elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
     return distinct(cover.patches.of_element.taken(elements[elements >= 0]).values)
-
-
-@contextmanager
-def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
-    """Add the wall time of a block to a phase."""
-    start = time.perf_counter()
-    yield
-    seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start

@@ -18,7 +18,8 @@ import numpy as np
 from crackgrow.arrays import Bools, Floats
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import TipLoading
-from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.clock import timed
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
 from crackgrow.run.increments import LoadState, Start, held_loads, increment, rising
 from crackgrow.run.state_values import history_of
@@ -65,7 +66,9 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         trials = [*trials[-2:], *search.towards(trials[-1], search.beyond(*trials[-2:]))]
     (below, above), tries = trials[-2:], 0
     while not above.meets and above.factor - below.factor > SAME * above.factor:
-        share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
+        share = 0.5  # in a jump the line leads nowhere
+        if tries % 3 < 2:
+            share = search.share_met((below, above), (0.0, 1.0), above.criticalities >= 1.0)
         trials = [below, *search.towards(below, below.factor + share * (above.factor - below.factor))]
         below, above = trials[-2:] if trials[-1].is_critical else (trials[-1], above)
         tries += 1
@@ -104,14 +107,15 @@ class _Search:
     def __init__(self, configuration: Configuration) -> None:
         self._configuration = configuration
         self._start = held_loads(configuration)
-        self._seconds: dict[str, float] = {}
         self._n_ways = 0
         self._why = ""  # a way ended before the load factor that it made for
         ends, sites = configuration.cover.tip_ends, configuration.sites
         grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
         grow += [debond is not None for _, debond in configuration.interface_tips]
         self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site, then tips of cracked interfaces
-        self.rest = self._at_rest()
+        self.rest = _Trial(0.0, [None] * len(sites), np.zeros(len(grow)), None)  # under the held loads alone
+        if any(load.held for load in configuration.scene.case.loads):
+            self.rest = self._evaluated(increment(configuration, self._start, 0.0))
 
     def towards(self, below: _Trial, factor: float) -> list[_Trial]:
         """The states on the way from a trial to a load factor, up to the first that is critical.
@@ -124,7 +128,7 @@ class _Search:
         states, found = rising(self._configuration, self._start_of(below), factor), list[_Trial]()
         try:
             while not (found and found[-1].is_critical):
-                with timed(self._seconds, "contact"):
+                with timed("contact"):
                     state = next(states, None)
                 if state is None:
                     break
@@ -138,8 +142,7 @@ class _Search:
         """The trial a little farther than the `last` one before the path ends, on the way to a load factor."""
         farther = min(last.factor + BEYOND * (last.factor or factor), factor)
         try:
-            with timed(self._seconds, "contact"):
-                state = increment(self._configuration, self._start_of(last), farther)
+            state = increment(self._configuration, self._start_of(last), farther)
         except FreePieceError as error:
             if last.solution is None:
                 raise  # nothing holds from the beginning
@@ -157,11 +160,10 @@ class _Search:
         return self._start if trial.solution is None else trial.solution
 
     def found(self, trial: _Trial) -> StepSolution:
-        """The solution of a trial that ends the search, with the time of all of them."""
+        """The solution of a trial that ends the search."""
         assert trial.solution is not None
         notes = tuple(dict.fromkeys(note for state in trial.came for note in state.notes))
-        seconds = {**trial.solution.seconds, **self._seconds}
-        solution = replace(trial.solution, via=trial.came[:-1], notes=notes, seconds=seconds)
+        solution = replace(trial.solution, via=trial.came[:-1], notes=notes)
         return replace(solution, passed=history_of(solution)[:-1])
 
     def beyond(self, below: _Trial, above: _Trial) -> float:
@@ -173,14 +175,10 @@ class _Search:
             nearer, share = share, min(STRIDE * share, farthest)
             there = self._between(below, above, share)
             if there.max(initial=0.0) >= 1.0:
-                return low + self._share_met((below, above), (nearer, share), there >= 1.0) * (high - low)
+                return low + self.share_met((below, above), (nearer, share), there >= 1.0) * (high - low)
         return min(STRIDE * high, LARGEST_FACTOR)
 
-    def share_met(self, below: _Trial, above: _Trial) -> float:
-        """Where, from 0 to 1, the criterion is just met if everything is linear between two states."""
-        return self._share_met((below, above), (0.0, 1.0), above.criticalities >= 1.0)
-
-    def _share_met(self, trials: tuple[_Trial, _Trial], shares: tuple[float, float], some: Bools) -> float:
+    def share_met(self, trials: tuple[_Trial, _Trial], shares: tuple[float, float], some: Bools) -> float:
         """Where between two shares of the way from one trial to another the criterion is just met at `some` sites.
 
         The others do not meet it at the second share.
@@ -189,8 +187,7 @@ class _Search:
 
     def _evaluated(self, state: LoadState, below: _Trial | None = None) -> _Trial:
         """The trial of a state, on a way that began at the trial `below`."""
-        with timed(self._seconds, "criterion"):
-            solution = evaluated(state)
+        solution = evaluated(state)
         sites: list[TipState | StartState] = [*solution.tips, *solution.starts]
         largest = [0.0 if site.verdict is None else site.verdict.largest for site in sites]
         largest += np.nan_to_num([each.criticality for each in solution.interface_tips]).tolist()
@@ -198,13 +195,6 @@ class _Search:
         earlier = () if below is None else (*below.came[:-1], *(at.light() for at in below.came[-1:]))
         came = (*earlier, *state.via, state)
         return _Trial(state.factor, [site.loading for site in sites], criticalities, solution, came)
-
-    def _at_rest(self) -> _Trial:
-        """The trial under the held loads alone."""
-        if any(load.held for load in self._configuration.scene.case.loads):
-            return self._evaluated(increment(self._configuration, self._start, 0.0))
-        sites = self._configuration.sites
-        return _Trial(0.0, [None] * len(sites), np.zeros(len(self.can_grow)), None)
 
     def _between(self, below: _Trial, above: _Trial, share: float, some: Bools | None = None) -> Floats:
         """Criticality (n,) at a share of the way between trials if all is linear there; zero but at `some` sites.

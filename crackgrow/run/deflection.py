@@ -83,8 +83,7 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
     The most critical one goes, if it is more so than the tips; with `advance: all` also those that meet the criterion
     at that load. Where one stops is told once.
     """
-    growth, critical = solution.scene.case.growth, isinstance(solution.scene.case.loading, CriticalLoad)
-    assert growth is not None
+    growth, critical = solution.scene.growth, isinstance(solution.scene.case.loading, CriticalLoad)
     found = [
         (ending, _along(solution, ending, step), _across(solution, ending, step))
         for ending in sorted(endings(solution), key=lambda ending: tuple(ending.point))
@@ -118,8 +117,6 @@ def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
         errors = replace(errors, K=K, T=T, largest=share * errors.largest)
     return replace(
         found,
-        seconds=solution.seconds,
-        factorizations=solution.factorizations,
         notes=tuple(note for note in solution.notes if note != NEVER_CRITICAL),
         origin=solution.origin,
         passed=history_of(found)[:-1],
@@ -152,15 +149,13 @@ def endings(solution: StepSolution) -> Iterator[Ending]:
 
 def _along(solution: StepSolution, ending: Ending, step: int) -> Way:
     """The way along the interface: to the side that is more critical, to both where they are equal."""
-    growth = solution.scene.case.growth
-    assert growth is not None
-    ends = ends_of(solution.cracks, solution.scene.debonds)
-    parts = [_short_of_others(ending.debond, side, growth.increment, step, ends) for side in (False, True)]
+    increment, ends = solution.scene.growth.increment, ends_of(solution.cracks, solution.scene.debonds)
+    parts = [_short_of_others(ending.debond, side, increment, step, ends) for side in (False, True)]
     sides = [_tried(solution, Way(debonds=(part,))) for part in parts]
     less, most = sorted(sides, key=lambda way: way.criticality)
     if less.criticality < (1.0 - TIE) * most.criticality or most.criticality == 0.0:
         return most
-    return replace(most, debonds=(_short_of_others(parts[0], True, growth.increment, step, ends),))
+    return replace(most, debonds=(_short_of_others(parts[0], True, increment, step, ends),))
 
 
 def _short_of_others(debond: Debond, side: bool, increment: float, step: int, ends: shapely.Geometry) -> Debond:
@@ -175,15 +170,14 @@ def _short_of_others(debond: Debond, side: bool, increment: float, step: int, en
 def _across(solution: StepSolution, ending: Ending, step: int) -> Way:
     """The way straight on; not critical at all where the other body has no strength."""
     scene, cracks = solution.scene, solution.cracks
-    body, growth = body_index(scene.case.bodies, ending.beyond), scene.case.growth
-    assert growth is not None
+    body = body_index(scene.case.bodies, ending.beyond)
     if scene.case.bodies[body].strength is None:
         return Way()
     new = new_crack(scene.case, cracks, new_name(cracks), ending.beyond, ending.crack)
     direction = tip_direction(cracks[ending.crack].crack.points, ending.at_end)
     angle = float(np.arctan2(direction[1], direction[0]))
     start = Start(new, ending.crack, False, ending.point, angle, False, "")
-    crack, _ = started(start, Segment(0.0, growth.increment), step, scene.regions[body], cracks)
+    crack, _ = started(start, Segment(0.0, scene.growth.increment), step, scene.regions[body], cracks)
     return _tried(solution, Way(cracks=(crack,)))
 
 

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
-from crackgrow.case.model import CriticalLoad, FluidVolume
+from crackgrow.case.formula import component_at
+from crackgrow.case.model import CriticalLoad, FluidPressure, FluidVolume
 from crackgrow.case.toughness import averaging_radius
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import elastic_tractions
@@ -24,7 +25,7 @@ from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.subcritical import range_of_K
 from crackgrow.fracture.tip_stress import TipField, fields_of
-from crackgrow.run.configuration import timed
+from crackgrow.run.clock import timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import volume_pressure
@@ -86,7 +87,6 @@ class StepSolution(LoadState):
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
     interface_tips: tuple[InterfaceTipState, ...]
-    factorizations: int = 1  # solves that it took, those of rejected directions included
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
     errors: Errors | None = None  # None: cells are by hand, and nothing was measured
@@ -104,12 +104,29 @@ class StepSolution(LoadState):
 
 def evaluated(state: LoadState) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips."""
-    seconds = {**state.configuration.seconds, **state.seconds}
-    with timed(seconds, "criterion"):
-        around = _stress_fields(state)
-        tips, starts = _tip_states(state, around), _start_states(state, around)
-        interface_tips = tuple(_interface_tip_states(state))
-    known = {each.name: getattr(state, each.name) for each in fields(LoadState)} | {"seconds": seconds}
+    scene, cover, configuration = state.scene, state.cover, state.configuration
+    with timed("criterion"):
+        fields_at: dict[int, TipField] = {}  # the stress round every site at which something can grow, by its number
+        if scene.case.growth is not None:
+            functionals = configuration.stress_functionals
+            found = fields_of(cover, state.materials, state.outcome.u, list(functionals.values()))
+            fields_at = dict(zip(functionals, found, strict=True))
+        tips, places = _tip_states(state, fields_at), configuration.sites[len(cover.tips) :]
+        loadings = [
+            without_K(fields_at[number], scene.start_radius(site.body))
+            for number, site in enumerate(places, len(cover.tips))
+        ]
+        starts = tuple(map(StartState, places, loadings, verdicts(scene, places, loadings)))
+        forces = [scene.body_force(body, state.factor) for body in range(len(state.materials))]
+        interface_tips = tuple(
+            InterfaceTipState(
+                tip,
+                released(cover, state.materials, state.outcome.u, tip, _tractions(state, tip.surface), forces),
+                debond,
+            )
+            for tip, debond in configuration.interface_tips
+        )
+    known = {each.name: getattr(state, each.name) for each in fields(LoadState)}
     return StepSolution(**known, tips=tips, starts=starts, interface_tips=interface_tips)
 
 
@@ -122,22 +139,6 @@ def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
             share = float(share_across(strength, "toughness", now.loading.field.direction + kink))
             tips[n] = replace(now, K_range=range_of_K(was.K, now.K, kink, now.loading.roots) / share)
     return replace(solution, tips=tuple(tips))
-
-
-def _stress_fields(state: LoadState) -> dict[int, TipField]:
-    """The stress round every site at which something can grow, by its number."""
-    if state.scene.case.growth is None:
-        return {}
-    functionals = state.configuration.stress_functionals
-    found = fields_of(state.cover, state.materials, state.outcome.u, list(functionals.values()))
-    return dict(zip(functionals, found, strict=True))
-
-
-def _start_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[StartState, ...]:
-    """What the places say at which cracks may start: they are in rock that has a strength."""
-    scene, sites, n_tips = state.scene, state.configuration.sites, len(state.cover.tips)
-    loadings = [without_K(fields[n], scene.start_radius(sites[n].body)) for n in range(n_tips, len(sites))]
-    return tuple(map(StartState, sites[n_tips:], loadings, verdicts(scene, sites[n_tips:], loadings)))
 
 
 def _intensities(state: LoadState) -> list[TipState]:
@@ -192,22 +193,15 @@ def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
     return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
 
 
-def _interface_tip_states(state: LoadState) -> Iterator[InterfaceTipState]:
-    """The tips of cracked interfaces, with the energy that they release."""
-    cover, materials, u = state.cover, state.materials, state.outcome.u
-    for tip, debond in state.configuration.interface_tips:
-        forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
-        yield InterfaceTipState(tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces), debond)
-
-
 def _tractions(state: LoadState, surface: int) -> FaceTraction:
     """All that acts between the faces of a crack or an interface."""
     scene, cover, outcome = state.scene, state.cover, state.outcome
     faces, law = state.configuration.faces, state.configuration.contact.law
     name = cover.surfaces[surface].name
     pointwise = scene.laws[surface].elastic and scene.case.numerics.contact.discretization == "gauss"
-    fluids = enumerate(scene.case.loads)
-    volumes = [n for n, load in fluids if isinstance(load, FluidVolume) and load.fills(name)]
+    fluids = [load for load in scene.case.loads if isinstance(load, FluidPressure) and load.fills(name)]
+    loads, factor = enumerate(scene.case.loads), state.factor
+    volumes = [number for number, load in loads if isinstance(load, FluidVolume) and load.fills(name)]
     injected = sum(volume_pressure(state, number) for number in volumes)
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
@@ -216,9 +210,9 @@ def _tractions(state: LoadState, surface: int) -> FaceTraction:
         else:
             points = outcome.points
             normal, tangential = faces.between(surface, s, points.normal, points.tangential)
-        if scene.has_fluid(name):
+        if fluids:
             places = cover.lattice.to_metres(points_at(cover, surface, s).points)
-            normal = normal - scene.fluid_pressure(name, state.factor, places)
+            normal = normal - sum(component_at(load.pressure, places) * scene.share(load, factor) for load in fluids)
         return normal - injected, tangential
 
     return traction

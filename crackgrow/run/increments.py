@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
@@ -20,6 +19,7 @@ from crackgrow.contact.solve import ContactOutcome, PointStates
 from crackgrow.cover.cover import Cover, Surface
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import SAME_PLACE
+from crackgrow.run.clock import timed
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.energies import Course, course_of_jump, course_to, dissipated_on, strain_energy
 from crackgrow.run.path import MOST_JUMPS, Piece, least_share, next_piece, starts_in_proportion
@@ -63,7 +63,6 @@ class LoadState(Start):
     configuration: Configuration
     before: ContactMemory  # what points remembered when the increment began
     states: PointStates  # of the condensed model
-    seconds: Mapping[str, float] = field(default_factory=dict)  # by phase
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
     formed: ContactOutcome | None = None  # None: displacements are formed when they are asked for
@@ -184,14 +183,15 @@ def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Int
 
 def increment(configuration: Configuration, start: Start, factor: float) -> LoadState:
     """The state at a load factor, with all held loads. Raises SolveError where there is none."""
-    began, end = time.perf_counter(), LoadLevel(factor)
-    if start.grown:
-        return _told(_booked(_part(configuration, start, end), start), began)
-    reached, in_turn = list[LoadState](), 0
-    for state, jumps in follow(configuration, start, end):
-        reached.append(state if state.level == end else state.light())
-        in_turn = jumps
-    return _told(_ended(start, reached, in_turn), began)
+    end = LoadLevel(factor)
+    with timed("contact"):
+        if start.grown:
+            return _formed(_booked(_part(configuration, start, end), start))
+        reached, in_turn = list[LoadState](), 0
+        for state, jumps in follow(configuration, start, end):
+            reached.append(state if state.level == end else state.light())
+            in_turn = jumps
+        return _formed(_ended(start, reached, in_turn))
 
 
 def rising(configuration: Configuration, start: Start, factor: float) -> Iterator[LoadState]:
@@ -199,11 +199,10 @@ def rising(configuration: Configuration, start: Start, factor: float) -> Iterato
 
     Raises SolveError where no branch goes on, or there are no displacements.
     """
-    reached, began = list[LoadState](), time.perf_counter()
+    reached = list[LoadState]()
     for state, jumps in follow(configuration, start, LoadLevel(factor), open_ended=True):
-        yield _told(_ended(start, [*reached, state], jumps), began)
+        yield _formed(_ended(start, [*reached, state], jumps))
         reached.append(state.light())
-        began = time.perf_counter()
 
 
 def _ended(start: Start, reached: Sequence[LoadState], jumps: int) -> LoadState:
@@ -282,11 +281,10 @@ def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemor
     return ContactMemory(**found)
 
 
-def _told(state: LoadState, began: float) -> LoadState:
-    """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
+def _formed(state: LoadState) -> LoadState:
+    """The state with its displacements. Raises SolveError where there are none."""
     formed = state.outcome
-    seconds = {"contact": time.perf_counter() - began}
-    return replace(state, states=state.states.light(keep=True), formed=formed, seconds=seconds)
+    return replace(state, states=state.states.light(keep=True), formed=formed)
 
 
 def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:

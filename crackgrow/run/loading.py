@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from itertools import chain, islice
@@ -64,7 +63,7 @@ class NextStepSolver:
         if own.factor == factor or any(solution.jumps):
             return own, own.factor
         start = held_loads(own.configuration)
-        return replace(evaluated(increment(own.configuration, start, factor)), seconds=own.seconds), own.factor
+        return evaluated(increment(own.configuration, start, factor)), own.factor
 
     def _origin(self, configuration: Configuration) -> Origin:
         """What a configuration goes on from."""
@@ -92,23 +91,15 @@ class LoadsInTurn:
     ) -> None:
         """From number `first` on, whose `origin` is given."""
         self.scene, self._next = scene, first
-        self._paid: Configuration | None = None
         self._states = _in_turn(scene, cracks, first, origin)
 
     def solution(self, number: int) -> StepSolution:
-        """The solution under a load that has not been asked for; its cost is that of those that were passed by, too.
+        """The solution under a load that has not been asked for.
 
         Raises GeometryError or SolveError where there is none.
         """
         n, self._next = number + 1 - self._next, number + 1
-        solution = _solved(self._states, n, self._paid)
-        self._paid = solution.configuration
-        return solution
-
-
-def load_history(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> Iterator[StepSolution]:
-    """The solutions of loads in turn."""
-    return map(LoadsInTurn(scene, cracks).solution, range(scene.case.n_loads))
+        return _solved(self._states, n)
 
 
 @dataclass(slots=True, eq=False)
@@ -173,23 +164,13 @@ def _in_turn(
         yield state, origin
 
 
-def _solved(states: States, n: int | None = None, paid: Configuration | None = None) -> StepSolution:
-    """The solution of the n-th of the next states; or of the last one, with all of its history.
-
-    Its cost is that of all of them, but of the configuration that is `paid`.
-    """
+def _solved(states: States, n: int | None = None) -> StepSolution:
+    """The solution of the n-th of the next states; or of the last one, with all of its history."""
     passed: tuple[LoadState, ...] = ()
-    seconds, factorizations, number = Counter[str](), 0, 0
+    number = 0
     for state, origin in islice(states, n):
         number, came_from = number + 1, origin
         passed = (*(passed if n is None else ()), *history_of(state))
-        seconds.update(state.seconds)
-        if state.configuration is not paid:
-            seconds.update(state.configuration.seconds)
-            factorizations += 1
-        paid = state.configuration
     if number < (n or 1):
         raise NotSolvedError("an earlier load of the history has no solution on these cells")
-    solution = evaluated(state)
-    spent = {**solution.seconds, **dict.fromkeys(state.configuration.seconds, 0.0), **seconds}
-    return replace(solution, origin=came_from, passed=passed[:-1], factorizations=factorizations, seconds=spent)
+    return replace(evaluated(state), origin=came_from, passed=passed[:-1])

@@ -15,6 +15,7 @@ from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
+from crackgrow.run.clock import SPENT
 from crackgrow.run.deflection import Way, way_on
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import Advances, chosen_advances, ended, time_of, unsolved
@@ -84,6 +85,7 @@ def _steps(
     last: tuple[StepResult, StepSolution] | None = None
     while True:
         with single_threaded():
+            SPENT.begin()
             try:
                 last = next(steps)
             except StopIteration as stop:
@@ -144,7 +146,7 @@ def _again(scene: Scene, begun: RunState) -> StepSolution | None:
     if begun.origin is None:
         return None
     solution = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
-    return replace(solution, factorizations=begun.factorizations, notes=begun.notes, errors=begun.errors)
+    return replace(solution, notes=begun.notes, errors=begun.errors)
 
 
 def _static(scene: Scene, begun: RunState) -> Steps:
@@ -154,10 +156,10 @@ def _static(scene: Scene, begun: RunState) -> Steps:
     for step in range(begun.step, n):
         solver.number, solution = step, solver.here.solution(step)
         if step == begun.step and begun.origin is not None:  # it was solved before
-            solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
+            solution = replace(solution, errors=begun.errors)
         elif scene.case.numerics.measured:
             solution = solved_to_target(solution, solver)
-        yield _reported(RunState(step, cracks), solution), solution
+        yield _reported(begun.at_load(step), solution), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, begun.paths)
 
@@ -169,7 +171,7 @@ def _reduced(scene: Scene, begun: RunState) -> Steps:
         safety = replace(safety, error=100.0 * (BOUND * _factor_apart(scene, begun, safety) + NARROW))
     for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
-            yield _reported(RunState(step, begun.cracks), solution), solution
+            yield _reported(begun.at_load(step), solution), solution
     return RunEnd("completed", str(safety), begun.paths, safety=safety)
 
 
@@ -189,4 +191,4 @@ def _reported(
     """The step's result, with what a run can go on from: the solution as it was `solved`, or itself."""
     output = solution.scene.case.output
     result = step_result(state, solution, advances or Advances(state.cracks), output.frames != "none" or output.figures)
-    return replace(result, checkpoint=packed(state, solved or solution))
+    return replace(result, checkpoint=packed(replace(state, factorizations=result.factorizations), solved or solution))

@@ -16,19 +16,19 @@ from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.segments import line_length
 from crackgrow.case.surface import end_word
+from crackgrow.cover.shapes import body_index
 from crackgrow.fracture.advance import STARTS, advancing_sites
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.checkpoint import RunState
+from crackgrow.run.clock import SPENT
 from crackgrow.run.evaluation import InterfaceTipState, StepSolution
 from crackgrow.run.frame import make_frame
 from crackgrow.run.growth import Advances
 from crackgrow.run.result import (
-    ContactPoints,
     CrackFaces,
-    CrackPath,
     Event,
     Frame,
     FrameOnDemand,
@@ -53,7 +53,13 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
     unknown, missed = (math.nan,) * len(solution.tips), contact_violations(solution, faces)
     errors = solution.errors or Errors(scene.grading, K=unknown, T=unknown, kinks=unknown)  # cells are by hand
     percent = {goal: 100.0 * BOUND * share for goal, share in errors.shares.items()}
-    still = _sticking(contact, paths, pressed_strain(solution, faces))
+    name, moved = np.array(contact.crack), np.hypot(contact.mean_opening, contact.mean_slip)
+    strain = pressed_strain(solution, faces)
+    still = {  # cracks whose faces have not moved, by what the stress could make them slip
+        path.name
+        for path in paths
+        if 0.0 <= moved[name == path.name].max(initial=-1.0) <= STILL * strain * arc_lengths(path.points)[-1]
+    }
     means = specimen_means(solution)
     critical = isinstance(scene.case.loading, CriticalLoad)
     estimate = cache(estimate_maker(solution))
@@ -76,7 +82,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         n_contact=outcome.points.n_unknowns,
         contact_iterations=outcome.points.iterations,
         contact_status=outcome.points.status,
-        factorizations=solution.factorizations,
+        factorizations=SPENT.n_factorizations if state.factorizations is None else state.factorizations,
         residual=outcome.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
@@ -102,7 +108,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
             *(replace(event, step=state.step) for event in solution.course.values()),
             *_growing(state.step, solution, advances),
         ),
-        seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
+        seconds={**SPENT.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
 
@@ -136,7 +142,8 @@ def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], 
     Places are those of the map, and bodies have their numbers in the case.
     """
     cover, materials, u = solution.cover, solution.materials, solution.outcome.u
-    numbers, origin = solution.scene.numbers_at_start, solution.scene.case.origin
+    scene, origin = solution.scene, solution.scene.case.origin
+    numbers = np.array([body_index(scene.at_start.case.bodies, body.name) for body in scene.case.bodies])
 
     def made() -> Frame:
         frame = make_frame(cover, materials, u, None if error is None else error())
@@ -165,13 +172,6 @@ def _load_displacement(solution: StepSolution) -> float:
     if total > 0.0:
         return float(solution.conjugates[0]) / total
     return solution.configuration.farthest(solution.level)
-
-
-def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float) -> set[str]:
-    """The cracks whose faces have not moved, in rock that the stress strains by so much."""
-    name, moved = np.array(contact.crack), np.hypot(contact.mean_opening, contact.mean_slip)
-    found = ((path.name, moved[name == path.name], STILL * strain * arc_lengths(path.points)[-1]) for path in paths)
-    return {each for each, mine, least in found if len(mine) and mine.max() <= least}
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still: set[str]) -> TipResult:
@@ -216,21 +216,19 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still
 
 def _growing(step: int, solution: StepSolution, advances: Advances) -> Iterator[Event]:
     """The tips that grow, each with the energy that K says is released along its advance."""
-    cover, growth = solution.cover, solution.scene.case.growth
+    cover, scene = solution.cover, solution.scene
     for tip in sorted(set(advances.sites.tolist()) & set(range(len(solution.tips)))):
         state, (index, at_end) = solution.tips[tip], cover.tip_ends[tip]
-        assert growth is not None
         assert state.verdict is not None  # it was chosen by it
-        material = solution.materials[solution.scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
-        length = advances.lengths.get((index, at_end), growth.increment)
+        material = solution.materials[scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
+        length = advances.lengths.get((index, at_end), scene.growth.increment)
         energy = length * kinked_release(state.K, state.verdict.kink, material)
         place, name = cover.lattice.to_metres(cover.tips[tip].point), str(cover.cracks[index].name)
         yield Event(step, "growth", name, end_word(at_end), place, "", solution.factor, energy)
     for number, known in enumerate(solution.interface_tips):
         if len(solution.configuration.sites) + number in advances.sites:
-            assert growth is not None
             place, name = cover.lattice.to_metres(known.tip.point), str(cover.surfaces[known.tip.surface].name)
-            energy, end = growth.increment * known.release.G, end_word(known.tip.at_end)
+            energy, end = scene.growth.increment * known.release.G, end_word(known.tip.at_end)
             yield Event(step, "growth", name, end, place, "", solution.factor, energy)
 
 

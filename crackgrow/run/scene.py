@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -10,11 +10,9 @@ import numpy as np
 import shapely
 
 from crackgrow.accuracy.companion import BY_HAND, Grading
-from crackgrow.arrays import Floats, Ints
 from crackgrow.case import model
-from crackgrow.case.formula import component_at
 from crackgrow.case.sizing import Length, rim_lengths
-from crackgrow.case.surface import SurfaceName, numbered
+from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
@@ -39,10 +37,9 @@ class Course:
     begin: model.Stage
     end: model.Stage
 
-    def parts(self, value: Callable[[model.Stage], float]) -> tuple[float, float]:
-        """a and b: what has some `value` at the end of a stage is a + b F at a load factor F."""
-        b = value(self.end) - value(self.begin)
-        return value(self.begin) - self.number * b, b
+    def parts(self, begin: float, end: float) -> tuple[float, float]:
+        """a and b: what goes from one value to another one in the stage is a + b F at a load factor F."""
+        return begin - self.number * (end - begin), end - begin
 
 
 def course_of(loading: model.Stages, number: int) -> Course:
@@ -74,16 +71,11 @@ class Scene:
         """The scene with all of its rock: its cells are those of every stage."""
         return self.whole or self
 
-    @property
-    def numbers_at_start(self) -> Ints:
-        """Body by body (n,) its number in the case."""
-        return np.array([body_index(self.at_start.case.bodies, body.name) for body in self.case.bodies])
-
     def parts(self, load: model.Load) -> tuple[float, float]:
         """a and b: at a load factor F a load acts with a + b F."""
         if self.course is None:
             return (1.0, 0.0) if load.held else (0.0, 1.0)
-        return self.course.parts(lambda stage: _share_at_end(stage, load))
+        return self.course.parts(*(_share_at_end(stage, load) for stage in (self.course.begin, self.course.end)))
 
     def share(self, load: model.Load, load_factor: float) -> float:
         """How much of a load acts at a load factor."""
@@ -93,43 +85,20 @@ class Scene:
     @property
     def given_parts(self) -> tuple[float, float]:
         """The same of given displacements."""
-        return (0.0, 1.0) if self.course is None else self.course.parts(lambda stage: stage.factor)
-
-    def parts_of_excavated(self, body: str) -> tuple[float, float]:
-        """The same of the forces by which a body held the rest that is gone."""
-        assert self.course is not None
-        return self.course.parts(lambda stage: 1.0 - dict(stage.excavated).get(body, 0.0))
-
-    def fluid_pressure(self, surface: SurfaceName, load_factor: float, places: Floats) -> Floats:
-        """Pressure (n,) Pa on the faces of a surface at places (n, 2) m, at a load factor."""
-        total = np.zeros(len(places))
-        for load in self._fluids(surface):
-            total += component_at(load.pressure, places) * self.share(load, load_factor)
-        return total
-
-    def has_fluid(self, surface: SurfaceName) -> bool:
-        """Whether a fluid presses on the faces of a surface."""
-        return bool(self._fluids(surface))
-
-    def _fluids(self, surface: SurfaceName) -> list[model.FluidPressure]:
-        return [load for load in self.case.loads if isinstance(load, model.FluidPressure) and load.fills(surface)]
+        return (
+            (0.0, 1.0) if self.course is None else self.course.parts(self.course.begin.factor, self.course.end.factor)
+        )
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
-        weight, stress = self._weight(body, load_factor), self._in_situ(body, load_factor)
+        weight, stress, rock = np.zeros(2), self._in_situ(body, load_factor), self.case.bodies[body]
+        for load in self.case.loads:
+            if isinstance(load, model.Gravity) and load.body == rock.name:
+                assert rock.material.density is not None  # the case was checked
+                weight += rock.material.density * np.asarray(load.acceleration) * self.share(load, load_factor)
         if not stress.varying:
             return (lambda places: np.broadcast_to(weight, places.shape)) if weight.any() else None
         return lambda places: weight + stress.divergence(places, self.lattice.spacing)
-
-    def _weight(self, body: int, load_factor: float) -> Floats:
-        """Weight (2,) N/m^3 at a load factor."""
-        force = np.zeros(2)
-        for load in self.case.loads:
-            if isinstance(load, model.Gravity) and load.body == self.case.bodies[body].name:
-                density = self.case.bodies[body].material.density
-                assert density is not None  # the case was checked
-                force += density * np.asarray(load.acceleration) * self.share(load, load_factor)
-        return force
 
     def _in_situ(self, body: int, load_factor: float) -> InSitu:
         """In-situ stress of a body at a load factor."""
@@ -165,13 +134,9 @@ class Scene:
             if mine:
                 lines = bonds(interface.boundary, mine) if interface.beside_crack else [each.points for each in mine]
                 interfaces[number] = replace(interface, lines=tuple(lines))
-        case, n, n_founded = (
-            replace(self.case, interfaces=tuple(interfaces)),
-            len(self.case.cracks),
-            len(self.foundations),
-        )
+        case, n = replace(self.case, interfaces=tuple(interfaces)), len(self.case.cracks)
         geometries, laws = _on_interfaces(case, self.lattice)
-        all_laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - n_founded :])
+        all_laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - len(self.foundations) :])
         return replace(self, case=case, interfaces=tuple(geometries), laws=all_laws, debonds=debonds)
 
     def _with_fluids_beyond(self, growing: Sequence[GrowingCrack]) -> tuple[model.Load, ...]:
@@ -209,12 +174,17 @@ class Scene:
         """Return the scene with other refinement levels, which the scene before excavation gets, too."""
         return replace(self, grading=grading, whole=self.whole and self.whole.with_grading(grading))
 
+    @property
+    def growth(self) -> model.Growth:
+        """How cracks grow: of a case with growth."""
+        assert self.case.growth is not None
+        return self.case.growth
+
     def growing_in(self, body: int) -> tuple[model.Growth, model.Strength]:
-        """How cracks grow, and the strength of the body that they grow in, which has one: of a case with growth."""
-        growth, strength = self.case.growth, self.case.bodies[body].strength
-        assert growth is not None
+        """How cracks grow, and the strength of the body that they grow in, which has one."""
+        strength = self.case.bodies[body].strength
         assert strength is not None
-        return growth, strength
+        return self.growth, strength
 
     def start_radius(self, body: int) -> float:
         """Radius (m) of the criterion in such a body where cracks start, and at tips of those that have so in shear."""

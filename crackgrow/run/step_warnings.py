@@ -57,28 +57,25 @@ def step_warnings(
         *_missed(solution),
         *(scene_warnings(solution.scene, solution.cover) if step == 0 else ()),
         *_passing_through(solution, faces),
-        *_overlapping(off),
+        *(each.warning for each in off if each.share > 1.0),
         *_of_tips(solution),
-        *ripples(solution),
+        *_ripples(solution),
         *_unstable(solution),
         *_large_displacements(solution, faces),
         *dry_joints(solution.scene, solution.cover),
         *_suction(solution),
         *_on_points(solution),
     ]
-    return tuple(sorted(found, key=lambda warning: warning.rank))
+    return tuple(sorted(found, key=lambda each: each.rank))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactViolation:
     """By how much the faces of one surface violate its contact law."""
 
-    face: CrackFaces
     overlap: float  # m, the largest beyond what the contact stiffness explains
-    how: str  # in words, of what is the worst
-    off: float  # m, of the worst
-    share: float  # of what is small there: beyond 1 it warns
-    flat: float  # m: what the rock of a cell gives way to the pressure there
+    share: float  # of the worst, over what is small there: beyond 1 it warns
+    warning: StepWarning
 
 
 def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> list[ContactViolation]:
@@ -97,14 +94,18 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
         overlap = np.zeros(len(size)) if law.contact is None else np.abs(np.minimum(opening - elastic, 0.0))
         apart = np.zeros(len(size))
         apart[: len(face.s)] = _apart(law, face, elastic[: len(face.s)])
-        part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
-        small = np.maximum(max(limit_of("OVERLAP") * _largest_jump(face), round_off), part * strain * size)
+        part, jump = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS, _largest_jump(face)
+        small = np.maximum(max(limit_of("OVERLAP") * jump, round_off), part * strain * size)
         off = np.stack([overlap, apart])
         shares = np.divide(off, small, out=np.zeros(off.shape), where=off > 0.0)
         way, worst = np.unravel_index(int(np.argmax(shares)), shares.shape)
-        how, most = ("overlap", "stand apart under pressure")[way], float(off[way, worst])
-        share, flat = float(shares[way, worst]), size[worst] * strain
-        found.append(ContactViolation(face, float(overlap.max()), how, most, share, flat))
+        most, share, flat = float(off[way, worst]), float(shares[way, worst]), size[worst] * strain
+        told = {"how": ("overlap", "stand apart under pressure")[way], "overlap": Metres(most), "of_flat": ""}
+        if flat:
+            told["of_flat"] = f" and {100.0 * most / flat:.3g} % of what a spacing of rock gives way to the pressure"
+        percent = 100.0 * most / jump if jump else 0.0
+        told_of = warning("OVERLAP", f"'{face.crack}'", share, percent=percent, **told)
+        found.append(ContactViolation(float(overlap.max()), share, told_of))
     return found
 
 
@@ -132,24 +133,6 @@ def pressed_strain(solution: StepSolution, faces: Sequence[CrackFaces]) -> float
     return float(max(pressure, mean_stress(solution)) / min(m.young_prime for m in solution.scene.materials))
 
 
-def _overlapping(surfaces: Sequence[ContactViolation]) -> Iterator[StepWarning]:
-    """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
-    for surface in surfaces:
-        face, of_flat = surface.face, ""
-        if surface.share <= 1.0:
-            continue
-        if surface.flat:
-            of_flat = (
-                f" and {100.0 * surface.off / surface.flat:.3g} % of what a spacing of rock gives way to the pressure"
-            )
-        told = {
-            "how": surface.how,
-            "overlap": Metres(surface.off),
-            "percent": 100.0 * surface.off / _largest_jump(face),
-        }
-        yield warning("OVERLAP", f"'{face.crack}'", surface.share, of_flat=of_flat, **told)
-
-
 def _passing_through(solution: StepSolution, faces: Sequence[CrackFaces]) -> Iterator[StepWarning]:
     """Cracks whose faces never touch, and lie in each other."""
     strain = pressed_strain(solution, faces)
@@ -163,7 +146,7 @@ def _passing_through(solution: StepSolution, faces: Sequence[CrackFaces]) -> Ite
             yield warning("CONTACT_NONE", f"'{face.crack}'", depth, depth=Metres(depth), percent=100.0 * depth / jump)
 
 
-def ripples(solution: StepSolution) -> Iterator[StepWarning]:
+def _ripples(solution: StepSolution) -> Iterator[StepWarning]:
     """Contact tractions that oscillate as no rock makes them."""
     points, cover, contact = solution.outcome.points, solution.cover, solution.scene.case.numerics.contact
     worst = worst_ripple(cover, solution.configuration.faces, points.normal, points.tangential)

@@ -44,7 +44,7 @@ from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.loading import load, load_history
+from crackgrow.run.loading import LoadsInTurn, load
 from crackgrow.run.scene import make_scene
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
@@ -121,7 +121,8 @@ def unique_text(case: Case) -> Iterator[str]:
     if isinstance(case.loading, StrengthReduction):  # with the strength that it has
         case = replace(case, loading=LoadHistory(case.loading.factors))
     scene, cracks = make_scene(case), beginning(case).cracks
-    for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
+    in_turn = map(LoadsInTurn(scene, cracks).solution, range(case.n_loads)) if history else [load(scene, cracks)]
+    for solution in in_turn:
         yield f"  at load factor {solution.factor:.6g}: {_found(solution)}"
 
 
