@@ -13,6 +13,7 @@ nothing holds the pieces. Where there are some, faces that slide without dilatin
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.solve import Trial
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError, NotSolvedError
-from crackgrow.solid.rigid_modes import FreePiece
+from crackgrow.solid.rigid_modes import FreePiece, RigidMotions
 
 AMPLE = 1e6
 """Times the mean traction of the loads: more cohesion or tensile strength than that is as good as that."""
@@ -50,15 +51,17 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     """
     free, law = contact.loose, contact.law
     assert free is not None
+    size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
+    unbalanced = partial(least_unbalanced, (contact.force, free.along(loads)), size, length)
     whole = np.zeros(len(contact.weights))
     lost, opened = (whole, whole > 0.0) if trial is None else (trial.lost, trial.opened)
     friction, cohesion = law.bound_of(lost)
     held = (np.where(opened, 0.0, strength) for strength in (cohesion, law.tension_of(lost)))
-    left, way = _unbalanced(contact, loads, friction, *held)
+    left, way = unbalanced(friction, *held)
     if left <= UNBALANCED:
         return
     gap, slip = np.split(contact.moving @ way, 2)
-    piece, others = _giving_way(contact, way)
+    piece, others = _giving_way(contact, free, way)
     moves = _in_words(free.of_piece(piece, way), piece, _surfaces(gap, slip, friction, surface))
     names = f"{piece}" + (f" (and with it {' and '.join(str(other) for other in others)})" if others else "")
     what = (
@@ -67,7 +70,7 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     )
     weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion[0] > 0.0))
     full = *law.bound_of(whole), law.tension[0]
-    if weaker.any() and _unbalanced(contact, loads, *full)[0] <= UNBALANCED:
+    if weaker.any() and unbalanced(*full)[0] <= UNBALANCED:
         where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
         what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"
     raise FreePieceError(what, "it needs supports, friction or another load")
@@ -83,20 +86,8 @@ def alone(pieces: Sequence[FreePiece]) -> str:
     )
 
 
-def _unbalanced(contact: ContactSystem, loads: Floats, *strength: Floats) -> tuple[float, Floats]:
-    """The part of the loads (n_dofs,) N/m that faces leave unbalanced, and how they give way.
-
-    Their `strength` is friction, cohesion and tensile strength, each (n,).
-    """
-    assert contact.loose is not None
-    size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
-    return least_unbalanced((contact.force, contact.loose.along(loads)), size, length, *strength)
-
-
-def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
+def _giving_way(contact: ContactSystem, free: RigidMotions, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
     """The piece at most of whose contact points the faces part or slip, and the others that move."""
-    free = contact.loose
-    assert free is not None
     yields = np.hypot(*np.split(contact.moving @ way, 2))
     yields = yields > YIELDS * yields.max(initial=0.0)
     of_pieces = abs((contact.operator @ free.of_pieces).toarray())

@@ -10,8 +10,8 @@ one behind the jump.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -22,7 +22,6 @@ from crackgrow.run.clock import timed
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
 from crackgrow.run.increments import LoadState, Start, held_loads, increment, rising
-from crackgrow.run.state_values import history_of
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -63,12 +62,11 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         if trials[-1].factor >= LARGEST_FACTOR:
             found = search.found(first)
             return replace(found, notes=(*found.notes, NEVER_CRITICAL))
-        trials = [*trials[-2:], *search.towards(trials[-1], search.beyond(*trials[-2:]))]
+        farther = min(STRIDE * trials[-1].factor, LARGEST_FACTOR)
+        trials = [*trials[-2:], *search.towards(trials[-1], farther)]
     (below, above), tries = trials[-2:], 0
     while not above.meets and above.factor - below.factor > SAME * above.factor:
-        share = 0.5  # in a jump the line leads nowhere
-        if tries % 3 < 2:
-            share = search.share_met((below, above), (0.0, 1.0), above.criticalities >= 1.0)
+        share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
         trials = [below, *search.towards(below, below.factor + share * (above.factor - below.factor))]
         below, above = trials[-2:] if trials[-1].is_critical else (trials[-1], above)
         tries += 1
@@ -163,27 +161,15 @@ class _Search:
         """The solution of a trial that ends the search."""
         assert trial.solution is not None
         notes = tuple(dict.fromkeys(note for state in trial.came for note in state.notes))
-        solution = replace(trial.solution, via=trial.came[:-1], notes=notes)
-        return replace(solution, passed=history_of(solution)[:-1])
+        return replace(trial.solution, via=trial.came[:-1], notes=notes)
 
-    def beyond(self, below: _Trial, above: _Trial) -> float:
-        """The next factor where the criterion is met at neither of two: where it would be if all were linear."""
-        low, high = below.factor, above.factor
-        farthest = (LARGEST_FACTOR - low) / (high - low)
-        share = 1.0
-        while share < farthest:
-            nearer, share = share, min(STRIDE * share, farthest)
-            there = self._between(below, above, share)
-            if there.max(initial=0.0) >= 1.0:
-                return low + self.share_met((below, above), (nearer, share), there >= 1.0) * (high - low)
-        return min(STRIDE * high, LARGEST_FACTOR)
+    def share_met(self, below: _Trial, above: _Trial) -> float:
+        """Where between two trials, from 0 to 1, the criterion is just met if everything is linear between them."""
+        from scipy.optimize import brentq  # here: loading it takes a tenth of a second that other loads save
 
-    def share_met(self, trials: tuple[_Trial, _Trial], shares: tuple[float, float], some: Bools) -> float:
-        """Where between two shares of the way from one trial to another the criterion is just met at `some` sites.
-
-        The others do not meet it at the second share.
-        """
-        return _root(lambda at: float(self._between(*trials, at, some).max()) - 1.0, *shares)
+        some = above.criticalities >= 1.0
+        met = partial(self._missing, below, above, some)
+        return float(brentq(met, 0.0, 1.0, xtol=1e-16, rtol=1e-14))
 
     def _evaluated(self, state: LoadState, below: _Trial | None = None) -> _Trial:
         """The trial of a state, on a way that began at the trial `below`."""
@@ -196,25 +182,18 @@ class _Search:
         came = (*earlier, *state.via, state)
         return _Trial(state.factor, [site.loading for site in sites], criticalities, solution, came)
 
-    def _between(self, below: _Trial, above: _Trial, share: float, some: Bools | None = None) -> Floats:
-        """Criticality (n,) at a share of the way between trials if all is linear there; zero but at `some` sites.
+    def _missing(self, below: _Trial, above: _Trial, some: Bools, share: float) -> float:
+        """What the criticality is below 1, negative, at a share of the way between trials if all is linear there.
 
-        Also zero where no crack can leave or no loading is known. It is that of all branches: where tension is met as
-        well, shear may have been at a lower load. Of tips of interfaces it is linear itself, as K is.
+        The largest of `some` sites (n,) counts, where no others can meet the criterion. It is that of all branches:
+        where tension is met as well, shear may have been at a lower load. Of tips of interfaces it is linear itself, as
+        K is.
         """
         found = (1.0 - share) * below.criticalities + share * above.criticalities
         sites, loadings = self._configuration.sites, dict[int, TipLoading]()
-        found[: len(sites)] = 0.0
         for number, (first, last) in enumerate(zip(below.loadings, above.loadings, strict=True)):
-            if last is not None and self.can_grow[number] and (some is None or some[number]):
+            if last is not None and some[number]:
                 loadings[number] = TipLoading.between(first or last.none, last, share)  # none without any load
         said = verdicts(self._configuration.scene, [sites[number] for number in loadings], list(loadings.values()))
         found[list(loadings)] = [verdict.largest for verdict in said]
-        return found if some is None else np.where(some, found, 0.0)
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function changes its sign between two places, to round-off."""
-    from scipy.optimize import brentq  # here: loading it takes a tenth of a second that other loads save
-
-    return float(brentq(function, low, high, xtol=1e-16, rtol=1e-14))
+        return float(found[some].max()) - 1.0

@@ -32,7 +32,6 @@ from crackgrow.run.increments import held_loads, increment
 from crackgrow.run.loading import load
 from crackgrow.run.result import Event, EventKind
 from crackgrow.run.starting import new_crack, new_name
-from crackgrow.run.state_values import history_of
 
 SETTLED = 1e-3
 """At its critical load the criticality of a way is 1 but for this."""
@@ -119,7 +118,6 @@ def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
         found,
         notes=tuple(note for note in solution.notes if note != NEVER_CRITICAL),
         origin=solution.origin,
-        passed=history_of(found)[:-1],
         errors=errors,
     )
 

@@ -88,7 +88,7 @@ class StepSolution(LoadState):
     starts: tuple[StartState, ...]
     interface_tips: tuple[InterfaceTipState, ...]
     origin: Origin = FROM_REST
-    passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
+    passed: tuple[LoadState, ...] = ()  # states of the loads before it, in turn, where the case asks for its history
     errors: Errors | None = None  # None: cells are by hand, and nothing was measured
 
     @property

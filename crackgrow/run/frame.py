@@ -128,9 +128,12 @@ def _cells_of(elements: Elements) -> _Cells:
     counts = np.bincount(elements.rings.face, minlength=elements.n)[: elements.n_whole]
     square = np.flatnonzero(counts == 4)
     between = (elements.edges.right >= 0) & ~elements.passable
+    n, ids = len(elements.vertices), vertex_ids(np.concatenate([elements.vertices, triangles.reshape(-1, 2)]))
+    vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
+    vertex[ids[:n]] = np.arange(n)
     cells = _Cells(
         vertices=elements.vertices,
-        triangles=_vertex_of(elements, triangles.reshape(-1, 2)).reshape(-1, 3),
+        triangles=vertex[ids[n:]].reshape(-1, 3),
         owners=owner + elements.n_whole,
         quads=elements.rings.start[starts_of(counts)[square, None] + np.arange(4)],
         whole=square,
@@ -257,11 +260,3 @@ def _lengths(ends: Floats) -> Floats:
 def _sides_of(cells: Ints) -> Ints:
     """Ends (n, k, 2) of the sides of cells with corners (n, k)."""
     return np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
-
-
-def _vertex_of(elements: Elements, points: Floats) -> Ints:
-    """Vertex ids (n,) of points (n, 2) that are vertices."""
-    ids = vertex_ids(np.concatenate([elements.vertices, points]))
-    vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
-    vertex[ids[: len(elements.vertices)]] = np.arange(len(elements.vertices))
-    return vertex[ids[len(elements.vertices) :]]

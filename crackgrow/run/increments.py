@@ -22,7 +22,7 @@ from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.clock import timed
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
 from crackgrow.run.energies import Course, course_of_jump, course_to, dissipated_on, strain_energy
-from crackgrow.run.path import MOST_JUMPS, Piece, least_share, next_piece, starts_in_proportion
+from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import along_surfaces
@@ -207,8 +207,17 @@ def rising(configuration: Configuration, start: Start, factor: float) -> Iterato
 
 def _ended(start: Start, reached: Sequence[LoadState], jumps: int) -> LoadState:
     """The last of the states that were reached from a start, with the others and what is in doubt; jumps led there."""
-    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], jumps > MOST_JUMPS))
-    return replace(reached[-1], via=tuple(reached[:-1]), notes=notes)
+    energies, notes = [start.energy, *(state.energy for state in reached)], list[str]()
+    smaller = "apply the load in smaller steps (loading.history)"
+    if jumps > MOST_JUMPS or len(reached) > MOST_PIECES:
+        notes.append(
+            f"contact points change in {len(reached)} pieces of one load, and how they change in the rest of it "
+            f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
+        )
+    fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
+    if fallen > BALANCED * max(energy.size for energy in energies):
+        notes.append(f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}")
+    return replace(reached[-1], via=tuple(reached[:-1]), notes=tuple(notes))
 
 
 def follow(
@@ -228,14 +237,16 @@ def follow(
     largest = max(abs(start.level.factor), abs(end.factor))
     while not pieces or at.level != end:
         if pieces < MOST_PIECES:
-            way, in_part = (at.level, end), open_ended or jumps > 0
-            piece = next_piece(configuration, at.memory, way, least_share(way, largest, jumps), before, in_part)
+            piece = next_piece(configuration, at.memory, (at.level, end), largest, jumps, before, open_ended)
             state = _stated(configuration, at, piece.states, at.level.towards(end, piece.share), piece.middle)
             before, is_jump = piece if piece.kind == "straight" else None, piece.kind == "jump"
         else:
             state, is_jump = _part(configuration, at, end), True
         jumps = jumps + 1 if is_jump else 0
-        state = _jumped(state, at) if is_jump else state
+        if is_jump:
+            state = _booked(state, at)
+            released = state.energy.released - at.energy.released
+            state = replace(state, course=course_of_jump(state, at, released))
         yield state, jumps
         at, pieces = state, pieces + 1
 
@@ -287,20 +298,6 @@ def _formed(state: LoadState) -> LoadState:
     return replace(state, states=state.states.light(keep=True), formed=formed)
 
 
-def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:
-    """What is given up of pieces between these energies, of which the last one is taken `at_once`, in words."""
-    smaller = "apply the load in smaller steps (loading.history)"
-    if at_once or len(energies) - 1 > MOST_PIECES:
-        yield (
-            f"contact points change in {len(energies) - 1} pieces of one load, and how they change in the rest of it "
-            f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
-        )
-    size = max(energy.size for energy in energies)
-    fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
-    if fallen > BALANCED * size:
-        yield f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}"
-
-
 def held_loads(configuration: Configuration) -> Start:
     """The state of the held loads alone, which come first where contact remembers anything.
 
@@ -319,11 +316,7 @@ def _part(configuration: Configuration, start: Start, level: LoadLevel) -> LoadS
 
 
 def _stated(
-    configuration: Configuration,
-    start: Start,
-    states: PointStates,
-    level: LoadLevel,
-    middle: PointStates | None = None,
+    configuration: Configuration, start: Start, states: PointStates, level: LoadLevel, middle: PointStates | None = None
 ) -> LoadState:
     """The state with its energies, of the states of contact points; in the `middle` too where the way is bent."""
     was, conjugates = start.memory, configuration.conjugates(level, states)
@@ -361,10 +354,3 @@ def _booked(state: LoadState, start: Start) -> LoadState:
     missing = _missing(state.energy) - _missing(start.energy)
     released = replace(state.energy, released=state.energy.released + missing)
     return replace(state, energy=_checked(released, state.round_off))
-
-
-def _jumped(state: LoadState, start: Start) -> LoadState:
-    """A state to which points have jumped, with what is released by it booked to their surfaces."""
-    booked = _booked(state, start)
-    course = course_of_jump(state, start, booked.energy.released - start.energy.released)
-    return replace(booked, course=course)

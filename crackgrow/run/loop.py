@@ -102,7 +102,10 @@ def _steps(
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     """The steps of a run with growth."""
     scene, state, advances = scene.with_cracks(begun.cracks), begun, Advances(begun.cracks)
-    known, before = _again(scene, begun), None
+    known, before = None, None
+    if begun.origin is not None:  # it was solved before: the search for its direction of growth is not repeated
+        known = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
+        known = replace(known, notes=begun.notes, errors=begun.errors)
     while True:
         if before is not None:
             before.configuration.contact.system.release()  # memory holds the factors of one step
@@ -139,14 +142,6 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         events = (*told, *met, *advance.events)
         state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
-
-
-def _again(scene: Scene, begun: RunState) -> StepSolution | None:
-    """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
-    if begun.origin is None:
-        return None
-    solution = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
-    return replace(solution, notes=begun.notes, errors=begun.errors)
 
 
 def _static(scene: Scene, begun: RunState) -> Steps:

@@ -115,19 +115,21 @@ def next_piece(
     configuration: Configuration,
     was: ContactMemory,
     ends: tuple[LoadLevel, LoadLevel],
-    least: float,
+    largest: float,
+    jumps: int,
     before: Piece | None,
-    in_part: bool,
+    open_ended: bool,
 ) -> Piece:
-    """The next piece of a way between two loads.
+    """The next piece of a way between two loads, after some jumps in turn, where the `largest` load factor has acted.
 
-    It sets out from what `was` at the first load, and takes the `least` share of the way or more. A straight piece
-    `before` ended at an event there: few points have other branches beyond, and where one event was the next is mostly
-    near. Raises SolveError where there are no states at the last load; of a way that is gone `in_part`, where no branch
-    goes on: nothing may bear up to its end.
+    It sets out from what `was` at the first load. A straight piece `before` ended at an event there: few points have
+    other branches beyond, and where one event was the next is mostly near. Raises SolveError where there are no states
+    at the last load; of a way that is gone in part, where no branch goes on: nothing may bear up to its end.
     """
     path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
-    law = configuration.contact.law
+    law, length = configuration.contact.law, abs(ends[1].factor - ends[0].factor)
+    resolved = RESOLVED * largest / length if length > 0.0 else 0.0
+    least = min(1.0, max(SHARES[-1] * 10.0**jumps, resolved)) if jumps < MOST_JUMPS else 1.0  # share of the way
     if starts_in_proportion(configuration, was, path.first):
         return Piece(path.at(1.0), 1.0, "straight")
     if law.weakens.any() or law.bends.any():
@@ -138,7 +140,7 @@ def next_piece(
             path.wear(start) > 0.0 and ((there := path.if_borne(probe)) is None or path.wear(there) > 0.0)
         ):
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
-    for share in (*(share for share in _shares(before, in_part) if share > least), least):
+    for share in (*(share for share in _shares(before, open_ended or jumps > 0) if share > least), least):
         states = path.at(share) if share in (1.0, least) else path.if_borne(share)
         if states is None or path.wear(states) > 0.0 or _breaks(path, states):
             continue  # on the way
@@ -153,15 +155,6 @@ def next_piece(
     end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
     return Piece(end if event == 1.0 else path.on_branch(begin, event), event, "straight")
-
-
-def least_share(way: tuple[LoadLevel, LoadLevel], largest: float, jumps: int) -> float:
-    """The least share of a way that a piece takes, after `jumps` in turn, where the `largest` load factor has acted."""
-    if jumps >= MOST_JUMPS:
-        return 1.0
-    length = abs(way[1].factor - way[0].factor)
-    resolved = RESOLVED * largest / length if length > 0.0 else 0.0
-    return min(1.0, max(SHARES[-1] * 10.0**jumps, resolved))
 
 
 def _shares(before: Piece | None, in_part: bool) -> tuple[float, ...]:

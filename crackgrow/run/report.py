@@ -37,7 +37,7 @@ from crackgrow.run.result import (
     StepResult,
     TipResult,
 )
-from crackgrow.run.state_values import history, mean_stress, reactions, specimen_means
+from crackgrow.run.state_values import history, history_of, mean_stress, reactions, specimen_means
 from crackgrow.run.step_warnings import contact_violations, pressed_strain, step_warnings
 
 Estimate = Callable[[], ErrorEstimate]
@@ -102,7 +102,7 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         reaction_error=percent.get("reaction", math.nan),
         load_factor_error=percent.get("load_factor", math.nan) if critical else math.nan,
         stress=_stress(solution, faces),
-        history=history([*solution.passed, solution]),
+        history=history([*solution.passed, *history_of(solution)]),
         start=_start(solution),
         emissions=(
             *(replace(event, step=state.step) for event in solution.course.values()),

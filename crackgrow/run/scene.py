@@ -75,7 +75,11 @@ class Scene:
         """a and b: at a load factor F a load acts with a + b F."""
         if self.course is None:
             return (1.0, 0.0) if load.held else (0.0, 1.0)
-        return self.course.parts(*(_share_at_end(stage, load) for stage in (self.course.begin, self.course.end)))
+        at_ends = (
+            dict(stage.loads).get(load.name or "", 1.0 if load.held else stage.factor)
+            for stage in (self.course.begin, self.course.end)
+        )
+        return self.course.parts(*at_ends)
 
     def share(self, load: model.Load, load_factor: float) -> float:
         """How much of a load acts at a load factor."""
@@ -210,14 +214,6 @@ class Scene:
         return tuple(
             replace(material, initial=self._in_situ(body, load_factor)) for body, material in enumerate(self.materials)
         )
-
-
-def _share_at_end(stage: model.Stage, load: model.Load) -> float:
-    """How much of a load acts at the end of a stage."""
-    own = dict(stage.loads)
-    if load.name is not None and load.name in own:
-        return own[load.name]
-    return 1.0 if load.held else stage.factor
 
 
 def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:

@@ -227,8 +227,8 @@ def history_of(state: LoadState) -> tuple[LoadState, ...]:
 
 
 def history(states: Sequence[LoadState]) -> History | None:
-    """What named places, and the reactions, say in the states of a step, in order; None without output points."""
-    if not states[0].scene.case.output.points:
+    """What named places, and the reactions, say in some states, in order; None where there are none."""
+    if not states:
         return None
     told = [dict(_values(state)) for state in _formed(states)]
     factors = np.array([state.factor for state in states])

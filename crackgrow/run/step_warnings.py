@@ -150,8 +150,8 @@ def _ripples(solution: StepSolution) -> Iterator[StepWarning]:
     """Contact tractions that oscillate as no rock makes them."""
     points, cover, contact = solution.outcome.points, solution.cover, solution.scene.case.numerics.contact
     worst = worst_ripple(cover, solution.configuration.faces, points.normal, points.tangential)
-    if worst is not None and worst.part > limit_of("RIPPLE"):
-        place = f"'{cover.surfaces[worst.surface].name}'"
+    if worst is not None and worst[1] > limit_of("RIPPLE"):
+        surface, part = worst
         why, remedy = "contact points are closer than the displacement can follow", "numerics.contact."
         if contact.discretization != "mortar":
             remedy += "discretization mortar"
@@ -159,25 +159,26 @@ def _ripples(solution: StepSolution) -> Iterator[StepWarning]:
             remedy += f"spacing {FARTHER:g} or more"
         else:
             why, remedy = "the pressure changes within less than two cells", "smaller cells there"
-        yield warning("RIPPLE", place, worst.part, percent=100.0 * worst.part, why=why, remedy=remedy)
+        place = f"'{cover.surfaces[surface].name}'"
+        yield warning("RIPPLE", place, part, percent=100.0 * part, why=why, remedy=remedy)
 
 
 def _missed(solution: StepSolution) -> Iterator[StepWarning]:
     """A target that is not met; forces and energies that miss each other."""
-    errors, numerics, state = solution.errors, solution.scene.case.numerics, solution
+    errors, numerics = solution.errors, solution.scene.case.numerics
     if errors is not None and errors.missed:
         off, wanted = errors.estimate(numerics.goal), 100.0 * numerics.target
         came = f"is off by an estimated {100.0 * off:.2g} %" if np.isfinite(off) else "has no error estimate"
         yield warning("TARGET", size=off, what=numerics.goal, wanted=wanted, came=came, why=errors.missed)
     for cause, size in (
-        ("RESIDUAL", state.outcome.residual),
-        ("ENERGY", state.energy.error),
-        ("IMBALANCE", imbalance(state)),
+        ("RESIDUAL", solution.outcome.residual),
+        ("ENERGY", solution.energy.error),
+        ("IMBALANCE", imbalance(solution)),
     ):
         if size > limit_of(cause):
             yield warning(cause, size=size, percent=100.0 * size)
-    if (size := state.energy.created) > max(limit_of("CREATED"), state.energy.error):
-        yield warning("CREATED", size=size, percent=100.0 * size, released=state.energy.released)
+    if (size := solution.energy.created) > max(limit_of("CREATED"), solution.energy.error):
+        yield warning("CREATED", size=size, percent=100.0 * size, released=solution.energy.released)
 
 
 def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:
@@ -254,12 +255,12 @@ def _suction(solution: StepSolution) -> Iterator[StepWarning]:
 
 def _on_points(solution: StepSolution) -> Iterator[StepWarning]:
     """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told."""
-    case, state = solution.scene.case, solution
+    case = solution.scene.case
     if any(isinstance(load, Gravity) for load in case.loads):
         yield from unbalanced_loads(solution.scene, solution.cover)
         return
-    forces = {reaction.where: float(np.hypot(*reaction.force)) for reaction in reactions(state)}
-    size = float(np.abs(state.configuration.loads(state.level)).sum()) + sum(forces.values())
+    forces = {reaction.where: float(np.hypot(*reaction.force)) for reaction in reactions(solution)}
+    size = float(np.abs(solution.configuration.loads(solution.level)).sum()) + sum(forces.values())
     for number, support in enumerate(case.supports):
         where = f"supports.{number}"
         if isinstance(support, PointSupport) and forces[where] > limit_of("UNBALANCED") * size:

@@ -22,7 +22,6 @@ from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import LoadState, held_loads, increment
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
-from crackgrow.run.state_values import history_of
 
 NARROW = 1e-4
 """The factor of safety is found to this fraction."""
@@ -52,7 +51,7 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[
     found = search.found()
     safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
     states = dict.fromkeys(state for state in (search.as_given, search.last) if state is not None)
-    return safety, (replace(evaluated(state), passed=history_of(state)[:-1]) for state in states)
+    return safety, map(evaluated, states)
 
 
 class _Search:

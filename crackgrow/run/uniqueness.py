@@ -169,7 +169,7 @@ def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
     """A second solution, if there is one and some start leads to it."""
     points = outcome.points
-    problem, rows = points.problem, points.rows
+    problem, rows, n = points.problem, points.rows, len(contact.weights)
     if problem is None or points.solution is None:
         return None
     known = points.solution.traction
@@ -177,17 +177,12 @@ def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSo
         states = active_set(problem, p, problem.jump(p)).states()
         whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]
         breaks = bool((whole & (states != STICK)).any())  # then it is one of another law, with lost cohesion
-        if not breaks and not _closes_others(contact, points, p - known):
+        gap = points.gap - contact.rock[:n, np.concatenate([rows, n + rows])] @ (p - known)
+        gap[rows] = 0.0
+        overlaps = gap.min() < -OVERLAP * np.abs(gap).max()  # at points that the solver did not have to deal with
+        if not breaks and not overlaps:
             moved = problem.points.compliance @ (p - known)
             change = np.hypot(*moved.reshape(2, -1))
             order = np.argsort(-change, kind="stable")
             return SecondSolution(rows[order], change[order], states[order])
     return None
-
-
-def _closes_others(contact: ContactSystem, points: PointStates, change: Floats) -> bool:
-    """Whether a change (2 k,) Pa of the tractions lets points overlap that the solver did not have to deal with."""
-    rows, n = points.rows, len(contact.weights)
-    gap = points.gap - contact.rock[:n, np.concatenate([rows, n + rows])] @ change
-    gap[rows] = 0.0
-    return bool(gap.min() < -OVERLAP * np.abs(gap).max())
