@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from crackgrow.results.atomic import OccupiedError, OutputError
     from crackgrow.results.export import export
     from crackgrow.results.folder import FolderError, RunFolder, open_run
-    from crackgrow.run import grow
+    from crackgrow.run.loop import grow
     from crackgrow.study.compare import compare_paths
     from crackgrow.study.fit import fit, plan_fit
     from crackgrow.study.sweep import plan_sweep, sweep
@@ -63,7 +63,7 @@ _HOMES = {
     "results.atomic": "OccupiedError OutputError",
     "results.export": "export",
     "results.folder": "FolderError RunFolder open_run",
-    "run": "grow",
+    "run.loop": "grow",
     "study.compare": "compare_paths",
     "study.fit": "fit plan_fit",
     "study.sweep": "plan_sweep sweep",

@@ -35,8 +35,8 @@ def solve_by_lemke(problem: ContactProblem) -> ContactSolution:
     p, du = _tractions(problem, size * result.z / root, size * root * result.w)
     left = du - problem.free + problem.points.compliance @ p
     motion = np.linalg.lstsq(problem.points.jump, left)[0] if problem.n_motions else np.zeros(0)
-    active, (lying, unknowns) = active_set(problem, p, du), problem.settled()
-    x, polished = np.append(p, motion), unknowns(solve_active(lying, active))
+    active = active_set(problem, p, du)
+    x, polished = np.append(p, motion), solve_active(problem, active)
     residual, polished_residual = (complementarity_residual(problem, each) for each in (x, polished))
     if polished_residual <= residual:
         x, residual = polished, polished_residual

@@ -136,5 +136,9 @@ def equations_of(problem: ContactProblem, active: ActiveSet, near: ActiveEquatio
 
 
 def solve_active(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> Floats:
-    """Unknowns (2 n + l,) of the problem with the equations of one active set, which may be those of `near`."""
-    return equations_of(problem, active, near).solution(problem, active)
+    """Unknowns (2 n + l,) of the problem with the equations of one active set, which may be those of `near`.
+
+    Its loose pieces are settled for it.
+    """
+    lying, unknowns = problem.settled()
+    return unknowns(equations_of(lying, active, near).solution(lying, active))

@@ -39,29 +39,22 @@ def solve_by_newton(
     """Tractions of the contact problem; status "solved", or "limit" with the last ones found.
 
     `start` (2 n + l,) are unknowns to start from; None: all points stick. `near` are equations that may be the first
-    ones. An iteration is one linear solve. Where an active set comes back the solution is looked for from others that
-    are near (`_by_proximal_points`).
+    ones. An iteration is one linear solve. Loose pieces are settled for it. Where an active set comes back the solution
+    is looked for from others that are near (`_by_proximal_points`).
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
     """
+    (lying, unknowns), m = problem.settled(), problem.free.size
     if start is None:
         slip = np.where(problem.resists, 0, 1)  # where the way does not matter it is one and the same
         sense = np.where(problem.resists, np.sign(problem.slipped), 1).astype(np.int64)
         active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, sense)
     else:
-        active = _branches(problem, start)
-    found = _stepped(problem, active, near)
-    return found if found.status == "solved" else _by_proximal_points(problem, found)
-
-
-def solve_settled(
-    problem: ContactProblem, start: Floats | None = None, near: ActiveEquations | None = None
-) -> ContactSolution:
-    """The same, of a problem whose loose pieces are settled for it."""
-    (lying, unknowns), m = problem.settled(), problem.free.size
-    begin = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
-    found = solve_by_newton(lying, begin, near)
+        active = _branches(lying, np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:]))
+    found = _stepped(lying, active, near)
+    if found.status != "solved":
+        found = _by_proximal_points(lying, found)
     return replace(found, motion=unknowns(found.unknowns)[m:])
 
 

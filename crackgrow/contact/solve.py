@@ -26,7 +26,7 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations, solve_active
-from crackgrow.contact.newton import solve_settled
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution, absolute_product
 from crackgrow.contact.stuck import MANY, solve_among_stuck
 from crackgrow.contact.system import ContactSystem, ill_conditioned
@@ -320,8 +320,7 @@ class Increment:
         problem, near = self._problem(like.trial), like.solution.equations
         solution = solve_among_stuck(problem, None, like.active) if problem.n_points > MANY else None
         if solution is None:
-            lying, unknowns = problem.settled()
-            x, m = unknowns(solve_active(lying, like.active, near)), problem.free.size
+            x, m = solve_active(problem, like.active, near), problem.free.size
             solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
         found = self._with(like.trial, problem, (solution, like.active))
         return replace(found, iterations=like.iterations)
@@ -429,7 +428,7 @@ def solve_contact_problem(
         if problem.n_points > MANY:
             with suppress(NotSolvedError):  # round-off has spoilt it
                 among_stuck = solve_among_stuck(problem, start)
-        found = among_stuck or solve_settled(problem, start, near)
+        found = among_stuck or solve_by_newton(problem, start, near)
     if found.status == "solved":
         return found
     raise NotSolvedError(

@@ -31,7 +31,7 @@ from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.ragged import distinct
 from crackgrow.run.clock import SPENT, timed
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
-from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
+from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, check_magnitude, checked_residual
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.run.surface_laws import SurfaceLaw, laws_at_points
@@ -283,10 +283,8 @@ class Configuration:
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.stiffness, self.contact, loads, outcome)
-        if not residual.size <= WORST_RESIDUAL:
-            raise NotSolvedError(residual.message(self.cover))
-        return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
+        residual, largest = checked_residual(self.cover, self.stiffness, self.contact, loads, outcome)
+        return replace(outcome, residual=residual, largest_terms=largest)
 
     @property
     def _farthest(self) -> float:

@@ -27,7 +27,7 @@ LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
 
 STRIDE = 4.0
-"""Factor by which the load grows until the criterion is met."""
+"""Factor by which the load grows where the criticality does not rise with it."""
 
 MOST_WAYS = 60
 """Load factors that one step makes for in turn."""
@@ -62,8 +62,10 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         if trials[-1].factor >= LARGEST_FACTOR:
             found = search.found(first)
             return replace(found, notes=(*found.notes, NEVER_CRITICAL))
-        farther = min(STRIDE * trials[-1].factor, LARGEST_FACTOR)
-        trials = [*trials[-2:], *search.towards(trials[-1], farther)]
+        (below, above), farther = trials[-2:], STRIDE * trials[-1].factor
+        if (rise := above.criticality - below.criticality) > 0.0:
+            farther = above.factor + (1.0 - above.criticality) / rise * (above.factor - below.factor)
+        trials = [*trials[-2:], *search.towards(above, min(farther, LARGEST_FACTOR))]
     (below, above), tries = trials[-2:], 0
     while not above.meets and above.factor - below.factor > SAME * above.factor:
         share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere

@@ -19,7 +19,7 @@ from crackgrow.case.model import Case
 from crackgrow.case.units import UNITS
 from crackgrow.errors import CrackgrowError
 from crackgrow.fracture.advance import TIE
-from crackgrow.run import grow
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 
 Scene = dict[str, Any]

@@ -21,8 +21,8 @@ from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.errors import CaseError
-from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 from tests.contact_problems import drawn, ended
 from tests.scenes import shipped_case, specimen, told

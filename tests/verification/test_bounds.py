@@ -16,9 +16,8 @@ from scipy.optimize import brentq
 
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.case import Case
-from crackgrow.run import grow
 from crackgrow.run.loading import load
-from crackgrow.run.loop import solved_steps
+from crackgrow.run.loop import grow, solved_steps
 from crackgrow.run.result import StepResult, TipResult
 from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE

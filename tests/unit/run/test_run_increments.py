@@ -17,10 +17,9 @@ from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.advance import GrowingCrack, Segment, advanced
-from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration, LoadLevel, assemble
 from crackgrow.run.increments import LoadState, increment, mapped, unloaded
-from crackgrow.run.loop import solved_steps
+from crackgrow.run.loop import grow, solved_steps
 from crackgrow.run.scene import Scene
 from tests.scenes import shipped_case
 from tests.solving import ready, solve_step, through

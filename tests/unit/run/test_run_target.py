@@ -10,8 +10,8 @@ import pytest
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
-from crackgrow.run import grow
 from crackgrow.run import target as target_file
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 from tests.scenes import STARTS, shipped_case
 from tests.verification.solutions import QUIET

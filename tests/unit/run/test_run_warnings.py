@@ -13,7 +13,7 @@ import crackgrow
 from crackgrow.case import load_case
 from crackgrow.case.segments import line_length
 from crackgrow.contact.coulomb import OPEN
-from crackgrow.run import grow
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import make_scene
 from crackgrow.run.step_warnings import contact_violations, step_warnings

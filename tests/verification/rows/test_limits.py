@@ -17,9 +17,9 @@ from crackgrow.case import Case
 from crackgrow.case.toughness import MODE_I, shear_radius_of
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA
-from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
+from crackgrow.run.loop import grow
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
 from tests.scenes import ROCK_TOUGHNESS, crack_at_bond, shipped_case, specimen
