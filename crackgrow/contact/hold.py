@@ -60,9 +60,8 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     left, way = unbalanced(friction, *held)
     if left <= UNBALANCED:
         return
-    gap, slip = np.split(contact.moving @ way, 2)
     piece, others = _giving_way(contact, free, way)
-    moves = _in_words(free.of_piece(piece, way), piece, _surfaces(gap, slip, friction, surface))
+    moves = _in_words(free.of_piece(piece, way), piece, contact.moving @ way, friction, surface)
     names = f"{piece}" + (f" (and with it {' and '.join(str(other) for other in others)})" if others else "")
     what = (
         f"{names} is free to move: contact does not hold it, {moves}; {100.0 * left:.3g} % of the loads stay out of "
@@ -102,26 +101,19 @@ def _giving_way(contact: ContactSystem, free: RigidMotions, way: Floats) -> tupl
     return first, [piece for piece in moving if piece is not first]
 
 
-def _surfaces(gap: Floats, slip: Floats, friction: Floats, surface: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The surfaces whose faces slip in a motion, and those whose faces part.
+def _in_words(motion: Floats, piece: FreePiece, jumps: Floats, friction: Floats, surface: Sequence[str]) -> str:
+    """How a piece moves, and along which surfaces, whose faces make jumps (2 n,).
 
     Limit analysis lets faces that slip part by friction times their slip.
     """
-    tolerance = YIELDS * max(np.abs(gap).max(initial=0.0), np.abs(slip).max(initial=0.0))
-    slips = (np.abs(slip) > tolerance) & (gap <= friction * np.abs(slip) + tolerance)
-    parts = gap > friction * np.abs(slip) + tolerance
-    named = [sorted({surface[point] for point in np.flatnonzero(which).tolist()}) for which in (slips, parts)]
-    return named[0], named[1]
-
-
-def _in_words(motion: Floats, piece: FreePiece, surfaces: tuple[list[str], list[str]]) -> str:
-    """How a piece moves."""
-    slipping, parting = surfaces
     if abs(motion[2]) > TURNS * float(np.hypot(*motion[:2])):
         return f"it turns about {piece.about(motion)}"
-    if slipping:
-        return f"it slides along {' and '.join(repr(name) for name in slipping)}"
-    return f"it moves off {' and '.join(repr(name) for name in parting)}"
+    (gap, slip), tolerance = np.split(jumps, 2), YIELDS * np.abs(jumps).max(initial=0.0)
+    parts = gap > friction * np.abs(slip) + tolerance
+    slips = (np.abs(slip) > tolerance) & ~parts
+    moves, which = ("slides along", slips) if slips.any() else ("moves off", parts)
+    names = sorted({surface[point] for point in np.flatnonzero(which).tolist()})
+    return f"it {moves} {' and '.join(repr(name) for name in names)}"
 
 
 def least_unbalanced(

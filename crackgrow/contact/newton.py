@@ -65,7 +65,11 @@ def _stepped(problem: ContactProblem, active: ActiveSet, near: ActiveEquations |
         equations = equations_of(problem, active, equations)
         x = equations.solution(problem, active)
         du = problem.jump(x)
-        now = _through_stick(problem, active, active_set(problem, x[: problem.free.size], du))
+        now = active_set(problem, x[: problem.free.size], du)
+        # a point sticks for one step before it slips the other way: this ends most cycles of reversing points
+        reversing = (active.slip * now.slip < 0) & (now.closed | (problem.cohesion > 0.0))
+        sense = np.where(reversing, np.sign(problem.slipped), now.sense).astype(np.int64)
+        now = ActiveSet(now.closed, np.where(reversing, 0, now.slip), sense)
         keys.append(active.key())
         settled = now.key() == keys[-1]
         if residual(problem, x, du) <= (as_good if settled else ROUND_OFF):
@@ -148,11 +152,3 @@ def residual(problem: ContactProblem, x: Floats, du: Floats) -> float:
         scale = max(scale, problem.least_traction)
     change = float(np.abs(projected - p).max(initial=0.0)) / scale if scale > 0.0 else 0.0
     return max(change, problem.imbalance(x))
-
-
-def _through_stick(problem: ContactProblem, active: ActiveSet, following: ActiveSet) -> ActiveSet:
-    """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
-    reversing = (active.slip * following.slip < 0) & (following.closed | (problem.cohesion > 0.0))
-    slip = np.where(reversing, 0, following.slip)
-    sense = np.where(reversing, np.sign(problem.slipped), following.sense).astype(np.int64)
-    return ActiveSet(following.closed, slip, sense)

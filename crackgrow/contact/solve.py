@@ -365,7 +365,9 @@ class Increment:
         rate, risen = self.memory.dilates(law, trial.lost)
         dilation = rate * np.abs(slip - law.shear_compliance * p_t) + risen
         state, coheres, touching = np.full(n, OPEN), np.zeros(n, dtype=bool), np.zeros(n)
-        touching[rows] = _nothing(problem, solution)
+        lying, _ = problem.settled()  # how supports hold loose pieces to be solved for does not matter
+        terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
+        touching[rows] = UNPRESSED * terms.reshape(2, len(rows)).max(axis=0)  # gaps that are none beside these terms
         coheres[rows] = (problem.cohesion > 0.0) | strong[rows]
         apart = gap - dilation - law.compliance * np.maximum(p_n, 0.0)
         state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], touching[rows]))
@@ -465,13 +467,3 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, not
     held = np.where(np.abs(solution.traction[n:]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
     touches = (cohesion > 0.0) & (gap <= nothing)
     return np.where(unpressed, np.where(touches, held, OPEN), solution.state)
-
-
-def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
-    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of.
-
-    How supports hold loose pieces to be solved for does not matter.
-    """
-    lying, _ = problem.settled()
-    terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
-    return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))

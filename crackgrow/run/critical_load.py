@@ -21,7 +21,7 @@ from crackgrow.fracture.criteria import TipLoading
 from crackgrow.run.clock import timed
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
-from crackgrow.run.increments import LoadState, Start, held_loads, increment, rising
+from crackgrow.run.increments import LoadState, held_loads, increment, rising
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
@@ -125,7 +125,7 @@ class _Search:
         self._n_ways += 1
         if self._n_ways > MOST_WAYS:
             raise NotSolvedError(f"no critical load factor found up to {below.factor:.12g}{self._why}")
-        states, found = rising(self._configuration, self._start_of(below), factor), list[_Trial]()
+        states, found = rising(self._configuration, below.solution or self._start, factor), list[_Trial]()
         try:
             while not (found and found[-1].is_critical):
                 with timed("contact"):
@@ -142,7 +142,7 @@ class _Search:
         """The trial a little farther than the `last` one before the path ends, on the way to a load factor."""
         farther = min(last.factor + BEYOND * (last.factor or factor), factor)
         try:
-            state = increment(self._configuration, self._start_of(last), farther)
+            state = increment(self._configuration, last.solution or self._start, farther)
         except FreePieceError as error:
             if last.solution is None:
                 raise  # nothing holds from the beginning
@@ -154,10 +154,6 @@ class _Search:
                 f"{farther:.6g}: {error}"
             ) from error
         return self._evaluated(state, last)
-
-    def _start_of(self, trial: _Trial) -> Start:
-        """Where a way from a trial begins."""
-        return self._start if trial.solution is None else trial.solution
 
     def found(self, trial: _Trial) -> StepSolution:
         """The solution of a trial that ends the search."""

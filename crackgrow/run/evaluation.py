@@ -179,18 +179,11 @@ def verdicts(scene: Scene, sites: Sequence[Site], loadings: Sequence[TipLoading]
         found.update(zip(numbers, evaluate([loadings[number] for number in numbers], strength), strict=True))
         for number in numbers:
             if at_tip and sites[number].in_shear:
-                found[number] = _goes_on(found[number], shear_growth(loadings[number], strength))
+                # started in shear it goes on so where that law is met, or sooner: beyond both it would turn to and fro
+                criticality, shears = found[number].criticality, shear_growth(loadings[number], strength)
+                if shears.criticality >= min(criticality, 1.0 - AT_STRENGTH):
+                    found[number] = replace(shears, criticality=max(shears.criticality, criticality))
     return [found[number] for number in range(len(sites))]
-
-
-def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
-    """What is said of a tip whose crack has started in shear: it goes on so where the law of shear is met, or sooner.
-
-    At loads that are beyond both it would turn to and fro.
-    """
-    if shears.criticality < min(by_criterion.criticality, 1.0 - AT_STRENGTH):
-        return by_criterion
-    return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
 
 
 def _tractions(state: LoadState, surface: int) -> FaceTraction:

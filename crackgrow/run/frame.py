@@ -116,12 +116,6 @@ class _Cells:
         return np.asarray(np.minimum(a, b) * len(self.vertices) + np.maximum(a, b))
 
 
-def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
-    """The mesh of all elements."""
-    cells = _cells_of(elements)
-    return _with_nodes(_divided(elements, cells, tips) if tips else cells)
-
-
 def _cells_of(elements: Elements) -> _Cells:
     """Undivided cells; a whole tile with corners in its sides is a fan of triangles."""
     triangles, owner = triangulate(elements.polygons)
@@ -211,8 +205,10 @@ def _halved(cells: _Cells, ends: Ints, middle: Ints, turn: Ints) -> _Cells:
     )
 
 
-def _with_nodes(cells: _Cells) -> OutputMesh:
-    """The mesh; corners at a vertex are one node if a way round it joins them that crosses no closed side."""
+def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
+    """The mesh of all elements; corners at a vertex are one node if a way round it joins them without a closed side."""
+    cells = _cells_of(elements)
+    cells = _divided(elements, cells, tips) if tips else cells
     n_vertices, n_corners = len(cells.vertices), cells.triangles.size
     element = np.concatenate([cells.owners, cells.whole])
     owner = np.repeat(element, np.repeat([3, 4], [len(cells.triangles), len(cells.quads)]))

@@ -142,7 +142,7 @@ def next_piece(
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
     for share in (*(share for share in _shares(before, open_ended or jumps > 0) if share > least), least):
         states = path.at(share) if share in (1.0, least) else path.if_borne(share)
-        if states is None or path.wear(states) > 0.0 or _breaks(path, states):
+        if states is None or path.wear(states) > 0.0 or ((states.trial.lost > was.lost) & law.breakable).any():
             continue  # on the way
         begin = path.on_branch(states, 0.0)
         if _leads_back(path, begin, states):
@@ -235,11 +235,6 @@ def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointSta
         else:
             low = there
     return low if low[0] > 0.0 else high
-
-
-def _breaks(path: _LoadPath, states: PointStates) -> bool:
-    """Whether points with something to lose have lost it under the states' load."""
-    return bool(((states.trial.lost > path.was.lost) & path.configuration.contact.law.breakable).any())
 
 
 def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> bool:

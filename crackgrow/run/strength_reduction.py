@@ -8,9 +8,8 @@ that contact alone holds says which of them moves, and how.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -47,7 +46,7 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[
     Raises SolveError where it does not hold at any factor.
     """
     given = assemble(scene, cracks)
-    search = _Search(partial(_loaded, given))
+    search = _Search(given)
     found = search.found()
     safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
     states = dict.fromkeys(state for state in (search.as_given, search.last) if state is not None)
@@ -57,8 +56,8 @@ def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[
 class _Search:
     """The search for the largest factor that has a state."""
 
-    def __init__(self, state_at: Callable[[float], LoadState]) -> None:
-        self._state_at = state_at
+    def __init__(self, given: Configuration) -> None:
+        self._given = given
         self._why: SolveError | None = None  # there is none at `_above`
         self._below, self._above = 0.0, np.inf
         self.as_given: LoadState | None = None
@@ -112,19 +111,14 @@ class _Search:
 
     def _holds(self, factor: float) -> bool:
         """Whether there is a state at a factor; the interval ends there."""
+        configuration = _reduced(self._given, factor)
         try:
-            self.last, self._below = self._state_at(factor), factor
+            configuration.check_can_hold(LoadLevel(1.0))  # sees at once what solvers look for in vain for long
+            self.last, self._below = increment(configuration, held_loads(configuration), 1.0), factor
         except (FreePieceError, NotSolvedError) as error:
             self._above, self._why = factor, error
             return False
         return True
-
-
-def _loaded(given: Configuration, factor: float) -> LoadState:
-    """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
-    configuration = _reduced(given, factor)
-    configuration.check_can_hold(LoadLevel(1.0))  # sees at once what solvers look for in vain for long
-    return increment(configuration, held_loads(configuration), 1.0)
 
 
 def _reduced(given: Configuration, factor: float) -> Configuration:
