@@ -11,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.model import PointForce, PointSupport
+from crackgrow.case.model import PointForce, PointSupport, Stage
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, FacePoints
@@ -82,6 +82,10 @@ class Excavated:
 
     body: str
     forces: Floats  # (n_dofs,) N/m
+
+    def share_left(self, stage: Stage) -> float:
+        """How much of the forces acts at the end of a stage."""
+        return 1.0 - dict(stage.excavated).get(self.body, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,11 +188,9 @@ class Configuration:
         """The configuration with forces by which rock that is gone held it, as far as they are not released."""
         if not excavated:
             return self
-        scaled, constant, course = self.scaled.copy(), self.constant.copy(), self.scene.course
-        assert course is not None  # the case has stages
+        scaled, constant = self.scaled.copy(), self.constant.copy()
         for rock in excavated:
-            left = (1.0 - dict(stage.excavated).get(rock.body, 0.0) for stage in (course.begin, course.end))
-            a, b = course.parts(*left)
+            a, b = self.scene.through_stage(rock.share_left)
             constant += a * rock.forces
             scaled += b * rock.forces
         return replace(self, contact=replace(self.contact, loads=_each_load(scaled, constant)))

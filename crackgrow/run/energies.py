@@ -27,7 +27,6 @@ from crackgrow.arrays import Bools, Floats
 from crackgrow.contact.coulomb import OPEN, SLIP, ContactLaw, ContactMemory
 from crackgrow.contact.solve import PointStates
 from crackgrow.geometry.tolerance import ROUND_OFF
-from crackgrow.run.configuration import Configuration
 from crackgrow.run.result import Event, EventKind
 
 if TYPE_CHECKING:
@@ -56,15 +55,13 @@ def strain_energy(state: LoadState) -> tuple[float, float]:
     return 0.5 * float(loads.sum() - tractions @ (jumps - elastic)) + float(bent), ROUND_OFF * terms
 
 
-def dissipated_on(
-    configuration: Configuration, was: ContactMemory, state: LoadState, middle: PointStates | None
-) -> tuple[Bools, Floats]:
-    """Which points (n,) slide from what `was` to a state; what friction and dilation take there (n,), J/m.
+def dissipated_on(state: LoadState, middle: PointStates | None) -> tuple[Bools, Floats]:
+    """Which points (n,) slide on the way to a state; what friction and dilation take there (n,), J/m.
 
     It is by the law; on a bent way by its `middle`.
     """
-    weights, law = configuration.contact.weights, configuration.contact.law
-    now, states = state.memory, state.states
+    contact, was, now, states = state.configuration.contact, state.before, state.memory, state.states
+    weights, law = contact.weights, contact.law
     closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
     if states.active is not None:  # at the end of a piece points are about to leave these branches
         closed[taken] = states.active.closed

@@ -332,7 +332,7 @@ def _stated(
         work -= SIGNS * bulge @ more
     strain, terms = strain_energy(state)
     round_off = max(terms, start.round_off)  # work that comes back keeps the round-off of what it was
-    slides, by_point = dissipated_on(configuration, was, state, middle)
+    slides, by_point = dissipated_on(state, middle)
     dissipated = none.dissipated + float(by_point.sum())
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), round_off)
     return replace(state, energy=energy, round_off=round_off, course=course_to(state, start, slides, by_point))

@@ -46,12 +46,13 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
     the events of that step, and the estimated error of the last one that was solved.
     """
-    return _steps(case, checkpoint, lambda result, _: result)
-
-
-def solved_steps(case: Case, checkpoint: Checkpoint | None = None) -> Steps:
-    """As `grow`, each result with the solution that it tells of."""
-    return _steps(case, checkpoint, lambda *step: step)
+    steps = solved_steps(case, checkpoint)
+    while True:
+        try:
+            yield next(steps)[0]
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end
 
 
 def for_each(steps: Generator[Item, None, Returned], each: Callable[[Item], object]) -> Returned:
@@ -65,10 +66,8 @@ def for_each(steps: Generator[Item, None, Returned], each: Callable[[Item], obje
         each(step)
 
 
-def _steps(
-    case: Case, checkpoint: Checkpoint | None, convert: Callable[[StepResult, StepSolution], Item]
-) -> Generator[Item, None, RunEnd]:
-    """What `convert` makes of each step, then the end; linear algebra has one thread while steps are made.
+def solved_steps(case: Case, checkpoint: Checkpoint | None = None) -> Steps:
+    """As `grow`, each result with the solution that it tells of; linear algebra has one thread while steps are made.
 
     Places of results are those of the map, if the case has one; what is computed, and checkpoints, are at its origin.
     The error of the last step is estimated as it is known to be the last.
@@ -96,7 +95,7 @@ def _steps(
                     end = replace(end, norm_error=error)
                 return on_map(end, case.origin)
         result, solution = last
-        yield convert(on_map(result, case.origin), solution)
+        yield on_map(result, case.origin), solution
 
 
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -30,24 +30,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """How loads change in a stage: the load factor counts stages, and rises by one in each."""
-
-    number: int  # of the stage, from 0 on
-    begin: model.Stage
-    end: model.Stage
-
-    def parts(self, begin: float, end: float) -> tuple[float, float]:
-        """a and b: what goes from one value to another one in the stage is a + b F at a load factor F."""
-        return begin - self.number * (end - begin), end - begin
-
-
-def course_of(loading: model.Stages, number: int) -> Course:
-    """The course of a stage, from 0 on."""
-    return Course(number, loading.stages[number - 1] if number else loading.before, loading.stages[number])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """A case made ready for its steps."""
 
@@ -62,7 +44,7 @@ class Scene:
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
     grading: Grading = BY_HAND
-    course: Course | None = None  # of the stage; None: the case has no stages
+    stage: int | None = None  # its number, from 0 on: the load factor rises by one in each; None: there are none
     whole: Scene | None = None  # with the rock that is gone; None: none is
     debonds: tuple[Debond, ...] = ()  # cracked parts of interfaces that have a toughness
 
@@ -73,13 +55,19 @@ class Scene:
 
     def parts(self, load: model.Load) -> tuple[float, float]:
         """a and b: at a load factor F a load acts with a + b F."""
-        if self.course is None:
+        if self.stage is None:
             return (1.0, 0.0) if load.held else (0.0, 1.0)
-        at_ends = (
-            dict(stage.loads).get(load.name or "", 1.0 if load.held else stage.factor)
-            for stage in (self.course.begin, self.course.end)
+        return self.through_stage(
+            lambda stage: dict(stage.loads).get(load.name or "", 1.0 if load.held else stage.factor)
         )
-        return self.course.parts(*at_ends)
+
+    def through_stage(self, value: Callable[[model.Stage], float]) -> tuple[float, float]:
+        """a and b: what has some `value` at the end of a stage is a + b F at a load factor F of the one of now."""
+        loading, number = self.case.loading, self.stage
+        assert isinstance(loading, model.Stages)
+        assert number is not None
+        begin, end = value(loading.stages[number - 1] if number else loading.before), value(loading.stages[number])
+        return begin - number * (end - begin), end - begin
 
     def share(self, load: model.Load, load_factor: float) -> float:
         """How much of a load acts at a load factor."""
@@ -89,9 +77,7 @@ class Scene:
     @property
     def given_parts(self) -> tuple[float, float]:
         """The same of given displacements."""
-        return (
-            (0.0, 1.0) if self.course is None else self.course.parts(self.course.begin.factor, self.course.end.factor)
-        )
+        return (0.0, 1.0) if self.stage is None else self.through_stage(lambda stage: stage.factor)
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
@@ -227,19 +213,18 @@ def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Sc
     lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), spacing, numerics.support, offset)
     scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), grading=grading)
     scene = scene.with_cracks([GrowingCrack.given(crack) for crack in case.cracks])
-    return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, model.Stages) else scene
+    return replace(scene, stage=0) if isinstance(case.loading, model.Stages) else scene
 
 
 def scene_of_stage(scene: Scene, number: int) -> Scene:
     """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice."""
     assert isinstance(scene.case.loading, model.Stages)
-    course = course_of(scene.case.loading, number)
-    gone = {body for body, _ in course.end.excavated}
+    gone = {body for body, _ in scene.case.loading.stages[number].excavated}
     if not gone:
-        return replace(scene, course=course)
+        return replace(scene, stage=number)
     left = _scene_on(without(scene.case, gone), scene.lattice)
     left = replace(left, grading=scene.grading, lengths=scene.lengths, debonds=scene.debonds)
-    return replace(left, course=course, whole=scene)
+    return replace(left, stage=number, whole=scene)
 
 
 def without(case: model.Case, gone: set[str]) -> model.Case:
