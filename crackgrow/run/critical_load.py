@@ -118,10 +118,7 @@ class _Search:
             self.rest = self._evaluated(increment(configuration, self._start, 0.0))
 
     def towards(self, below: _Trial, factor: float) -> list[_Trial]:
-        """The states on the way from a trial to a load factor, up to the first that is critical.
-
-        Raises FreePieceError or NotSolvedError where no branch goes on, and none is found a little farther.
-        """
+        """States from a trial to a load factor, up to the first critical one. Raises SolveError where the path ends."""
         self._n_ways += 1
         if self._n_ways > MOST_WAYS:
             raise NotSolvedError(f"no critical load factor found up to {below.factor:.12g}{self._why}")

@@ -39,10 +39,7 @@ NO_STEP = -1
 
 
 def strain_energy(state: LoadState) -> tuple[float, float]:
-    """Strain energy of rock and elastic contact, J/m, and what it is good to.
-
-    u K u = u'(f - C'm - G'W p): the work of all that acts on the rock.
-    """
+    """Strain energy (J/m) of rock, u K u / 2 = u'(f - C'm - G'W p) / 2, and of elastic contact, and its round-off."""
     contact, states, shares = state.configuration.contact, state.states, state.configuration.shares(state.level)
     sizes = state.configuration.conjugate_terms(state.level, states) * np.abs(shares)
     loads = state.conjugates * shares
@@ -56,10 +53,7 @@ def strain_energy(state: LoadState) -> tuple[float, float]:
 
 
 def dissipated_on(state: LoadState, middle: PointStates | None) -> tuple[Bools, Floats]:
-    """Which points (n,) slide on the way to a state; what friction and dilation take there (n,), J/m.
-
-    It is by the law; on a bent way by its `middle`.
-    """
+    """Which points (n,) slide to a state; what friction and dilation take (n,) J/m, by the `middle` of a bent way."""
     contact, was, now, states = state.configuration.contact, state.before, state.memory, state.states
     weights, law = contact.weights, contact.law
     closed, slides, taken = states.state != OPEN, states.state == SLIP, states.trial.taken
@@ -87,10 +81,7 @@ def _bulge(law: ContactLaw, was: ContactMemory, now: ContactMemory, middle: Poin
 
 
 def _resisted(law: ContactLaw, was: ContactMemory, now: ContactMemory, bulge: Floats, opened: Bools) -> Floats:
-    """Twice the mean of the law's shear over slip from what `was` to what is `now` (n,) Pa.
-
-    That is Simpson's rule up to where nothing is left to lose, and beyond.
-    """
+    """Twice the mean of the law's shear (n,) Pa over slip, by Simpson's rule up to where all is lost, and beyond."""
     slip = now.slip - was.slip
     worn = law.worn(was.lost, slip)
     left = np.where(law.weakens, 1.0 - was.lost, 0.0)

@@ -299,10 +299,7 @@ def _formed(state: LoadState) -> LoadState:
 
 
 def held_loads(configuration: Configuration) -> Start:
-    """The state of the held loads alone, which come first where contact remembers anything.
-
-    Raises SolveError where there is none.
-    """
+    """The state of the held loads alone, which come first where contact remembers anything. Raises SolveError."""
     start, law = unloaded(configuration), configuration.contact.law
     remembers = law.friction.any() or law.cohesion.any() or law.tension.any()
     if configuration.constant.any() and remembers:

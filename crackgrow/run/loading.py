@@ -112,10 +112,7 @@ class LoadsInTurn:
         self._states = _in_turn(scene, cracks, first, origin)
 
     def solution(self, number: int) -> StepSolution:
-        """The solution under a load that has not been asked for.
-
-        Raises GeometryError or SolveError where there is none.
-        """
+        """The solution under a load not asked for yet. Raises GeometryError or SolveError where there is none."""
         n, self._next = number + 1 - self._next, number + 1
         return _solved(self._states, n)
 

@@ -238,10 +238,7 @@ def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointSta
 
 
 def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> bool:
-    """Whether the branches of some `states` lead back to what was at first.
-
-    `begin` are the states on these branches at the load there.
-    """
+    """Whether the branches of `states` lead back to what was; `begin` are on these branches at the first load."""
     tractions = path.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(path.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0

@@ -208,10 +208,7 @@ def _named(scene: Scene, body: str, met: Meeting, others: Sequence[GrowingCrack]
 def _without_shear(
     before: BeforeAdvance, turns: Mapping[End, bool], kinks: Floats, first: AfterAdvance, solve: Solve
 ) -> AfterAdvance:
-    """The advance whose new tips see least shear, with its solution.
-
-    Solutions are large, and only the best one is kept.
-    """
+    """The advance whose new tips see least shear, with its solution; others, which are large, are not kept."""
     trials = list[tuple[Floats, Floats]]()  # kinks and K_II / K at the new tips of each
     least, found, doubts = np.inf, first, list[str]()
     while not least <= 1.0 and len(trials) < MOST_SOLVES:

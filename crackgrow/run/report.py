@@ -137,10 +137,7 @@ def estimate_maker(solution: StepSolution) -> Estimate:
 
 
 def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:
-    """Makes the mesh of a solution, of which it keeps what that takes and no more; with its error if that is asked for.
-
-    Places are those of the map, and bodies have their numbers in the case.
-    """
+    """Makes the mesh of a solution, on the map, and keeps what that takes and no more; with its error if asked for."""
     cover, materials, u = solution.cover, solution.materials, solution.outcome.u
     scene, origin = solution.scene, solution.scene.case.origin
     numbers = np.array([body_index(scene.at_start.case.bodies, body.name) for body in scene.case.bodies])

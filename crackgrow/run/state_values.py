@@ -286,10 +286,7 @@ def _at_point(state: LoadState, body: str, point: Floats) -> list[float]:
 
 
 def _jump(state: LoadState, point: FacePoint) -> list[float]:
-    """Opening and slip (m) of the surface at the place nearest to a point, wherever its ends have grown to.
-
-    nan where the surface has been excavated.
-    """
+    """Opening and slip (m) of the surface at the place nearest to a point; nan where it has been excavated."""
     cover = state.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {

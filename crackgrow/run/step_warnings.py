@@ -125,10 +125,7 @@ def _largest_jump(face: CrackFaces) -> float:
 
 
 def pressed_strain(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
-    """Strain of the rock under the largest pressure on any face, or under its own mean stress if larger.
-
-    Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
-    """
+    """Strain of the softest rock under the largest pressure on any face, or under its own mean stress if larger."""
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
     return float(max(pressure, mean_stress(solution)) / min(m.young_prime for m in solution.scene.materials))
 

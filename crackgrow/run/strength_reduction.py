@@ -41,10 +41,7 @@ UNNAMED = "{}. Limit analysis, for which faces that slide part as well, has it h
 
 
 def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[Safety, Iterator[StepSolution]]:
-    """How safe a scene is; the scene as it is, if it holds, and its last stable state.
-
-    Raises SolveError where it does not hold at any factor.
-    """
+    """How safe a scene is; it as it is, if it holds, and its last stable state. Raises SolveError if none holds."""
     given = assemble(scene, cracks)
     search = _Search(given)
     found = search.found()
@@ -149,10 +146,7 @@ def _beside_limit_equilibrium(given: Configuration, safety: Safety, words: str) 
 
 
 def _giving_way(given: Configuration, factor: float) -> str:
-    """Which piece moves, and how, where contact with all of its strength, divided by a factor, can't hold it; or empty.
-
-    Raises NotSolvedError where linear programming fails.
-    """
+    """Which piece moves where full strength over a factor can't hold it, and how; or empty. Raises NotSolvedError."""
     try:
         _reduced(given, factor).check_can_hold(LoadLevel(1.0))
     except FreePieceError as error:

@@ -151,10 +151,7 @@ def _found(solution: StepSolution) -> str:
 
 
 def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
-    """Why nothing is to be examined, or nothing can be; empty otherwise.
-
-    The bound takes supports that hold all of the rock, and a symmetric compliance, which dilation has not.
-    """
+    """Why nothing is examined; empty otherwise. The bound takes supports of all rock, and a symmetric compliance."""
     if points.problem is None:
         return "no faces touch: there is exactly one solution"
     if points.problem.n_motions:
