@@ -138,7 +138,8 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
     """The state of another configuration, before the cracks grew or rock was taken out, as the start on this one.
 
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
-    are interpolated. New faces know nothing.
+    are interpolated. New faces know nothing. What points remember that are where they were stays the same to the bit:
+    by the round-off of slip that is read off displacements bonds would break where all loads go.
     """
     old, faces, outcome, points = state.configuration, configuration.faces, state.outcome, state.outcome.points
     n = faces.n
@@ -165,6 +166,12 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     memory = ContactMemory(slip, lost, closed | (lost == 0.0), risen, normal, tangential, dilation)
+    for index, surface in enumerate(old.cover.surfaces):
+        before = np.flatnonzero(old.faces.surface == index)
+        after = np.flatnonzero(faces.surface == numbers.get(_first_of_many(surface.name), -1))
+        if np.array_equal(old.faces.nodes.points[before], faces.nodes.points[after]):
+            for kind, array in memory.arrays.items():
+                array[after] = state.memory.arrays[kind][before]
     return Start(state.level, memory, state.energy, state.conjugates, state.round_off, grown=True)
 
 
@@ -268,28 +275,10 @@ def equilibrated(state: LoadState, configuration: Configuration) -> Start:
     What this one does not store any more is released.
     """
     start = mapped(state, configuration)
-    start = replace(start, memory=_kept(state, configuration, start.memory))
     states = configuration.states(state.level, start.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
     found = _booked(_stated(configuration, start, states, state.level), start)
     return replace(next_load(found), course=next_load(state).course)
-
-
-def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemory) -> ContactMemory:
-    """What was `read_off` the state, but to the bit what points remember of surfaces whose points are where they were.
-
-    By the round-off of slip that is read off displacements bonds would break where all loads go.
-    """
-    was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
-    numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
-    known, found = state.memory.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
-    for index, surface in enumerate(state.cover.surfaces):
-        before = np.flatnonzero(was.surface == index)
-        after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
-        if np.array_equal(was.points[before], is_now.points[after]):
-            for name, array in found.items():
-                array[after] = known[name][before]
-    return ContactMemory(**found)
 
 
 def _formed(state: LoadState) -> LoadState:
