@@ -39,10 +39,8 @@ def lemke(M: Floats, q: Floats, d: Floats | None = None, max_pivots: int | None 
     `M` (n, n), `q` (n,) and the positive covering vector `d` (n,), ones in the scaled rows by default; at most
     `max_pivots` pivots, 1000 + 20 n by default. Ties of the minimum ratio go to the artificial variable, else by the
     lexicographic rule, so that no degenerate problem cycles. The solution is computed anew from the final basis, and
-    is "solved" only where every row holds to SOLVED_RESIDUAL of that row's own terms. Raises ValueError for wrong
-    shapes, values that are not finite and entries of d that are not positive.
+    is "solved" only where every row holds to SOLVED_RESIDUAL of that row's own terms.
     """
-    M, q, d = _checked(M, q, d)
     n = q.size
     limit = 1000 + 20 * n if max_pivots is None else max_pivots
     if n == 0 or q.min() >= 0.0:
@@ -108,17 +106,6 @@ def _violation(M: Floats, q: Floats, z: Floats) -> float:
     w = np.divide(M @ z + q, terms, out=np.zeros_like(q), where=terms > 0.0)
     largest = float(np.abs(z).max())
     return float(np.abs(np.minimum(z / largest if largest > 0.0 else z, w)).max())
-
-
-def _checked(M: Floats, q: Floats, d: Floats | None) -> tuple[Floats, Floats, Floats | None]:
-    M, q = np.asarray(M, dtype=np.float64), np.asarray(q, dtype=np.float64)
-    d = None if d is None else np.asarray(d, dtype=np.float64)
-    for name, value, shape in (("M", M, (q.size, q.size)), ("q", q, (q.size,)), ("d", d, (q.size,))):
-        if value is not None and (value.shape != shape or not np.isfinite(value).all()):
-            raise ValueError(f"lemke {name}: shape {value.shape}, must be {shape} with finite values only")
-    if d is not None and d.size and d.min() <= 0.0:
-        raise ValueError(f"lemke d: least entry is {d.min():.6g}, must be positive")
-    return M, q, d
 
 
 class _Tableau:

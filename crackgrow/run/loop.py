@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TypeVar
@@ -23,7 +24,7 @@ from crackgrow.run.increments import FROM_REST
 from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load
 from crackgrow.run.propagation import BeforeAdvance, advance_debonds, advance_tips
 from crackgrow.run.report import estimate_maker, step_result
-from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
+from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.strength_reduction import NARROW, strength_reduction
 from crackgrow.run.target import next_grading, solved_to_target
@@ -162,21 +163,15 @@ def _reduced(scene: Scene, begun: RunState) -> Steps:
     """The scene as it is, if it holds, and its last stable state while its strength is reduced."""
     safety, solutions = strength_reduction(scene, begun.cracks)
     if scene.case.numerics.measured:
-        safety = replace(safety, error=100.0 * (BOUND * _factor_apart(scene, begun, safety) + NARROW))
+        companion = scene.with_grading(replace(scene.grading, companion=True))
+        with suppress(GeometryError, SolveError):
+            other = strength_reduction(companion, begun.cracks)[0].factor
+            if np.isfinite([other, safety.factor]).all():
+                safety = replace(safety, error=100.0 * (BOUND * abs(other / safety.factor - 1.0) + NARROW))
     for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
             yield _reported(begun.at_load(step), solution), solution
     return RunEnd("completed", str(safety), begun.paths, safety=safety)
-
-
-def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
-    """By how much, of itself, the factor of safety is another one on the companion mesh; nan where there is none."""
-    companion = scene.with_grading(replace(scene.grading, companion=True))
-    try:
-        other = strength_reduction(companion, begun.cracks)[0].factor
-        return abs(other / safety.factor - 1.0) if np.isfinite([other, safety.factor]).all() else float("nan")
-    except (GeometryError, SolveError):
-        return float("nan")
 
 
 def _reported(

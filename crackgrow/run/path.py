@@ -78,13 +78,9 @@ class _LoadPath:
     last: LoadLevel
     near: PointStates | None  # states that may be close
 
-    def level(self, share: float) -> LoadLevel:
-        """The load after a share of the way."""
-        return self.first.towards(self.last, share)
-
     def at(self, share: float) -> PointStates:
         """The states after one increment to there."""
-        return self.configuration.states(self.level(share), self.was, self.near)
+        return self.configuration.states(self.first.towards(self.last, share), self.was, self.near)
 
     def if_borne(self, share: float) -> PointStates | None:
         """The same; None where there are none."""
@@ -95,7 +91,7 @@ class _LoadPath:
 
     def on_branch(self, like: PointStates, share: float) -> PointStates:
         """The states there on branches of others, with what slip on these takes."""
-        return self.configuration.increment(self.level(share), self.was).on_branch(like)
+        return self.configuration.increment(self.first.towards(self.last, share), self.was).on_branch(like)
 
     def moved(self, states: PointStates) -> Floats:
         """How far (n,) m points have slipped on the way, less the elastic part."""

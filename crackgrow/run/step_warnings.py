@@ -63,7 +63,11 @@ def step_warnings(
         *_unstable(solution),
         *_large_displacements(solution, faces),
         *dry_joints(solution.scene, solution.cover),
-        *_suction(solution),
+        *(
+            warning("SUCTION", volume.where, -volume.pressure)  # it would pull at the faces
+            for volume in reactions(solution)
+            if volume.pressure < -limit_of("SUCTION") * mean_stress(solution)
+        ),
         *_on_points(solution),
     ]
     return tuple(sorted(found, key=lambda each: each.rank))
@@ -241,13 +245,6 @@ def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) ->
     size, what = max(found)
     if size > limit_of("NOT_SMALL"):
         yield warning("NOT_SMALL", size=size, what=what.format(f"{100.0 * size:.2g} %"))
-
-
-def _suction(solution: StepSolution) -> Iterator[StepWarning]:
-    """Volumes of fluid that would pull at the faces."""
-    for reaction in reactions(solution):
-        if reaction.pressure < -limit_of("SUCTION") * mean_stress(solution):  # no volume: nan
-            yield warning("SUCTION", reaction.where, -reaction.pressure)
 
 
 def _on_points(solution: StepSolution) -> Iterator[StepWarning]:
