@@ -59,13 +59,16 @@ class NextStepSolver:
         if isinstance(scene.case.loading, Stages):  # every step begins with the first of them
             return replace(_solved(_in_turn(scene, self.cracks)), origin=FROM_REST)
         configuration = assemble(scene, self.cracks)
-        origin = origin or self._origin(configuration)
+        growth, before = scene.case.growth, self.before
+        if origin is None and before is not None:
+            on = growth is not None and not growth.unload_between_steps
+            origin = Origin(before.factor, mapped(before, configuration) if on else None)
+        origin = origin or FROM_REST
         if origin.start is not None:
-            state = increment(configuration, origin.start, origin.start.level.factor)
-            solution = _solved(iter([(state, origin)]))
+            solution = evaluated(increment(configuration, origin.start, origin.start.level.factor))
         elif isinstance(scene.case.loading, CriticalLoad):
             solution = critically_loaded(configuration, origin.guess)
-        elif scene.case.growth is not None and scene.case.growth.fatigue is not None:
+        elif growth is not None and growth.fatigue is not None:
             states = _in_turn(scene, self.cracks, configuration=configuration)
             first = next(states)
             solution, origin = with_ranges(_solved(chain([first], states)), first[0]), FROM_REST  # begun unloaded
@@ -86,14 +89,6 @@ class NextStepSolver:
             return own, own.factor
         start = held_loads(own.configuration)
         return evaluated(increment(own.configuration, start, factor)), own.factor
-
-    def _origin(self, configuration: Configuration) -> Origin:
-        """What a configuration goes on from."""
-        if self.before is None:
-            return FROM_REST
-        growth = configuration.scene.case.growth
-        on = growth is not None and not growth.unload_between_steps
-        return Origin(self.before.factor, mapped(self.before, configuration) if on else None)
 
 
 def load(scene: Scene, cracks: tuple[GrowingCrack, ...], before: StepSolution | None = None) -> StepSolution:

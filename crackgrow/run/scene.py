@@ -217,30 +217,29 @@ def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Sc
 
 
 def scene_of_stage(scene: Scene, number: int) -> Scene:
-    """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice."""
-    assert isinstance(scene.case.loading, model.Stages)
-    gone = {body for body, _ in scene.case.loading.stages[number].excavated}
+    """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice.
+
+    What acts on that goes, too, but for supports, which keep their numbers.
+    """
+    case = scene.case
+    assert isinstance(case.loading, model.Stages)
+    gone = {body for body, _ in case.loading.stages[number].excavated}
     if not gone:
         return replace(scene, stage=number)
-    left = _scene_on(without(scene.case, gone), scene.lattice)
-    left = replace(left, grading=scene.grading, lengths=scene.lengths, debonds=scene.debonds)
-    return replace(left, stage=number, whole=scene)
-
-
-def without(case: model.Case, gone: set[str]) -> model.Case:
-    """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
 
     def is_left(load: model.Load) -> bool:
         if isinstance(load, model.Fluid):
             return not load.surface.bounds(gone)
         return (load.region.body if isinstance(load, model.EdgeLoad) else load.body) not in gone
 
-    return replace(
+    case = replace(
         case,
         bodies=tuple(body for body in case.bodies if body.name not in gone),
         interfaces=tuple(interface for interface in case.interfaces if not interface.surface.bounds(gone)),
         loads=tuple(filter(is_left, case.loads)),
     )
+    left = replace(_scene_on(case, scene.lattice), grading=scene.grading, lengths=scene.lengths, debonds=scene.debonds)
+    return replace(left, stage=number, whole=scene)
 
 
 def _scene_on(case: model.Case, lattice: Lattice) -> Scene:
