@@ -43,7 +43,8 @@ class RunState:
 
     def at_load(self, step: int) -> RunState:
         """About to make the result of a load without growth, which may be the one that it is at."""
-        return RunState(step, self.cracks, factorizations=self.factorizations if step == self.step else None)
+        factorizations = self.factorizations if step == self.step else None
+        return RunState(step, self.cracks, factorizations=factorizations, debonds=self.debonds)
 
     @property
     def paths(self) -> tuple[CrackPath, ...]:
