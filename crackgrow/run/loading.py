@@ -180,7 +180,7 @@ def _solved(states: States, n: int | None = None) -> StepSolution:
     number = 0
     for each in islice(states, n):
         number, (state, came_from) = number + 1, each
-        before, passed = passed, (*(passed if n is None else ()), *history_of(state))
+        before, passed = passed, (*passed, *history_of(state)) if n is None else ()
     if number < (n or 1):
         raise NotSolvedError("an earlier load of the history has no solution on these cells")
     return replace(evaluated(state), origin=came_from, passed=before)

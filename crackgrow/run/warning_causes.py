@@ -33,7 +33,7 @@ class StepWarning:
     @property
     def rank(self) -> int:
         """The smaller the more important."""
-        return list(warning_causes()).index(self.cause)
+        return 1 + list(warning_causes()).index(self.cause)
 
 
 def warning(cause: str, place: str = "", size: float = 0.0, **values: object) -> StepWarning:
