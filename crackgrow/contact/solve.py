@@ -23,9 +23,9 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations, solve_active
+from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution, absolute_product
 from crackgrow.contact.stuck import MANY, solve_among_stuck

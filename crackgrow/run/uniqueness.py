@@ -34,9 +34,9 @@ from scipy.linalg import solve_triangular
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Case, LoadHistory, Stages, StrengthReduction
 from crackgrow.case.units import Metres, place_text
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set
 from crackgrow.contact.equations import solve_active
+from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, PointStates

@@ -7,9 +7,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import STICK, active_set, complementarity_residual
 from crackgrow.contact.hold import alone, least_unbalanced
+from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.stuck import solve_among_stuck
