@@ -104,26 +104,19 @@ class StepSolution(LoadState):
 
 def evaluated(state: LoadState) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips."""
-    scene, cover, configuration = state.scene, state.cover, state.configuration
+    scene, cover, configuration, materials = state.scene, state.cover, state.configuration, state.materials
     with timed("criterion"):
+        u, n_tips = state.outcome.u, len(cover.tips)
         fields_at: dict[int, TipField] = {}  # the stress round every site at which something can grow, by its number
         if scene.case.growth is not None:
             functionals = configuration.stress_functionals
-            found = fields_of(cover, state.materials, state.outcome.u, list(functionals.values()))
-            fields_at = dict(zip(functionals, found, strict=True))
-        tips, places = _tip_states(state, fields_at), configuration.sites[len(cover.tips) :]
-        loadings = [
-            without_K(fields_at[number], scene.start_radius(site.body))
-            for number, site in enumerate(places, len(cover.tips))
-        ]
+            fields_at = dict(zip(functionals, fields_of(cover, materials, u, list(functionals.values())), strict=True))
+        tips, places = _tip_states(state, fields_at), configuration.sites[n_tips:]
+        loadings = [without_K(fields_at[n], scene.start_radius(site.body)) for n, site in enumerate(places, n_tips)]
         starts = tuple(map(StartState, places, loadings, verdicts(scene, places, loadings)))
-        forces = [scene.body_force(body, state.factor) for body in range(len(state.materials))]
+        forces = [scene.body_force(body, state.factor) for body in range(len(materials))]
         interface_tips = tuple(
-            InterfaceTipState(
-                tip,
-                released(cover, state.materials, state.outcome.u, tip, _tractions(state, tip.surface), forces),
-                debond,
-            )
+            InterfaceTipState(tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces), debond)
             for tip, debond in configuration.interface_tips
         )
     known = {each.name: getattr(state, each.name) for each in fields(LoadState)}

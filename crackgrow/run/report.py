@@ -41,6 +41,7 @@ from crackgrow.run.state_values import history, history_of, mean_stress, reactio
 from crackgrow.run.step_warnings import contact_violations, pressed_strain, step_warnings
 
 Estimate = Callable[[], ErrorEstimate]
+
 STILL = 1e-6
 """Of what the stress could make a crack of its length slip: faces have not moved by less, 3e-9 of it in 56 joints."""
 
