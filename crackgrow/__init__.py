@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from crackgrow.results.export import export
     from crackgrow.results.folder import open_run
     from crackgrow.results.run import Run
-    from crackgrow.run import grow
+    from crackgrow.run.loop import grow
     from crackgrow.study.compare import compare_paths
     from crackgrow.study.fit import fit, plan_fit
     from crackgrow.study.sweep import plan_sweep, sweep
@@ -64,7 +64,7 @@ _HOMES = {
     "results.export": "export",
     "results.folder": "open_run",
     "results.run": "Run",
-    "run": "grow",
+    "run.loop": "grow",
     "study.compare": "compare_paths",
     "study.fit": "fit plan_fit",
     "study.sweep": "plan_sweep sweep",

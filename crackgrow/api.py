@@ -146,7 +146,7 @@ class Solution(Tables):
 
         In-situ stress is included. A point on a crack or between two bodies has the stress of one of the sides.
         """
-        cover, u, materials = self._solved.cover, self._solved.outcome.u, self._solved.state.materials
+        cover, u, materials = self._solved.cover, self._solved.outcome.u, self._solved.materials
 
         def stress(local: Floats, elements: Ints) -> Floats:
             found = recovery.stress_at(cover, materials, u, local, elements)

@@ -15,8 +15,7 @@ from PIL import Image
 from crackgrow.case import Case, load_case
 from crackgrow.errors import CaseError, Fault, SolveError
 from crackgrow.results.writer import RunWriter
-from crackgrow.run import grow
-from crackgrow.run.loop import for_each
+from crackgrow.run.loop import for_each, grow
 from crackgrow.run.result import RunEnd, StepResult
 from tests.verification.solutions import CASES, case_of
 

@@ -19,7 +19,7 @@ from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.polyline import segment_directions
 from crackgrow.run.configuration import Configuration, assemble
 from crackgrow.run.evaluation import StepSolution, evaluated
-from crackgrow.run.increments import LoadState, from_state, held_loads, increment, unloaded
+from crackgrow.run.increments import LoadState, held_loads, increment, unloaded
 from crackgrow.run.loop import for_each, grow
 from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
@@ -49,7 +49,7 @@ def through(configuration: Configuration, *factors: float) -> list[LoadState]:
     start, states = held_loads(configuration), []
     for factor in factors:
         states.append(increment(configuration, start, factor))
-        start = from_state(states[-1])
+        start = states[-1]
     return states
 
 
@@ -95,9 +95,9 @@ def solve_contact(
     memory = memory or ContactMemory.fresh(len(contact.weights))
     pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
     still = np.zeros(2 * len(contact.weights))
-    increment = Increment(contact, memory, pull, OVERLAP * displacement_size(loads, without[0], given), still)
     free = contact.operator @ without[0]
-    return increment.formed(increment.solved(free), free, (loads, given), without)
+    increment = Increment(contact, memory, free, pull, OVERLAP * displacement_size(loads, without[0], given), still)
+    return increment.formed(increment.solved(), (loads, given), without)
 
 
 def whole_run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:

@@ -1,4 +1,4 @@
-"""Coulomb's law of contact points: its branches, their derivative, and what points remember from load to load.
+"""Coulomb's law of contact points: its branches, and what points remember from load to load.
 
 Every point satisfies (Li, Zheng, Guo 2017, equations (4) to (6), in total slip from the unloaded state)
 
@@ -30,7 +30,6 @@ point passes a cohesion of zero where the bond is lost; an open point then carri
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, fields
 from typing import Any, Final
 
@@ -39,7 +38,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import STEEPEST
-from crackgrow.contact.problem import ContactProblem, check_shape, read_only
+from crackgrow.contact.problem import ContactProblem, read_only
 
 OPEN: Final = 0
 STICK: Final = 1
@@ -294,80 +293,14 @@ def _trial(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
     return p + np.concatenate([opening(problem, du), du[n:]]) / problem.points.scale
 
 
-class Branches:
-    """The equations of an active set for the tractions that it leaves unknown, p_n of closed and p_t of stuck points.
-
-    With slip = 0, 1 or -1 of a point, sense that of all its slip, and the jump du = free - A p + B a, they follow from
-
-        du_n - d sense (s0 + du_t) = 0   where it is closed,     du_t = 0   where it sticks,
-
-    elsewhere p_n = 0 and p_t = slip (cohesion - friction p_n). These are the derivatives of `project`, branch by
-    branch, and all of them are linear.
-    """
-
-    def __init__(self, problem: ContactProblem, active: ActiveSet) -> None:
-        n, slip, self._points = problem.n_points, active.slip, problem.points
-        self.closed, self.sticks = active.closed, slip == 0
-        self.slope = np.where(active.closed, slip * problem.friction, 0.0)  # of shear with pressure
-        self.lean = np.where(active.closed, problem.dilation * active.sense, 0.0)  # of gaps with their slip
-        self.shear = slip * problem.cohesion  # (n,) Pa
-        self.rows = np.flatnonzero(np.concatenate([self.closed, self.sticks]))  # (k,) of the unknown tractions
-        closed = self.rows[: np.searchsorted(self.rows, n)]
-        self._sliding = np.flatnonzero(slip[closed])  # places in `rows` of points that are closed and slide
-        self._slides = closed[self._sliding]
-
-    def differ(self, other: Branches) -> Bools:
-        """Which points (n,) have other equations on other branches, whatever the loads."""
-        either = (self.closed != other.closed) | (self.sticks != other.sticks)
-        return np.asarray(either | (self.slope != other.slope) | (self.lean != other.lean))
-
-    def tractions(self, unknown: Floats, shear: Floats) -> Floats:
-        """(2 n,) all tractions, of the unknown ones (k,), and of shear (n,) that does not depend on these."""
-        p = np.concatenate([np.zeros(len(shear)), shear])
-        p[self.rows] = unknown
-        return self.with_shear(p)
-
-    def with_shear(self, p: Floats) -> Floats:
-        """(2 n, ...) tractions with the shear that goes with pressure where points slip added to them, in place."""
-        n = len(self.slope)
-        p[n:] -= (self.slope * p[:n].T).T
-        return p
-
-    def matrix(self) -> Floats:
-        """(k, k) jumps that unknown tractions take away, of the branches."""
-        return self.of_rows(lambda some: self.per_unknown(self._points.compliance, some))
-
-    def right(self, problem: ContactProblem, shear: Floats) -> Floats:
-        """(k,) of the same rows with the free jumps of a problem, and with that shear (n,) Pa alone."""
-        n = problem.n_points
-        jumps = problem.free - self._points.compliance[:, n:] @ shear
-        jumps[:n] -= self.lean * problem.slipped
-        return self.of_rows(lambda rows: jumps[rows])
-
-    def per_unknown(self, of: Floats, some: Ints) -> Floats:
-        """(r, k) per unknown traction, with the shear that goes with pressure, of rows `some` (r,) per traction."""
-        found, n = of[np.ix_(some, self.rows)], len(self.slope)
-        if len(self._sliding):
-            found[:, self._sliding] -= of[np.ix_(some, n + self._slides)] * self.slope[self._slides]
-        return found
-
-    def of_rows(self, of: Callable[[Ints], Floats]) -> Floats:
-        """What `of` says of the unknown rows, with the part of the slip that dilation adds to gaps."""
-        found, lean = of(self.rows), self.lean[self._slides]
-        if lean.any():
-            found[self._sliding] -= (lean * of(len(self.lean) + self._slides).T).T
-        return found
-
-
 def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
     """Worst relative violation of the contact law by unknowns x (2 n + l,): zero for a solution, one for a wrong one.
 
     Jumps are measured by the largest one without tractions, or the largest diag(A) |p| where that is more; tractions by
     the largest |p|, or the least traction that could make up that jump. Needs nothing but the problem and x.
-    Raises NotSolvedError where x is not finite, ValueError where it has the wrong shape.
+    Raises NotSolvedError where x is not finite.
     """
     x = read_only("traction", x)
-    check_shape("traction", x, (problem.free.size + problem.n_motions,))
     if problem.free.size == 0:
         return 0.0
     n, m, du = problem.n_points, problem.free.size, problem.jump(x)

@@ -1,18 +1,24 @@
-"""The equations of one active set of the contact problem, factorized.
+"""The equations of one active set of the contact problem, factorized: the derivative of `coulomb.project` there.
 
-They are solved for the tractions and motions that the set leaves unknown. Where contact alone holds pieces of rock the
-balance of the tractions and the loads on them, F p = pull, is among these. The factors serve all loads.
+With slip = 0, 1 or -1 of a point, sense that of all its slip, and the jump du = free - A p + B a, the tractions that
+the set leaves unknown, p_n of closed and p_t of stuck points, follow from
+
+    du_n - d sense (s0 + du_t) = 0   where it is closed,     du_t = 0   where it sticks,
+
+elsewhere p_n = 0 and p_t = slip (cohesion - friction p_n). Where contact alone holds pieces of rock the balance of the
+tractions and the loads on them, F p = pull, is among these. All are linear, and the factors serve all loads.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Final
 
 import numpy as np
 from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
-from crackgrow.arrays import Floats
-from crackgrow.contact.coulomb import ActiveSet, Branches
+from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.contact.coulomb import ActiveSet
 from crackgrow.contact.problem import ContactProblem, absolute_product
 
 SINGULAR: Final = 1e-14
@@ -30,7 +36,12 @@ class ActiveEquations:
     """
 
     def __init__(self, problem: ContactProblem, active: ActiveSet) -> None:
-        self.points, self.branches = problem.points, Branches(problem, active)
+        self.points, self._coefficients, n = problem.points, _coefficients(problem, active), problem.n_points
+        closed, sticks, self._slope, self._lean = self._coefficients
+        self._rows = np.flatnonzero(np.concatenate([closed, sticks]))  # (k,) of the unknown tractions
+        both = self._rows[: np.searchsorted(self._rows, n)]
+        self._sliding = np.flatnonzero(active.slip[both])  # places in the rows of points that are closed and slide
+        self._slides = both[self._sliding]
         self._least = SINGULAR if problem.n_motions else 0.0
         self._size = float(self.points.scale.mean()) if problem.n_motions else 1.0
         self._force = float(np.abs(self.points.force).max(initial=0.0)) or 1.0
@@ -42,31 +53,35 @@ class ActiveEquations:
             self._lu, self._pivots, info = dgetrf(K.T, overwrite_a=1)
             self.singular = bool(info) or (self._least > 0.0 and dgecon(self._lu, norm, norm="1")[0] <= self._least)
 
+    def are_of(self, problem: ContactProblem, active: ActiveSet) -> bool:
+        """Whether they are those of an active set of a problem, whatever its loads."""
+        pairs = zip(self._coefficients, _coefficients(problem, active), strict=True)
+        return problem.points is self.points and all(np.array_equal(mine, its) for mine, its in pairs)
+
+    def solution(self, problem: ContactProblem, active: ActiveSet) -> Floats:
+        """All unknowns (2 n + l,) of an active set of a problem, whose equations they are."""
+        n, shear = problem.n_points, active.slip * problem.cohesion
+        jumps = problem.free - self.points.compliance[:, n:] @ shear
+        jumps[:n] -= self._lean * problem.slipped
+        right = self._of_rows(lambda rows: jumps[rows])
+        if problem.n_motions:
+            given = problem.pull - self.points.force[:, n:] @ shear
+            right = np.append(right, given * (self._size / self._force))
+        x, k, p = self._solved(right), len(self._rows), np.concatenate([np.zeros(n), shear])
+        p[self._rows] = x[:k] / self._size
+        return np.concatenate([self._with_shear(p), x[k:]])
+
     def _matrix(self) -> Floats:
-        """K (k + l, k + l), of unknown tractions and motions."""
-        branches, jump = self.branches, self.points.jump
-        K, n_motions = branches.matrix(), jump.shape[1]
+        """K (k + l, k + l): jumps that unknown tractions take away, and motions add; what tractions do on motions."""
+        jump = self.points.jump
+        K, n_motions = self._of_rows(lambda some: self._per_unknown(self.points.compliance, some)), jump.shape[1]
         if not n_motions:
             return K
         k, whole = len(K), np.zeros((len(K) + n_motions,) * 2)
         np.divide(K, self._size, out=whole[:k, :k])
-        whole[:k, k:] = -branches.of_rows(lambda rows: jump[rows])
-        whole[k:, :k] = branches.per_unknown(self.points.force, np.arange(n_motions)) / self._force
+        whole[:k, k:] = -self._of_rows(lambda rows: jump[rows])
+        whole[k:, :k] = self._per_unknown(self.points.force, np.arange(n_motions)) / self._force
         return whole
-
-    def are_of(self, problem: ContactProblem, active: ActiveSet) -> bool:
-        """Whether they are those of an active set of a problem, whatever its loads."""
-        return problem.points is self.points and not self.branches.differ(Branches(problem, active)).any()
-
-    def solution(self, problem: ContactProblem, active: ActiveSet) -> Floats:
-        """All unknowns (2 n + l,) of an active set of a problem, whose equations they are."""
-        branches, shear = self.branches, active.slip * problem.cohesion
-        right = branches.right(problem, shear)
-        if problem.n_motions:
-            given = problem.pull - self.points.force[:, len(shear) :] @ shear
-            right = np.append(right, given * (self._size / self._force))
-        x, k = self._solved(right), len(branches.rows)
-        return np.concatenate([branches.tractions(x[:k] / self._size, shear), x[k:]])
 
     def _solved(self, right: Floats) -> Floats:
         """x (k + l,) of K x = `right`."""
@@ -82,13 +97,37 @@ class ActiveEquations:
 
     def _times(self, x: Floats) -> Floats:
         """K x (k + l,)."""
-        points, branches, k = self.points, self.branches, len(self.branches.rows)
-        p = np.zeros(len(points.scale))
-        p[branches.rows] = x[:k] / self._size
-        jumps = points.compliance @ branches.with_shear(p) - points.jump @ x[k:]
-        return np.concatenate(
-            [branches.of_rows(lambda rows: jumps[rows]), points.force @ p * (self._size / self._force)]
-        )
+        points, k, p = self.points, len(self._rows), np.zeros(len(self.points.scale))
+        p[self._rows] = x[:k] / self._size
+        jumps = points.compliance @ self._with_shear(p) - points.jump @ x[k:]
+        return np.append(self._of_rows(lambda rows: jumps[rows]), points.force @ p * (self._size / self._force))
+
+    def _with_shear(self, p: Floats) -> Floats:
+        """Tractions (2 n,) with the shear that goes with pressure where points slip added to them, in place."""
+        n = len(self._slope)
+        p[n:] -= self._slope * p[:n]
+        return p
+
+    def _per_unknown(self, of: Floats, some: Ints) -> Floats:
+        """(r, k) per unknown traction, with the shear that goes with pressure, of rows `some` (r,) per traction."""
+        found = of[np.ix_(some, self._rows)]
+        if len(self._sliding):
+            found[:, self._sliding] -= of[np.ix_(some, len(self._slope) + self._slides)] * self._slope[self._slides]
+        return found
+
+    def _of_rows(self, of: Callable[[Ints], Floats]) -> Floats:
+        """What `of` says of the unknown rows, with the part of the slip that dilation adds to gaps."""
+        found, lean = of(self._rows), self._lean[self._slides]
+        if lean.any():
+            found[self._sliding] -= (lean * of(len(self._lean) + self._slides).T).T
+        return found
+
+
+def _coefficients(problem: ContactProblem, active: ActiveSet) -> tuple[Bools, Bools, Floats, Floats]:
+    """Which points (n,) are closed, which stick; the slope of shear with pressure, and of gaps with their slip."""
+    closed, slip = active.closed, active.slip
+    slope = np.where(closed, slip * problem.friction, 0.0)
+    return closed, slip == 0, slope, np.where(closed, problem.dilation * active.sense, 0.0)
 
 
 def equations_of(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> ActiveEquations:
@@ -97,5 +136,9 @@ def equations_of(problem: ContactProblem, active: ActiveSet, near: ActiveEquatio
 
 
 def solve_active(problem: ContactProblem, active: ActiveSet, near: ActiveEquations | None = None) -> Floats:
-    """Unknowns (2 n + l,) of the problem with the equations of one active set, which may be those of `near`."""
-    return equations_of(problem, active, near).solution(problem, active)
+    """Unknowns (2 n + l,) of the problem with the equations of one active set, which may be those of `near`.
+
+    Its loose pieces are settled for it.
+    """
+    lying, unknowns = problem.settled()
+    return unknowns(equations_of(lying, active, near).solution(lying, active))

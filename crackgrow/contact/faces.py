@@ -6,7 +6,7 @@ Tractions are p(s) = sum N_k(s) p_k; gap and slip of a contact point are average
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -89,6 +89,30 @@ class ContactFaces:
     def weights(self) -> Floats:
         """Integral of N_k (contact points,), spacings."""
         return np.asarray(self.functions @ self.lengths)
+
+    def between(self, surface: int, s: Floats, *values: Floats) -> list[Floats]:
+        """Each of `values` (contact points,) at arc lengths s (n,) of a surface: (n,), linear along each stretch.
+
+        Constant towards the ends of a stretch, zero on a surface without contact points.
+        """
+        if surface not in self.ends:
+            return [np.zeros(len(s)) for _ in values]
+        left, right, share = self._beside(surface, s)
+        return [found[left] + share * (found[right] - found[left]) for found in values]
+
+    def nearest(self, surface: int, s: Floats) -> Ints:
+        """Number (n,) of the contact point nearest to arc lengths s (n,) of a surface, on the stretch; -1 for none."""
+        if surface not in self.ends:
+            return np.full(len(s), -1, dtype=np.int64)
+        left, right, share = self._beside(surface, s)
+        return np.where(share > 0.5, right, left)
+
+    def _beside(self, surface: int, s: Floats) -> tuple[Ints, Ints, Floats]:
+        """Numbers (n,) of the contact points on both sides of arc lengths s (n,), and how far from the left."""
+        mine = slice(*np.searchsorted(self.surface, (surface, surface + 1)).tolist())
+        stretch = np.searchsorted(self.ends[surface][1:-1], s, side="right")
+        left, right, share = neighbours(self.s[mine], self.stretch[mine], s, stretch)
+        return mine.start + left, mine.start + right, share
 
 
 def stretch_ends(cover: Cover, index: int, larger: float = 1.0) -> Floats:
@@ -214,38 +238,25 @@ def joined_faces(cover: Cover, ends: dict[int, Floats], parts: list[Part]) -> Co
     if not parts:
         return _NO_FACES
     points, lengths, functions, nodes, stretches = zip(*parts, strict=True)
+    first_node, first_point = (starts_of(np.array([len(each) for each in some])) for some in (nodes, lengths))
     return ContactFaces(
         points=joined(points),
         lengths=np.concatenate(lengths),
-        values=_all_functions(functions, [len(s) for s in nodes], [len(some.s) for some in points]),
+        values=Functions(
+            node=np.concatenate([part.node + first for part, first in zip(functions, first_node, strict=False)]),
+            point=np.concatenate([part.point + first for part, first in zip(functions, first_point, strict=False)]),
+            value=np.concatenate([part.value for part in functions]),
+        ),
         nodes=joined([_nodes_at(cover, *node) for node in zip(ends, nodes, stretches, ends.values(), strict=True)]),
         stretch=np.concatenate(stretches),
         ends=ends,
     )
 
 
-def _all_functions(parts: Sequence[Functions], n_nodes: list[int], n_points: list[int]) -> Functions:
-    """N_k of all surfaces, which have so many contact points and integration points."""
-    counts = [len(part.value) for part in parts]
-    row, column = (
-        np.concatenate(numbers) + np.repeat(starts_of(np.array(of_each))[:-1], counts)
-        for numbers, of_each in (([part.node for part in parts], n_nodes), ([part.point for part in parts], n_points))
-    )
-    return Functions(row, column, np.concatenate([part.value for part in parts]))
-
-
 def joined(parts: Sequence[FacePoints]) -> FacePoints:
     """Face points of several sets as one set."""
-    if len(parts) == 1:
-        return parts[0]
-    return FacePoints(
-        surface=np.concatenate([p.surface for p in parts]),
-        s=np.concatenate([p.s for p in parts]),
-        points=np.concatenate([p.points for p in parts]),
-        normal=np.concatenate([p.normal for p in parts]),
-        plus=np.concatenate([p.plus for p in parts]),
-        minus=np.concatenate([p.minus for p in parts]),
-    )
+    names = [each.name for each in fields(FacePoints)]
+    return FacePoints(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
 
 _NO_NUMBERS, _NO_PLACES, _NO_IDS = np.empty(0), np.empty((0, 2)), np.empty(0, dtype=np.int64)

@@ -13,6 +13,7 @@ nothing holds the pieces. Where there are some, faces that slide without dilatin
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 
 import numpy as np
 
@@ -20,7 +21,7 @@ from crackgrow.arrays import Floats
 from crackgrow.contact.solve import Trial
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import FreePieceError, NotSolvedError
-from crackgrow.solid.rigid_modes import FreePiece
+from crackgrow.solid.rigid_modes import FreePiece, RigidMotions
 
 AMPLE = 1e6
 """Times the mean traction of the loads: more cohesion or tensile strength than that is as good as that."""
@@ -50,16 +51,17 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     """
     free, law = contact.loose, contact.law
     assert free is not None
+    size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
+    unbalanced = partial(least_unbalanced, (contact.force, free.along(loads)), size, length)
     whole = np.zeros(len(contact.weights))
     lost, opened = (whole, whole > 0.0) if trial is None else (trial.lost, trial.opened)
     friction, cohesion = law.bound_of(lost)
     held = (np.where(opened, 0.0, strength) for strength in (cohesion, law.tension_of(lost)))
-    left, way = _unbalanced(contact, loads, friction, *held)
+    left, way = unbalanced(friction, *held)
     if left <= UNBALANCED:
         return
-    gap, slip = np.split(contact.moving @ way, 2)
-    piece, others = _giving_way(contact, way)
-    moves = _in_words(free.of_piece(piece, way), piece, _surfaces(gap, slip, friction, surface))
+    piece, others = _giving_way(contact, free, way)
+    moves = _in_words(free.of_piece(piece, way), piece, contact.moving @ way, friction, surface)
     names = f"{piece}" + (f" (and with it {' and '.join(str(other) for other in others)})" if others else "")
     what = (
         f"{names} is free to move: contact does not hold it, {moves}; {100.0 * left:.3g} % of the loads stay out of "
@@ -67,7 +69,7 @@ def check_can_hold(contact: ContactSystem, surface: Sequence[str], loads: Floats
     )
     weaker = (law.breakable & (lost > 0.0)) | (opened & (law.cohesion[0] > 0.0))
     full = *law.bound_of(whole), law.tension[0]
-    if weaker.any() and _unbalanced(contact, loads, *full)[0] <= UNBALANCED:
+    if weaker.any() and unbalanced(*full)[0] <= UNBALANCED:
         where = " and ".join(sorted({repr(surface[point]) for point in np.flatnonzero(weaker).tolist()}))
         what += f"; {BROKEN.format(where, weaker.sum(), len(weaker))}"
     raise FreePieceError(what, "it needs supports, friction or another load")
@@ -83,20 +85,8 @@ def alone(pieces: Sequence[FreePiece]) -> str:
     )
 
 
-def _unbalanced(contact: ContactSystem, loads: Floats, *strength: Floats) -> tuple[float, Floats]:
-    """The part of the loads (n_dofs,) N/m that faces leave unbalanced, and how they give way.
-
-    Their `strength` is friction, cohesion and tensile strength, each (n,).
-    """
-    assert contact.loose is not None
-    size, length = float(np.abs(loads).sum()), float(contact.weights.sum())
-    return least_unbalanced((contact.force, contact.loose.along(loads)), size, length, *strength)
-
-
-def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
+def _giving_way(contact: ContactSystem, free: RigidMotions, way: Floats) -> tuple[FreePiece, list[FreePiece]]:
     """The piece at most of whose contact points the faces part or slip, and the others that move."""
-    free = contact.loose
-    assert free is not None
     yields = np.hypot(*np.split(contact.moving @ way, 2))
     yields = yields > YIELDS * yields.max(initial=0.0)
     of_pieces = abs((contact.operator @ free.of_pieces).toarray())
@@ -111,26 +101,19 @@ def _giving_way(contact: ContactSystem, way: Floats) -> tuple[FreePiece, list[Fr
     return first, [piece for piece in moving if piece is not first]
 
 
-def _surfaces(gap: Floats, slip: Floats, friction: Floats, surface: Sequence[str]) -> tuple[list[str], list[str]]:
-    """The surfaces whose faces slip in a motion, and those whose faces part.
+def _in_words(motion: Floats, piece: FreePiece, jumps: Floats, friction: Floats, surface: Sequence[str]) -> str:
+    """How a piece moves, and along which surfaces, whose faces make jumps (2 n,).
 
     Limit analysis lets faces that slip part by friction times their slip.
     """
-    tolerance = YIELDS * max(np.abs(gap).max(initial=0.0), np.abs(slip).max(initial=0.0))
-    slips = (np.abs(slip) > tolerance) & (gap <= friction * np.abs(slip) + tolerance)
-    parts = gap > friction * np.abs(slip) + tolerance
-    named = [sorted({surface[point] for point in np.flatnonzero(which).tolist()}) for which in (slips, parts)]
-    return named[0], named[1]
-
-
-def _in_words(motion: Floats, piece: FreePiece, surfaces: tuple[list[str], list[str]]) -> str:
-    """How a piece moves."""
-    slipping, parting = surfaces
     if abs(motion[2]) > TURNS * float(np.hypot(*motion[:2])):
         return f"it turns about {piece.about(motion)}"
-    if slipping:
-        return f"it slides along {' and '.join(repr(name) for name in slipping)}"
-    return f"it moves off {' and '.join(repr(name) for name in parting)}"
+    (gap, slip), tolerance = np.split(jumps, 2), YIELDS * np.abs(jumps).max(initial=0.0)
+    parts = gap > friction * np.abs(slip) + tolerance
+    slips = (np.abs(slip) > tolerance) & ~parts
+    moves, which = ("slides along", slips) if slips.any() else ("moves off", parts)
+    names = sorted({surface[point] for point in np.flatnonzero(which).tolist()})
+    return f"it {moves} {' and '.join(repr(name) for name in names)}"
 
 
 def least_unbalanced(

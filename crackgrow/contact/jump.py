@@ -1,4 +1,4 @@
-"""The jump operator: gap and slip of contact points as linear functions of the unknowns, paper eq. (4)."""
+"""The jump: gap and slip of contact points as linear functions of the unknowns, paper eq. (4); elastic tractions."""
 
 from __future__ import annotations
 
@@ -7,7 +7,9 @@ from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import of_component, values_at
 from crackgrow.arrays import Floats, Ints
-from crackgrow.contact.faces import ContactFaces, FacePoints
+from crackgrow.contact.coulomb import EPSILON, SLIP, STICK, ContactLaw
+from crackgrow.contact.faces import ContactFaces, FacePoints, points_at
+from crackgrow.contact.solve import ContactOutcome
 from crackgrow.cover.cover import Cover
 
 
@@ -60,3 +62,36 @@ def _both_faces(points: FacePoints) -> tuple[Ints, Floats, Ints]:
     """Which of the points (r,) have rock on their minus face; places and elements of the plus faces, then of those."""
     rock = np.flatnonzero(points.minus >= 0)
     return rock, np.concatenate([points.points, points.points[rock]]), np.concatenate([points.plus, points.minus[rock]])
+
+
+def elastic_tractions(
+    cover: Cover, faces: ContactFaces, crack: int, s: Floats, law: ContactLaw, outcome: ContactOutcome
+) -> tuple[Floats, Floats]:
+    """Normal and tangential traction (n,) Pa at arc lengths s (n,) of a crack, from the jump there by the elastic law.
+
+    For contact points that are the points where the law holds: between them and on to the tip, where the jump vanishes
+    with the square root of the distance, the law says more than their tractions, interpolated, do. With e and e_t the
+    compliances (m/Pa) across the faces and along them, and d the tangent of the dilation angle
+
+        p_n = (gap - d |slip - e_t p_t|) / e,    p_t = slip / e_t where the faces have never slipped.
+
+    Elsewhere p_t is in proportion to p_n, as at the contact points, but for the cohesion of faces that slip.
+    """
+    if crack not in faces.ends:  # it cannot touch
+        return np.zeros(len(s)), np.zeros(len(s))
+    nearest = faces.nearest(crack, s)
+    gap, slip = gap_and_slip(cover, points_at(cover, crack, s), outcome.u)
+    points = outcome.points
+    known = (points.normal, points.tangential, law.compliance, law.shear_compliance)
+    normal, tangential, across, along = faces.between(crack, s, *known)
+    memory, broken = outcome.memory, outcome.memory.broken
+    rate = np.where(broken, law.dilation_of(memory.lost), 0.0)
+    gap = gap - rate[nearest] * np.abs(slip - along * tangential) - memory.risen[nearest]
+    pulled = (normal > 0.0) & (points.normal > 0.0)[nearest]
+    across = across * np.maximum(1.0 + np.minimum(gap, 0.0) / law.most[nearest], EPSILON)
+    p_n = np.where((normal < 0.0) | pulled, np.where(pulled, np.maximum(gap, 0.0), np.minimum(gap, 0.0)) / across, 0.0)
+    ratio = np.divide(p_n, normal, out=np.zeros_like(normal), where=normal != 0.0)
+    _, cohesion = law.bound_of(outcome.memory.lost)
+    cohesive = np.where(points.state == SLIP, np.copysign(cohesion, points.tangential), 0.0)[nearest]
+    never_slipped = ((points.state == STICK) & ~broken)[nearest]
+    return p_n, np.where(never_slipped, slip / along, cohesive + ratio * (tangential - cohesive))

@@ -80,16 +80,12 @@ def mortar_faces(cover: Cover, touching: list[int], spacing: float, *, nested: b
     nodes: each piece of that between nodes, and at ends, is halved.
     """
     ends = {surface: stretch_ends(cover, surface, 0.5 if nested else 1.0) for surface in touching}
-    passed, tips = _passed(cover), [*ends_at_bonds([surface.line for surface in cover.surfaces])]
+    inner = (surface.line.points[1:-1][surface.line.junctions[1:-1]] for surface in cover.surfaces)
+    passed = Counter(place.tobytes() for places in inner for place in places)  # how many go on at each junction
+    tips = [*ends_at_bonds([surface.line for surface in cover.surfaces])]
     at_tip = {index: [at_end for number, at_end in tips if number == index] for index in touching}
     parts = [_on_surface(cover, index, (spacing, nested), ends[index], passed, at_tip[index]) for index in touching]
     return joined_faces(cover, ends, parts)
-
-
-def _passed(cover: Cover) -> Counter[bytes]:
-    """How many surfaces go on at each junction, by the bits of its place."""
-    inner = (surface.line.points[1:-1][surface.line.junctions[1:-1]] for surface in cover.surfaces)
-    return Counter(place.tobytes() for places in inner for place in places)
 
 
 def _on_surface(

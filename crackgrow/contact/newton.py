@@ -39,29 +39,22 @@ def solve_by_newton(
     """Tractions of the contact problem; status "solved", or "limit" with the last ones found.
 
     `start` (2 n + l,) are unknowns to start from; None: all points stick. `near` are equations that may be the first
-    ones. An iteration is one linear solve. Where an active set comes back the solution is looked for from others that
-    are near (`_by_proximal_points`).
+    ones. An iteration is one linear solve. Loose pieces are settled for it. Where an active set comes back the solution
+    is looked for from others that are near (`_by_proximal_points`).
     "limit" is to be expected where A is not positive definite on the scale of its diagonal: rigid contact at more
     points than the displacement can follow, friction beyond the range in which a solution exists, or a piece of rock
     that contact does not hold.
     """
+    (lying, unknowns), m = problem.settled(), problem.free.size
     if start is None:
         slip = np.where(problem.resists, 0, 1)  # where the way does not matter it is one and the same
         sense = np.where(problem.resists, np.sign(problem.slipped), 1).astype(np.int64)
         active = ActiveSet(np.ones(problem.n_points, dtype=bool), slip, sense)
     else:
-        active = _branches(problem, _checked(problem, start))
-    found = _stepped(problem, active, near)
-    return found if found.status == "solved" else _by_proximal_points(problem, found)
-
-
-def solve_settled(
-    problem: ContactProblem, start: Floats | None = None, near: ActiveEquations | None = None
-) -> ContactSolution:
-    """The same, of a problem whose loose pieces are settled for it."""
-    (lying, unknowns), m = problem.settled(), problem.free.size
-    begin = None if start is None else np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:])
-    found = solve_by_newton(lying, begin, near)
+        active = _branches(lying, np.append(start[:m], 2.0 * start[m:] - unknowns(start)[m:]))
+    found = _stepped(lying, active, near)
+    if found.status != "solved":
+        found = _by_proximal_points(lying, found)
     return replace(found, motion=unknowns(found.unknowns)[m:])
 
 
@@ -72,7 +65,11 @@ def _stepped(problem: ContactProblem, active: ActiveSet, near: ActiveEquations |
         equations = equations_of(problem, active, equations)
         x = equations.solution(problem, active)
         du = problem.jump(x)
-        now = _through_stick(problem, active, active_set(problem, x[: problem.free.size], du))
+        now = active_set(problem, x[: problem.free.size], du)
+        # a point sticks for one step before it slips the other way: this ends most cycles of reversing points
+        reversing = (active.slip * now.slip < 0) & (now.closed | (problem.cohesion > 0.0))
+        sense = np.where(reversing, np.sign(problem.slipped), now.sense).astype(np.int64)
+        now = ActiveSet(now.closed, np.where(reversing, 0, now.slip), sense)
         keys.append(active.key())
         settled = now.key() == keys[-1]
         if residual(problem, x, du) <= (as_good if settled else ROUND_OFF):
@@ -145,16 +142,6 @@ def residual_floor(problem: ContactProblem) -> float:
     return max(REPEATED_ROUND_OFF, UNIT * float((problem.points.reach / problem.points.scale).max(initial=0.0)))
 
 
-def _checked(problem: ContactProblem, start: Floats) -> Floats:
-    shape = (problem.free.size + problem.n_motions,)
-    if start.shape != shape or not np.isfinite(start).all():
-        raise ValueError(
-            f"contact start: shape {start.shape} with {np.count_nonzero(~np.isfinite(start))} values that are not "
-            f"finite, must be finite of shape {shape}: leave it out to start from a first guess"
-        )
-    return np.asarray(start, dtype=np.float64)
-
-
 def residual(problem: ContactProblem, x: Floats, du: Floats) -> float:
     """What unknowns x (2 n + l,) with the jump du (2 n,) miss: the largest change of a traction by `project`, relative
     to the largest one before or after, or the imbalance of loose pieces."""
@@ -165,11 +152,3 @@ def residual(problem: ContactProblem, x: Floats, du: Floats) -> float:
         scale = max(scale, problem.least_traction)
     change = float(np.abs(projected - p).max(initial=0.0)) / scale if scale > 0.0 else 0.0
     return max(change, problem.imbalance(x))
-
-
-def _through_stick(problem: ContactProblem, active: ActiveSet, following: ActiveSet) -> ActiveSet:
-    """Let a point stick for one step before it slips the other way: this ends most cycles of reversing points."""
-    reversing = (active.slip * following.slip < 0) & (following.closed | (problem.cohesion > 0.0))
-    slip = np.where(reversing, 0, following.slip)
-    sense = np.where(reversing, np.sign(problem.slipped), following.sense).astype(np.int64)
-    return ActiveSet(following.closed, slip, sense)

@@ -7,7 +7,6 @@ cells, the shortest that values one cell apart can carry; no wave of the rock's 
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -20,17 +19,12 @@ SHORTEST_WAVE: Final = 2.0
 """Cells: length of the shortest wave that they can carry."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Ripple:
-    """The largest short wave of the tractions on a surface."""
+def worst_ripple(cover: Cover, faces: ContactFaces, normal: Floats, tangential: Floats) -> tuple[int, float] | None:
+    """The surface with the largest short wave of tractions (contact points,) Pa, and its swing over the pressure.
 
-    surface: int
-    part: float  # its swing as a part of the mean pressure where the surface is pressed
-
-
-def worst_ripple(cover: Cover, faces: ContactFaces, normal: Floats, tangential: Floats) -> Ripple | None:
-    """The largest short wave of normal or tangential tractions (contact points,) Pa, by the pressure of its surface."""
-    found: list[Ripple] = []
+    That is the mean pressure of the surface where it is pressed.
+    """
+    found: list[tuple[int, float]] = []
     for surface in np.unique(faces.surface).tolist():
         pressed = (faces.surface == surface) & (normal < 0.0)
         if not pressed.any():
@@ -41,9 +35,8 @@ def worst_ripple(cover: Cover, faces: ContactFaces, normal: Floats, tangential: 
             mine = np.flatnonzero((faces.surface == surface) & (faces.stretch == stretch))
             mine = mine[np.argsort(faces.s[mine])]
             for traction in (normal, tangential):
-                swing = ripple(along.at(faces.s[mine]), traction[mine])
-                found.append(Ripple(surface, swing / pressure))
-    return max(found, key=lambda r: r.part, default=None)
+                found.append((surface, ripple(along.at(faces.s[mine]), traction[mine]) / pressure))
+    return max(found, key=lambda each: each[1], default=None)
 
 
 def ripple(xi: Floats, p: Floats) -> float:

@@ -23,10 +23,10 @@ from typing import Literal
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemory, active_set, complementarity_residual
 from crackgrow.contact.equations import ActiveEquations, solve_active
-from crackgrow.contact.newton import solve_settled
+from crackgrow.contact.lemke import solve_by_lemke
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution, absolute_product
 from crackgrow.contact.stuck import MANY, solve_among_stuck
 from crackgrow.contact.system import ContactSystem, ill_conditioned
@@ -171,20 +171,21 @@ class Increment:
 
     contact: ContactSystem
     memory: ContactMemory  # of the increment before
+    free: Floats  # (2 n,) m: jumps without tractions
     pull: Floats  # (l,) N/m: what the loads do on the rigid motions
     tolerance: float  # m: less overlap is none
     moved: Floats  # (2 n,) m: jumps that foundations take away by moving
 
-    def solved(self, free: Floats, start: PointStates | None = None) -> PointStates:
-        """The states of all points, with the jumps `free` (2 n,) m without tractions.
+    def solved(self, start: PointStates | None = None) -> PointStates:
+        """The states of all points. Raises TrialNotSolvedError where there are none.
 
-        `start` is what was found for others that are close. Raises TrialNotSolvedError where there are none.
+        `start` is what was found for others that are close.
         """
-        found = start if start is not None and start.trial.taken.any() else self._untouched(free)
+        found = start if start is not None and start.trial.taken.any() else self._untouched()
         trial = found.trial if found.trial.taken.any() else None
         while trial is not None:
             try:
-                found = self._tried(trial, free, found)
+                found = self._tried(trial, found)
             except NotSolvedError as error:
                 raise TrialNotSolvedError(trial, error) from error
             trial = self._revised(found)
@@ -199,7 +200,6 @@ class Increment:
     def formed(
         self,
         state: PointStates,
-        free: Floats,
         loads: tuple[Floats, Floats],
         without: tuple[Floats, Floats],
         known: tuple[Floats, Floats] | None = None,
@@ -207,14 +207,14 @@ class Increment:
         """The outcome of states with their displacements, and both corrected until their jumps are the same.
 
         `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
-        multipliers, `free` the jumps that these make without tractions; `known` those of the states, if they are.
-        Raises NotSolvedError where the compliance is wrong altogether.
+        multipliers without tractions; `known` those of the states, if they are. Raises NotSolvedError where the
+        compliance is wrong altogether.
         """
-        best, rock, off, last_off = state, without, 0.0, np.inf
+        here, best, rock, off, last_off = self, state, without, 0.0, np.inf
         while state.solution is not None:
             there = known or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
             known = None
-            more, now_off = _missing(self.contact, free, state, self.contact.operator @ there[0] - self.moved, there[0])
+            more, now_off = here._missing(state, there[0])
             if not now_off <= ILL_CONDITIONED and last_off == np.inf:
                 raise ill_conditioned(f"wrong by {now_off:.1g} of the jumps")
             if not now_off < last_off:
@@ -222,8 +222,8 @@ class Increment:
             best, rock, off = state, there, now_off
             if off <= ROUND_OFF or off > GAIN * last_off:
                 break
-            free, last_off = free + more, off
-            state = self.solved(free, state)
+            here, last_off = replace(here, free=here.free + more), off
+            state = here.solved(state)
         return self._outcome(best, rock, off)
 
     def memory_after(self, state: PointStates) -> ContactMemory:
@@ -242,6 +242,18 @@ class Increment:
         rate, risen = self.memory.dilates(law, state.trial.lost)
         risen = risen + (rate - law.dilation_of(lost)) * np.abs(slip)
         return ContactMemory(slip, lost, ~apart, risen, state.normal, state.tangential, state.dilation)
+
+    def _missing(self, state: PointStates, u: Floats) -> tuple[Floats, float]:
+        """Jumps (2 n,) m of displacements u (n_dofs,) m less those by the compliance; the most, relative to the jumps.
+
+        The compliance is good to the round-off of one elimination, the displacements are refined.
+        """
+        jumps = np.concatenate([state.opening, state.slip])
+        more = self.contact.operator @ u - self.moved - jumps
+        faint = FAINT * float((self.contact.operator_sizes @ np.abs(u)).max())
+        off = float(np.abs(more).max())
+        farthest = max(float(np.abs(np.concatenate([jumps, self.free])).max()), faint)
+        return more, off / farthest if farthest > 0.0 else 0.0
 
     def _outcome(self, state: PointStates, rock: tuple[Floats, Floats], off: float) -> ContactOutcome:
         """The outcome with displacements and multipliers of the `rock`, whose jumps are `off`."""
@@ -263,9 +275,9 @@ class Increment:
             notes=tuple(notes),
         )
 
-    def _untouched(self, free: Floats) -> PointStates:
+    def _untouched(self) -> PointStates:
         """What the rock does without contact tractions, and the first trial."""
-        law, (gap, slip) = self.contact.law, np.split(free, 2)
+        law, (gap, slip) = self.contact.law, np.split(self.free, 2)
         rate, risen = self.memory.dilates(law, self.memory.lost)
         n, dilation = len(gap), rate * np.abs(slip) + risen
         sees = np.any(self.contact.moving != 0.0, axis=1).reshape(2, -1).any(axis=0)
@@ -276,46 +288,45 @@ class Increment:
         trial = Trial(taken, self.memory.lost, none, nothing)
         return PointStates(trial, nothing, nothing, gap - dilation, slip, dilation, np.full(n, OPEN), none, nothing)
 
-    def _tried(self, trial: Trial, free: Floats, start: PointStates) -> PointStates:
+    def _tried(self, trial: Trial, start: PointStates) -> PointStates:
         """Tractions and jumps of a trial, looked for from those of another one on."""
-        problem, known, near = self._problem(trial, free), None, None
+        problem, known, near = self._problem(trial), None, None
         if start.solution is not None:
             rows, near = np.flatnonzero(np.tile(trial.taken, 2)), start.solution.equations
             known = np.concatenate([start.tractions[rows] - self._pulled(trial)[rows], start.solution.motion])
         solution = solve_contact_problem(problem, self.contact.solver, known, near)
         active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
-        found = self._with(trial, free, problem, (solution, active))
+        found = self._with(trial, problem, (solution, active))
         return replace(found, iterations=start.iterations + solution.iterations)
 
-    def on_branch(self, like: PointStates, free: Floats) -> PointStates:
+    def on_branch(self, like: PointStates) -> PointStates:
         """The states where every point is on the branch that it has in others, whether the law holds or not.
 
         Points lose by slip on these branches what the law says, and no more.
         """
-        states = self._on_branch(like, free)
+        states = self._on_branch(like)
         for _ in range(MOST_WEARS):
             lost, settled_down = self._worn(states), not self._bent(states)
             if settled_down and np.abs(lost - states.trial.lost).max(initial=0.0) <= SETTLED:
                 break
             trial = replace(states.trial, lost=lost, pressed=states.normal)
-            states = self._on_branch(replace(states, trial=trial), free)
+            states = self._on_branch(replace(states, trial=trial))
         return states
 
-    def _on_branch(self, like: PointStates, free: Floats) -> PointStates:
+    def _on_branch(self, like: PointStates) -> PointStates:
         """The states on branches of others, with what points of these have lost."""
         if like.active is None or like.solution is None:
-            return self._untouched(free)
-        problem, near = self._problem(like.trial, free), like.solution.equations
+            return self._untouched()
+        problem, near = self._problem(like.trial), like.solution.equations
         solution = solve_among_stuck(problem, None, like.active) if problem.n_points > MANY else None
         if solution is None:
-            lying, unknowns = problem.settled()
-            x, m = unknowns(solve_active(lying, like.active, near)), problem.free.size
+            x, m = solve_active(problem, like.active, near), problem.free.size
             solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
-        found = self._with(like.trial, free, problem, (solution, like.active))
+        found = self._with(like.trial, problem, (solution, like.active))
         return replace(found, iterations=like.iterations)
 
-    def _problem(self, trial: Trial, free: Floats) -> ContactProblem:
-        """The problem of a trial, with the jumps `free` (2 n,) m without tractions."""
+    def _problem(self, trial: Trial) -> ContactProblem:
+        """The problem of a trial."""
         contact, law, before = self.contact, self.contact.law, self.memory.slip
         friction, cohesion = law.bound_of(trial.lost, trial.pressed)
         cohesion[trial.opened] = 0.0
@@ -323,7 +334,7 @@ class Increment:
         rows, n = np.flatnonzero(trial.taken), len(friction)
         at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (rate > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
-        jumps = np.where(counts, free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
+        jumps = np.where(counts, self.free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
         points, pull = contact.condensed(rows, resists[rows]), self.pull
         if np.isfinite(law.most).any():
             softness, k = law.compliance * law.softness(trial.pressed), np.arange(len(rows))
@@ -342,9 +353,7 @@ class Increment:
         left = np.where(trial.taken & ~trial.opened, self.contact.law.tension_of(trial.lost), 0.0)
         return np.concatenate([left, np.zeros(len(left))])
 
-    def _with(
-        self, trial: Trial, free: Floats, problem: ContactProblem, found: tuple[ContactSolution, ActiveSet]
-    ) -> PointStates:
+    def _with(self, trial: Trial, problem: ContactProblem, found: tuple[ContactSolution, ActiveSet]) -> PointStates:
         """The states of all points with a solution of a trial's problem."""
         contact, law, (solution, active) = self.contact, self.contact.law, found
         rows, n = np.flatnonzero(trial.taken), len(trial.taken)
@@ -352,11 +361,13 @@ class Increment:
         strong = p[:n] > 0.0
         p[np.concatenate([rows, n + rows])] += solution.traction
         p_n, p_t = np.split(p, 2)
-        gap, slip = np.split(free - contact.rock @ p + contact.moving @ solution.motion, 2)
+        gap, slip = np.split(self.free - contact.rock @ p + contact.moving @ solution.motion, 2)
         rate, risen = self.memory.dilates(law, trial.lost)
         dilation = rate * np.abs(slip - law.shear_compliance * p_t) + risen
         state, coheres, touching = np.full(n, OPEN), np.zeros(n, dtype=bool), np.zeros(n)
-        touching[rows] = _nothing(problem, solution)
+        lying, _ = problem.settled()  # how supports hold loose pieces to be solved for does not matter
+        terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
+        touching[rows] = UNPRESSED * terms.reshape(2, len(rows)).max(axis=0)  # gaps that are none beside these terms
         coheres[rows] = (problem.cohesion > 0.0) | strong[rows]
         apart = gap - dilation - law.compliance * np.maximum(p_n, 0.0)
         state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], touching[rows]))
@@ -419,7 +430,7 @@ def solve_contact_problem(
         if problem.n_points > MANY:
             with suppress(NotSolvedError):  # round-off has spoilt it
                 among_stuck = solve_among_stuck(problem, start)
-        found = among_stuck or solve_settled(problem, start, near)
+        found = among_stuck or solve_by_newton(problem, start, near)
     if found.status == "solved":
         return found
     raise NotSolvedError(
@@ -456,27 +467,3 @@ def _states(problem: ContactProblem, solution: ContactSolution, gap: Floats, not
     held = np.where(np.abs(solution.traction[n:]) < (1.0 - AT_LIMIT) * cohesion, STICK, SLIP)
     touches = (cohesion > 0.0) & (gap <= nothing)
     return np.where(unpressed, np.where(touches, held, OPEN), solution.state)
-
-
-def _nothing(problem: ContactProblem, solution: ContactSolution) -> Floats:
-    """Gaps (k,) m that are none beside the terms that the jumps of each point are the sums of.
-
-    How supports hold loose pieces to be solved for does not matter.
-    """
-    lying, _ = problem.settled()
-    terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
-    return np.asarray(UNPRESSED * terms.reshape(2, problem.n_points).max(axis=0))
-
-
-def _missing(
-    contact: ContactSystem, free: Floats, state: PointStates, found: Floats, u: Floats
-) -> tuple[Floats, float]:
-    """Jumps `found` (2 n,) m of displacements less those by the compliance; relative to the jumps, the most.
-
-    The compliance is good to the round-off of one elimination, the displacements are refined.
-    """
-    jumps = np.concatenate([state.opening, state.slip])
-    more = found - jumps
-    faint = FAINT * float((contact.operator_sizes @ np.abs(u)).max())
-    off, farthest = float(np.abs(more).max()), max(float(np.abs(np.concatenate([jumps, free])).max()), faint)
-    return more, off / farthest if farthest > 0.0 else 0.0

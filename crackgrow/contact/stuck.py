@@ -21,7 +21,7 @@ from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import solve_upper
 from crackgrow.contact.coulomb import ActiveSet, active_set, shear_bound
 from crackgrow.contact.equations import solve_active
-from crackgrow.contact.newton import ROUND_OFF, residual_floor, solve_settled
+from crackgrow.contact.newton import ROUND_OFF, residual_floor, solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 
 HELD: Final = 1e-10  # of the stiffness that all points have against a motion: stuck ones with less do not hold it
@@ -128,13 +128,12 @@ class LoosePoints:
             **law,
         )
         if active is not None:
-            lying, unknowns = part.settled()
             here = ActiveSet(active.closed[self.loose], active.slip[self.loose], active.sense[self.loose])
-            there, iterations = unknowns(solve_active(lying, here)), 0
+            there, iterations = solve_active(part, here), 0
         elif not k:
             there, iterations = np.zeros(part.n_motions), 0
         else:
-            found = solve_settled(part, np.append(p[rows], np.zeros(part.n_motions)))
+            found = solve_by_newton(part, np.append(p[rows], np.zeros(part.n_motions)))
             there, iterations = found.unknowns, found.iterations if found.status == "solved" else -1
         change = self.points.weights * (there[:k] - p[rows])
         motion = self._held @ (pull - self._moved.T @ change) + self._free @ there[k:]

@@ -26,7 +26,7 @@ from crackgrow.run.layout import cells_of, contact_faces, cover_of, n_constraint
 from crackgrow.run.scene import make_scene
 from crackgrow.run.scene_warnings import dry_joints, scene_warnings, unbalanced_loads
 from crackgrow.run.surface_laws import SurfaceLaw
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning, limit_of
 
 OF_COMPANION: Final = 0.5  # of a step: to hold it against its companion mesh
 MOST_LAID_OUT: Final = 300_000  # nodes: their cover is made in two seconds
@@ -94,7 +94,7 @@ class Cost:
     def warning(self) -> str:
         """What to say where the machine has too little memory for that; empty where it has enough."""
         available = machine_memory()
-        if self.memory <= WarningCause.MEMORY.limit * available:
+        if self.memory <= limit_of("MEMORY") * available:
             return ""
         return (
             f"the run needs about {memory_text(self.memory)} of memory, and this machine has {memory_text(available)}: "

@@ -21,7 +21,7 @@ from crackgrow.case.units import Metres
 from crackgrow.plan.cost import Cost, Sizes, estimated_cost, estimated_nodes, sizes_of
 from crackgrow.results.gathered import Gathered
 from crackgrow.results.units import component_text, counted, stress_text
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning
 
 SHOWN_CRACKS: Final = 20  # more cracks are summed up
 SHOWN_FACTORS: Final = 12  # of longer load histories the first ones are named, and the last
@@ -302,5 +302,5 @@ def _model(case: Case, sizes: Sizes) -> Iterator[str]:
 
 def _warnings(sizes: Sizes, cost: Cost) -> list[str]:
     gathered, memory = Gathered(), cost.warning
-    gathered.add(0, [*sizes.scene_warnings, *([StepWarning(WarningCause.MEMORY, memory)] if memory else [])])
+    gathered.add(0, [*sizes.scene_warnings, *([StepWarning("MEMORY", memory)] if memory else [])])
     return list(gathered.sentences(with_steps=False))

@@ -39,7 +39,7 @@ class Gathered:
         """Count in those of a step; returns a sentence for each cause that nothing has told of before at its places."""
         news: dict[str, list[_Told]] = {}
         for warning in warnings:
-            name = warning.cause.name.lower()
+            name = warning.cause.lower()
             key = (_kind_of(name, warning.words), warning.place)
             if key not in self._told:
                 row = _Told(name, warning.rank, warning.place, warning.size, warning.words, step, [[step, step]])

@@ -35,11 +35,16 @@ class RunState:
     events: tuple[Event, ...] = ()  # of the advance that has made the cracks
     n_pieces: int = 0  # of rock at the start; 0: not counted yet
     origin: Origin | None = None  # of the step's solution; None: there is none yet
-    factorizations: int = 1  # of the step, rejected directions of growth included
+    factorizations: int | None = None  # of the step, where it was solved before
     notes: tuple[str, ...] = ()  # on how its solution was found
     errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time; in fatigue cycles
     debonds: tuple[Debond, ...] = ()  # the cracked parts of interfaces that have a toughness
+
+    def at_load(self, step: int) -> RunState:
+        """About to make the result of a load without growth, which may be the one that it is at."""
+        factorizations = self.factorizations if step == self.step else None
+        return RunState(step, self.cracks, factorizations=factorizations, debonds=self.debonds)
 
     @property
     def paths(self) -> tuple[CrackPath, ...]:
@@ -62,7 +67,7 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
     values: dict[str, Any] = {
         "events": [event_record(event) for event in state.events],
         "n_pieces": state.n_pieces,
-        "factorizations": solution.factorizations,
+        "factorizations": state.factorizations,
         "notes": list(solution.notes),
         "guess": origin.guess,
         "cracks": [
@@ -115,7 +120,7 @@ def restored(case: Case, checkpoint: Checkpoint) -> RunState:
         own = {name.removeprefix(START): array for name, array in arrays.items() if name.startswith(START)}
         level, energy = LoadLevel(of_start["factor"], of_start["holding"]), Energy(**of_start["energy"])
         conjugates, grown = own.pop("conjugates"), of_start["grown"]
-        start = Start(level, ContactMemory(**own), energy, conjugates, of_start["round_off"], grown)
+        start = Start(level, ContactMemory(**own), energy, conjugates, of_start["round_off"], grown=grown)
     excavated = tuple(Excavated(body, arrays[f"gone{number}"]) for number, body in enumerate(values["gone"]))
     return RunState(
         checkpoint.step,

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import NamedTuple
@@ -13,7 +11,7 @@ import numpy as np
 from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints
-from crackgrow.case.model import PointForce, PointSupport
+from crackgrow.case.model import PointForce, PointSupport, Stage
 from crackgrow.contact.coulomb import OPEN, STICK, ContactMemory
 from crackgrow.contact.face_loads import face_load_vector
 from crackgrow.contact.faces import ContactFaces, FacePoints
@@ -31,8 +29,9 @@ from crackgrow.fracture.stress_intensity import Integrals
 from crackgrow.fracture.tip_stress import StressFunctional, stress_functionals
 from crackgrow.linear import ConstrainedSystem, SymmetricMatrix
 from crackgrow.ragged import distinct
+from crackgrow.run.clock import SPENT, timed
 from crackgrow.run.layout import constraints_of, contact_faces, cover_of
-from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, WORST_RESIDUAL, check_magnitude, residual_of
+from crackgrow.run.residual import LARGEST, LARGEST_STRAIN, check_magnitude, checked_residual
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
 from crackgrow.run.surface_laws import SurfaceLaw, laws_at_points
@@ -84,6 +83,10 @@ class Excavated:
     body: str
     forces: Floats  # (n_dofs,) N/m
 
+    def share_left(self, stage: Stage) -> float:
+        """How much of the forces acts at the end of a stage."""
+        return 1.0 - dict(stage.excavated).get(self.body, 0.0)
+
 
 @dataclass(frozen=True, eq=False)
 class Configuration:
@@ -98,7 +101,6 @@ class Configuration:
     faces: ContactFaces
     moves: Floats  # (surfaces, 2) m: how far foundations move at load factor 1
     sites: tuple[Site, ...]  # the tips of the cover in their order, then places where cracks may start
-    seconds: dict[str, float]
 
     @property
     def scaled(self) -> Floats:
@@ -188,20 +190,20 @@ class Configuration:
             return self
         scaled, constant = self.scaled.copy(), self.constant.copy()
         for rock in excavated:
-            a, b = self.scene.parts_of_excavated(rock.body)
+            a, b = self.scene.through_stage(rock.share_left)
             constant += a * rock.forces
             scaled += b * rock.forces
         return replace(self, contact=replace(self.contact, loads=_each_load(scaled, constant)))
 
-    def increment(self, level: LoadLevel, memory: ContactMemory) -> tuple[Increment, Floats]:
-        """An increment from `memory` on, and the jumps (2 n,) m without tractions at its end."""
+    def increment(self, level: LoadLevel, memory: ContactMemory) -> Increment:
+        """An increment from `memory` on."""
         units, share = self._units, self.shares(level)
         along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(level)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
         tolerance = OVERLAP * max(length, self.farthest(level))
         return Increment(
-            self.contact, memory, units.pull @ share, tolerance, share[2] * self._moved
-        ), units.jumps @ share
+            self.contact, memory, units.jumps @ share, units.pull @ share, tolerance, share[2] * self._moved
+        )
 
     def states(self, level: LoadLevel, memory: ContactMemory, near: PointStates | None = None) -> PointStates:
         """States of the contact points after an increment. Raises SolveError where there are none.
@@ -210,10 +212,10 @@ class Configuration:
         """
         check_magnitude("loads", self.loads(level), LARGEST, "N/m")
         check_magnitude("prescribed displacements", np.array([self.farthest(level)]), self._farthest, "m")
-        increment, free = self.increment(level, memory)
-        check_magnitude("displacements", free, self._farthest, "m")
+        increment = self.increment(level, memory)
+        check_magnitude("displacements", increment.free, self._farthest, "m")
         try:
-            found = increment.solved(free, None if near is None else increment.begun(near))
+            found = increment.solved(None if near is None else increment.begun(near))
         except TrialNotSolvedError as error:
             if self.contact.loose is None:
                 raise
@@ -277,17 +279,14 @@ class Configuration:
 
         `known` is what `displacements` says of them. Raises SolveError where they can't be found to a small residual.
         """
-        increment, free = self.increment(level, memory)
         loads, share = self.loads(level), self.shares(level)
         without = self._without_tractions(share)
-        outcome = increment.formed(states, free, (loads, self.given(level)), without, known)
+        outcome = self.increment(level, memory).formed(states, (loads, self.given(level)), without, known)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))
-        residual = residual_of(self.stiffness, self.contact, loads, outcome)
-        if not residual.size <= WORST_RESIDUAL:
-            raise NotSolvedError(residual.message(self.cover))
-        return replace(outcome, residual=residual.size, largest_terms=residual.largest_terms)
+        residual, largest = checked_residual(self.cover, self.stiffness, self.contact, loads, outcome)
+        return replace(outcome, residual=residual, largest_terms=largest)
 
     @property
     def _farthest(self) -> float:
@@ -352,11 +351,10 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     """Make a configuration ready. Raises GeometryError or SolveError where the cover or its system can't be made."""
     scene = scene.with_cracks(growing)
     case = scene.case
-    seconds: dict[str, float] = {}
-    with timed(seconds, "cover"):
+    with timed("cover"):
         cover = cover_of(scene, growing)
         sites = sites_of(scene, cover, growing)
-    with timed(seconds, "assembly"):
+    with timed("assembly"):
         stiff = stiffness(cover, scene.materials, case.numerics.quadrature)
         matrix = with_dependent_held(stiff)
         check_magnitude("stiffness", np.array([matrix.largest()]), LARGEST, "Pa")
@@ -371,10 +369,11 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         check_held(free, _patches_at(cover, faces))
         if volumes.any():
             check_not_seen(free, csr_array(held.matrix[volumes]))
-    with timed(seconds, "factorize"):
+    with timed("factorize"):
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)
         system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), held.compliance)
+        SPENT.n_factorizations += 1
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing, scene.debonds)
     solver = case.numerics.contact.solver
@@ -383,7 +382,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
     moves = np.zeros((len(cover.surfaces), 2))
     for n, foundation in enumerate(reversed(scene.foundations), 1):  # they are the last of the surfaces
         moves[-n] = foundation.moves
-    return Configuration(scene, growing, cover, stiff, held, contact, faces, moves, sites, seconds)
+    return Configuration(scene, growing, cover, stiff, held, contact, faces, moves, sites)
 
 
 def _each_load(scaled: Floats, constant: Floats) -> Floats:
@@ -433,11 +432,3 @@ def _patches_at(cover: Cover, faces: ContactFaces) -> Ints:
     """Physical patches next to the contact points."""
     elements = np.concatenate([faces.nodes.plus, faces.nodes.minus])
     return distinct(cover.patches.of_element.taken(elements[elements >= 0]).values)
-
-
-@contextmanager
-def timed(seconds: dict[str, float], phase: str) -> Iterator[None]:
-    """Add the wall time of a block to a phase."""
-    start = time.perf_counter()
-    yield
-    seconds[phase] = seconds.get(phase, 0.0) + time.perf_counter() - start

@@ -10,24 +10,24 @@ one behind the jump.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats
 from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.criteria import TipLoading
-from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.clock import timed
+from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StartState, StepSolution, TipState, evaluated, verdicts
-from crackgrow.run.increments import LoadState, Start, from_state, held_loads, increment, rising
-from crackgrow.run.state_values import history_of
+from crackgrow.run.increments import LoadState, held_loads, increment, rising
 
 LARGEST_FACTOR = 1e6
 """Load factors beyond this are not tried."""
 
 STRIDE = 4.0
-"""Factor by which the load grows until the criterion is met."""
+"""Factor by which the load grows where the criticality does not rise with it."""
 
 MOST_WAYS = 60
 """Load factors that one step makes for in turn."""
@@ -60,8 +60,12 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
         return search.found(first)
     while not trials[-1].is_critical:
         if trials[-1].factor >= LARGEST_FACTOR:
-            return replace(search.found(first), notes=(NEVER_CRITICAL,))
-        trials = [*trials[-2:], *search.towards(trials[-1], search.beyond(*trials[-2:]))]
+            found = search.found(first)
+            return replace(found, notes=(*found.notes, NEVER_CRITICAL))
+        (below, above), farther = trials[-2:], STRIDE * trials[-1].factor
+        if (rise := above.criticality - below.criticality) > 0.0:
+            farther = above.factor + (1.0 - above.criticality) / rise * (above.factor - below.factor)
+        trials = [*trials[-2:], *search.towards(above, min(farther, LARGEST_FACTOR))]
     (below, above), tries = trials[-2:], 0
     while not above.meets and above.factor - below.factor > SAME * above.factor:
         share = search.share_met(below, above) if tries % 3 < 2 else 0.5  # in a jump the line leads nowhere
@@ -103,27 +107,25 @@ class _Search:
     def __init__(self, configuration: Configuration) -> None:
         self._configuration = configuration
         self._start = held_loads(configuration)
-        self._seconds: dict[str, float] = {}
         self._n_ways = 0
         self._why = ""  # a way ended before the load factor that it made for
         ends, sites = configuration.cover.tip_ends, configuration.sites
         grow = [configuration.cracks[index].can_grow(end) for index, end in ends] + [True] * (len(sites) - len(ends))
         grow += [debond is not None for _, debond in configuration.interface_tips]
         self.can_grow: Bools = np.array(grow, dtype=bool)  # site by site, then tips of cracked interfaces
-        self.rest = self._at_rest()
+        self.rest = _Trial(0.0, [None] * len(sites), np.zeros(len(grow)), None)  # under the held loads alone
+        if any(load.held for load in configuration.scene.case.loads):
+            self.rest = self._evaluated(increment(configuration, self._start, 0.0))
 
     def towards(self, below: _Trial, factor: float) -> list[_Trial]:
-        """The states on the way from a trial to a load factor, up to the first that is critical.
-
-        Raises FreePieceError or NotSolvedError where no branch goes on, and none is found a little farther.
-        """
+        """States from a trial to a load factor, up to the first critical one. Raises SolveError where the path ends."""
         self._n_ways += 1
         if self._n_ways > MOST_WAYS:
             raise NotSolvedError(f"no critical load factor found up to {below.factor:.12g}{self._why}")
-        states, found = rising(self._configuration, self._start_of(below), factor), list[_Trial]()
+        states, found = rising(self._configuration, below.solution or self._start, factor), list[_Trial]()
         try:
             while not (found and found[-1].is_critical):
-                with timed(self._seconds, "contact"):
+                with timed("contact"):
                     state = next(states, None)
                 if state is None:
                     break
@@ -137,8 +139,7 @@ class _Search:
         """The trial a little farther than the `last` one before the path ends, on the way to a load factor."""
         farther = min(last.factor + BEYOND * (last.factor or factor), factor)
         try:
-            with timed(self._seconds, "contact"):
-                state = increment(self._configuration, self._start_of(last), farther)
+            state = increment(self._configuration, last.solution or self._start, farther)
         except FreePieceError as error:
             if last.solution is None:
                 raise  # nothing holds from the beginning
@@ -151,46 +152,23 @@ class _Search:
             ) from error
         return self._evaluated(state, last)
 
-    def _start_of(self, trial: _Trial) -> Start:
-        """Where a way from a trial begins."""
-        return self._start if trial.solution is None else from_state(trial.solution.state)
-
     def found(self, trial: _Trial) -> StepSolution:
-        """The solution of a trial that ends the search, with the time of all of them."""
+        """The solution of a trial that ends the search."""
         assert trial.solution is not None
-        *via, last = trial.came
         notes = tuple(dict.fromkeys(note for state in trial.came for note in state.notes))
-        state = replace(last, via=tuple(via), notes=notes)
-        seconds = {**trial.solution.seconds, **self._seconds}
-        return replace(trial.solution, state=state, passed=history_of(state)[:-1], seconds=seconds)
-
-    def beyond(self, below: _Trial, above: _Trial) -> float:
-        """The next factor where the criterion is met at neither of two: where it would be if all were linear."""
-        low, high = below.factor, above.factor
-        farthest = (LARGEST_FACTOR - low) / (high - low)
-        share = 1.0
-        while share < farthest:
-            nearer, share = share, min(STRIDE * share, farthest)
-            there = self._between(below, above, share)
-            if there.max(initial=0.0) >= 1.0:
-                return low + self._share_met((below, above), (nearer, share), there >= 1.0) * (high - low)
-        return min(STRIDE * high, LARGEST_FACTOR)
+        return replace(trial.solution, via=trial.came[:-1], notes=notes)
 
     def share_met(self, below: _Trial, above: _Trial) -> float:
-        """Where, from 0 to 1, the criterion is just met if everything is linear between two states."""
-        return self._share_met((below, above), (0.0, 1.0), above.criticalities >= 1.0)
+        """Where between two trials, from 0 to 1, the criterion is just met if everything is linear between them."""
+        from scipy.optimize import brentq  # here: loading it takes a tenth of a second that other loads save
 
-    def _share_met(self, trials: tuple[_Trial, _Trial], shares: tuple[float, float], some: Bools) -> float:
-        """Where between two shares of the way from one trial to another the criterion is just met at `some` sites.
-
-        The others do not meet it at the second share.
-        """
-        return _root(lambda at: float(self._between(*trials, at, some).max()) - 1.0, *shares)
+        some = above.criticalities >= 1.0
+        met = partial(self._missing, below, above, some)
+        return float(brentq(met, 0.0, 1.0, xtol=1e-16, rtol=1e-14))
 
     def _evaluated(self, state: LoadState, below: _Trial | None = None) -> _Trial:
         """The trial of a state, on a way that began at the trial `below`."""
-        with timed(self._seconds, "criterion"):
-            solution = evaluated(state)
+        solution = evaluated(state)
         sites: list[TipState | StartState] = [*solution.tips, *solution.starts]
         largest = [0.0 if site.verdict is None else site.verdict.largest for site in sites]
         largest += np.nan_to_num([each.criticality for each in solution.interface_tips]).tolist()
@@ -199,32 +177,18 @@ class _Search:
         came = (*earlier, *state.via, state)
         return _Trial(state.factor, [site.loading for site in sites], criticalities, solution, came)
 
-    def _at_rest(self) -> _Trial:
-        """The trial under the held loads alone."""
-        if any(load.held for load in self._configuration.scene.case.loads):
-            return self._evaluated(increment(self._configuration, self._start, 0.0))
-        sites = self._configuration.sites
-        return _Trial(0.0, [None] * len(sites), np.zeros(len(self.can_grow)), None)
+    def _missing(self, below: _Trial, above: _Trial, some: Bools, share: float) -> float:
+        """What the criticality is below 1, negative, at a share of the way between trials if all is linear there.
 
-    def _between(self, below: _Trial, above: _Trial, share: float, some: Bools | None = None) -> Floats:
-        """Criticality (n,) at a share of the way between trials if all is linear there; zero but at `some` sites.
-
-        Also zero where no crack can leave or no loading is known. It is that of all branches: where tension is met as
-        well, shear may have been at a lower load. Of tips of interfaces it is linear itself, as K is.
+        The largest of `some` sites (n,) counts, where no others can meet the criterion. It is that of all branches:
+        where tension is met as well, shear may have been at a lower load. Of tips of interfaces it is linear itself, as
+        K is.
         """
         found = (1.0 - share) * below.criticalities + share * above.criticalities
         sites, loadings = self._configuration.sites, dict[int, TipLoading]()
-        found[: len(sites)] = 0.0
         for number, (first, last) in enumerate(zip(below.loadings, above.loadings, strict=True)):
-            if last is not None and self.can_grow[number] and (some is None or some[number]):
+            if last is not None and some[number]:
                 loadings[number] = TipLoading.between(first or last.none, last, share)  # none without any load
         said = verdicts(self._configuration.scene, [sites[number] for number in loadings], list(loadings.values()))
         found[list(loadings)] = [verdict.largest for verdict in said]
-        return found if some is None else np.where(some, found, 0.0)
-
-
-def _root(function: Callable[[float], float], low: float, high: float) -> float:
-    """Where a function changes its sign between two places, to round-off."""
-    from scipy.optimize import brentq  # here: loading it takes a tenth of a second that other loads save
-
-    return float(brentq(function, low, high, xtol=1e-16, rtol=1e-14))
+        return float(found[some].max()) - 1.0

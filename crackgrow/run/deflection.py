@@ -32,7 +32,6 @@ from crackgrow.run.increments import held_loads, increment
 from crackgrow.run.loading import load
 from crackgrow.run.result import Event, EventKind
 from crackgrow.run.starting import new_crack, new_name
-from crackgrow.run.state_values import history_of
 
 SETTLED = 1e-3
 """At its critical load the criticality of a way is 1 but for this."""
@@ -63,11 +62,6 @@ class Way:
     cracks: tuple[GrowingCrack, ...] = ()
     criticality: float = 0.0  # sqrt(G / G_c) at its tips, at the load of the step
 
-    def leaves_room_for(self, other: Way) -> bool:
-        """Whether no debonds of both overlap."""
-        pairs = ((a.line is b.line, a.at, b.at) for a, b in product(self.debonds, other.debonds))
-        return not any(same and a[0] <= b[-1] and b[0] <= a[-1] for same, a, b in pairs)
-
     def and_also(self, other: Way, solution: StepSolution) -> Way:
         """Both ways at once; each new crack has a name of its own."""
         cracks = list(self.cracks)
@@ -83,8 +77,7 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
     The most critical one goes, if it is more so than the tips; with `advance: all` also those that meet the criterion
     at that load. Where one stops is told once.
     """
-    growth, critical = solution.scene.case.growth, isinstance(solution.scene.case.loading, CriticalLoad)
-    assert growth is not None
+    growth, critical = solution.scene.growth, isinstance(solution.scene.case.loading, CriticalLoad)
     found = [
         (ending, _along(solution, ending, step), _across(solution, ending, step))
         for ending in sorted(endings(solution), key=lambda ending: tuple(ending.point))
@@ -97,7 +90,9 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
         most, crack = max(along, across, key=lambda way: way.criticality), solution.cracks[ending.crack]
         kind: EventKind = "stop"
         first = not (way.debonds or way.cracks) and most.criticality >= (1.0 - TIE) * best
-        also = growth.advance == "all" and most.criticality >= (1.0 - TIE) * load and way.leaves_room_for(most)
+        also = growth.advance == "all" and most.criticality >= (1.0 - TIE) * load
+        for one, other in product(way.debonds, most.debonds):  # no two overlap
+            also &= one.line is not other.line or one.at[0] > other.at[-1] or other.at[0] > one.at[-1]
         if goes_on and (first or also):
             way, kind = way.and_also(most, solution), "crossing" if most.cracks else "deflection"
         elif crack.steps[-1 if ending.at_end else 0] != step - 1:
@@ -106,25 +101,18 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
         met = SurfaceName("interface", ending.debond.bodies).words
         met += f" (G/G_c of {ratios[0]} along it, {ratios[1]} straight on)"
         events.append(Event(step, kind, crack.crack.name, end_word(ending.at_end), ending.point, met))
-    return (_at_factor(solution, solution.state.factor / best) if goes_on and critical else solution), way, events
+    return (_at_factor(solution, solution.factor / best) if goes_on and critical else solution), way, events
 
 
 def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
     """The solution at another load factor."""
-    configuration, share = solution.configuration, factor / solution.state.factor
+    configuration, share = solution.configuration, factor / solution.factor
     found, errors = evaluated(increment(configuration, held_loads(configuration), factor)), solution.errors
     if errors is not None:
         K, T = (tuple(share * value for value in values) for values in (errors.K, errors.T))
         errors = replace(errors, K=K, T=T, largest=share * errors.largest)
-    return replace(
-        found,
-        seconds=solution.seconds,
-        factorizations=solution.factorizations,
-        notes=tuple(note for note in solution.notes if note != NEVER_CRITICAL),
-        origin=solution.origin,
-        passed=history_of(found.state)[:-1],
-        errors=errors,
-    )
+    notes = dict.fromkeys((*found.notes, *(note for note in solution.notes if note != NEVER_CRITICAL)))
+    return replace(found, notes=tuple(notes), origin=solution.origin, errors=errors)
 
 
 def endings(solution: StepSolution) -> Iterator[Ending]:
@@ -152,15 +140,13 @@ def endings(solution: StepSolution) -> Iterator[Ending]:
 
 def _along(solution: StepSolution, ending: Ending, step: int) -> Way:
     """The way along the interface: to the side that is more critical, to both where they are equal."""
-    growth = solution.scene.case.growth
-    assert growth is not None
-    ends = ends_of(solution.cracks, solution.scene.debonds)
-    parts = [_short_of_others(ending.debond, side, growth.increment, step, ends) for side in (False, True)]
+    increment, ends = solution.scene.growth.increment, ends_of(solution.cracks, solution.scene.debonds)
+    parts = [_short_of_others(ending.debond, side, increment, step, ends) for side in (False, True)]
     sides = [_tried(solution, Way(debonds=(part,))) for part in parts]
     less, most = sorted(sides, key=lambda way: way.criticality)
     if less.criticality < (1.0 - TIE) * most.criticality or most.criticality == 0.0:
         return most
-    return replace(most, debonds=(_short_of_others(parts[0], True, growth.increment, step, ends),))
+    return replace(most, debonds=(_short_of_others(parts[0], True, increment, step, ends),))
 
 
 def _short_of_others(debond: Debond, side: bool, increment: float, step: int, ends: shapely.Geometry) -> Debond:
@@ -175,22 +161,21 @@ def _short_of_others(debond: Debond, side: bool, increment: float, step: int, en
 def _across(solution: StepSolution, ending: Ending, step: int) -> Way:
     """The way straight on; not critical at all where the other body has no strength."""
     scene, cracks = solution.scene, solution.cracks
-    body, growth = body_index(scene.case.bodies, ending.beyond), scene.case.growth
-    assert growth is not None
+    body = body_index(scene.case.bodies, ending.beyond)
     if scene.case.bodies[body].strength is None:
         return Way()
     new = new_crack(scene.case, cracks, new_name(cracks), ending.beyond, ending.crack)
     direction = tip_direction(cracks[ending.crack].crack.points, ending.at_end)
     angle = float(np.arctan2(direction[1], direction[0]))
     start = Start(new, ending.crack, False, ending.point, angle, False, "")
-    crack, _ = started(start, Segment(0.0, growth.increment), step, scene.regions[body], cracks)
+    crack, _ = started(start, Segment(0.0, scene.growth.increment), step, scene.regions[body], cracks)
     return _tried(solution, Way(cracks=(crack,)))
 
 
 def _tried(solution: StepSolution, way: Way) -> Way:
     """The way with its criticality, zero where that is not known, in a trial; at a critical load by that of the way."""
     scene = solution.scene.at_start.with_debonds((*solution.scene.debonds, *way.debonds))
-    cracks, factor = (*solution.cracks, *way.cracks), solution.state.factor
+    cracks, factor = (*solution.cracks, *way.cracks), solution.factor
     try:
         if not isinstance(scene.case.loading, CriticalLoad):
             return replace(way, criticality=_criticality(load(scene, cracks, solution), way))

@@ -3,22 +3,19 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from crackgrow.accuracy.companion import Errors
 from crackgrow.arrays import Floats
-from crackgrow.case.model import CriticalLoad, FluidVolume
+from crackgrow.case.formula import component_at
+from crackgrow.case.model import CriticalLoad, FluidPressure, FluidVolume
 from crackgrow.case.toughness import averaging_radius
-from crackgrow.contact.faces import ContactFaces, points_at
-from crackgrow.contact.solve import ContactOutcome
-from crackgrow.contact.system import ContactSystem
-from crackgrow.contact.tractions import between_contact_points, elastic_tractions
-from crackgrow.cover.cover import Cover
+from crackgrow.contact.faces import points_at
+from crackgrow.contact.jump import elastic_tractions
 from crackgrow.cover.shapes import turned_roots
-from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import AT_STRENGTH, CRITERIA, TipLoading, Verdict, shear_growth, without_K
 from crackgrow.fracture.debond import Debond
 from crackgrow.fracture.face_displacements import from_face_displacements
@@ -28,11 +25,11 @@ from crackgrow.fracture.sites import Site
 from crackgrow.fracture.stress_intensity import FaceTraction, StressIntensity
 from crackgrow.fracture.subcritical import range_of_K
 from crackgrow.fracture.tip_stress import TipField, fields_of
-from crackgrow.run.configuration import Configuration, timed
+from crackgrow.run.clock import timed
 from crackgrow.run.increments import FROM_REST, LoadState, Origin
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import volume_pressure
-from crackgrow.run.warning_causes import WarningCause
+from crackgrow.run.warning_causes import limit_of
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -83,62 +80,23 @@ class InterfaceTipState:
         return math.nan if self.debond is None else math.sqrt(max(self.release.G, 0.0) / self.debond.toughness)
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class StepSolution:
-    """Everything that is known of a configuration under its loads."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StepSolution(LoadState):
+    """A configuration under its loads with the fracture quantities of its tips, and how it was found."""
 
-    state: LoadState
     tips: tuple[TipState, ...]
     starts: tuple[StartState, ...]
     interface_tips: tuple[InterfaceTipState, ...]
-    seconds: dict[str, float]
-    factorizations: int = 1  # solves that it took, those of rejected directions included
-    notes: tuple[str, ...] = ()  # what the user should know of how it was found
     origin: Origin = FROM_REST
-    passed: tuple[LoadState, ...] = ()  # the states that led to it, in turn, where the case asks for its history
+    passed: tuple[LoadState, ...] = ()  # states of the loads before it, in turn, where the case asks for its history
     errors: Errors | None = None  # None: cells are by hand, and nothing was measured
-
-    @property
-    def configuration(self) -> Configuration:
-        """The configuration of the cracks."""
-        return self.state.configuration
-
-    @property
-    def scene(self) -> Scene:
-        """The scene, with what has started in it."""
-        return self.state.scene
-
-    @property
-    def cracks(self) -> tuple[GrowingCrack, ...]:
-        """The cracks."""
-        return self.configuration.cracks
-
-    @property
-    def cover(self) -> Cover:
-        """The cover of the configuration."""
-        return self.configuration.cover
-
-    @property
-    def contact(self) -> ContactSystem:
-        """What the contact points need of the rock."""
-        return self.configuration.contact
-
-    @property
-    def faces(self) -> ContactFaces:
-        """The contact points."""
-        return self.configuration.faces
-
-    @property
-    def outcome(self) -> ContactOutcome:
-        """Displacements and contact tractions."""
-        return self.state.outcome
 
     @property
     def jumps(self) -> list[float]:
         """What the criticality of each tip is beyond 1 at a critical load factor, where bonds break: 0 elsewhere."""
         if not isinstance(self.scene.case.loading, CriticalLoad):
             return [0.0] * len(self.tips)
-        limit, ends = WarningCause.JUMP.limit, self.cover.tip_ends
+        limit, ends = limit_of("JUMP"), self.cover.tip_ends
         beyond = [0.0 if tip.verdict is None else tip.verdict.criticality - 1.0 for tip in self.tips]
         grows = [self.cracks[crack].can_grow(at_end) for crack, at_end in ends]
         return [more if may and more > limit else 0.0 for may, more in zip(grows, beyond, strict=True)]
@@ -146,13 +104,23 @@ class StepSolution:
 
 def evaluated(state: LoadState) -> StepSolution:
     """A loaded configuration with the fracture quantities of its tips."""
-    configuration = state.configuration
-    seconds = {**configuration.seconds, "contact": state.seconds}
-    with timed(seconds, "criterion"):
-        fields = _stress_fields(state)
-        tips, starts = _tip_states(state, fields), _start_states(state, fields)
-        interface_tips = tuple(_interface_tip_states(state))
-    return StepSolution(state, tips, starts, interface_tips, seconds)
+    scene, cover, configuration, materials = state.scene, state.cover, state.configuration, state.materials
+    with timed("criterion"):
+        u, n_tips = state.outcome.u, len(cover.tips)
+        fields_at: dict[int, TipField] = {}  # the stress round every site at which something can grow, by its number
+        if scene.case.growth is not None:
+            functionals = configuration.stress_functionals
+            fields_at = dict(zip(functionals, fields_of(cover, materials, u, list(functionals.values())), strict=True))
+        tips, places = _tip_states(state, fields_at), configuration.sites[n_tips:]
+        loadings = [without_K(fields_at[n], scene.start_radius(site.body)) for n, site in enumerate(places, n_tips)]
+        starts = tuple(map(StartState, places, loadings, verdicts(scene, places, loadings)))
+        forces = [scene.body_force(body, state.factor) for body in range(len(materials))]
+        interface_tips = tuple(
+            InterfaceTipState(tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces), debond)
+            for tip, debond in configuration.interface_tips
+        )
+    known = {each.name: getattr(state, each.name) for each in fields(LoadState)}
+    return StepSolution(**known, tips=tips, starts=starts, interface_tips=interface_tips)
 
 
 def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
@@ -164,22 +132,6 @@ def with_ranges(solution: StepSolution, first: LoadState) -> StepSolution:
             share = float(share_across(strength, "toughness", now.loading.field.direction + kink))
             tips[n] = replace(now, K_range=range_of_K(was.K, now.K, kink, now.loading.roots) / share)
     return replace(solution, tips=tuple(tips))
-
-
-def _stress_fields(state: LoadState) -> dict[int, TipField]:
-    """The stress round every site at which something can grow, by its number."""
-    if state.scene.case.growth is None:
-        return {}
-    functionals = state.configuration.stress_functionals
-    found = fields_of(state.cover, state.materials, state.outcome.u, list(functionals.values()))
-    return dict(zip(functionals, found, strict=True))
-
-
-def _start_states(state: LoadState, fields: Mapping[int, TipField]) -> tuple[StartState, ...]:
-    """What the places say at which cracks may start: they are in rock that has a strength."""
-    scene, sites, n_tips = state.scene, state.configuration.sites, len(state.cover.tips)
-    loadings = [without_K(fields[n], scene.start_radius(sites[n].body)) for n in range(n_tips, len(sites))]
-    return tuple(map(StartState, sites[n_tips:], loadings, verdicts(scene, sites[n_tips:], loadings)))
 
 
 def _intensities(state: LoadState) -> list[TipState]:
@@ -220,26 +172,11 @@ def verdicts(scene: Scene, sites: Sequence[Site], loadings: Sequence[TipLoading]
         found.update(zip(numbers, evaluate([loadings[number] for number in numbers], strength), strict=True))
         for number in numbers:
             if at_tip and sites[number].in_shear:
-                found[number] = _goes_on(found[number], shear_growth(loadings[number], strength))
+                # started in shear it goes on so where that law is met, or sooner: beyond both it would turn to and fro
+                criticality, shears = found[number].criticality, shear_growth(loadings[number], strength)
+                if shears.criticality >= min(criticality, 1.0 - AT_STRENGTH):
+                    found[number] = replace(shears, criticality=max(shears.criticality, criticality))
     return [found[number] for number in range(len(sites))]
-
-
-def _goes_on(by_criterion: Verdict, shears: Verdict) -> Verdict:
-    """What is said of a tip whose crack has started in shear: it goes on so where the law of shear is met, or sooner.
-
-    At loads that are beyond both it would turn to and fro.
-    """
-    if shears.criticality < min(by_criterion.criticality, 1.0 - AT_STRENGTH):
-        return by_criterion
-    return replace(shears, criticality=max(shears.criticality, by_criterion.criticality))
-
-
-def _interface_tip_states(state: LoadState) -> Iterator[InterfaceTipState]:
-    """The tips of cracked interfaces, with the energy that they release."""
-    cover, materials, u = state.cover, state.materials, state.outcome.u
-    for tip, debond in state.configuration.interface_tips:
-        forces = [state.scene.body_force(body, state.factor) for body in range(len(materials))]
-        yield InterfaceTipState(tip, released(cover, materials, u, tip, _tractions(state, tip.surface), forces), debond)
 
 
 def _tractions(state: LoadState, surface: int) -> FaceTraction:
@@ -248,8 +185,9 @@ def _tractions(state: LoadState, surface: int) -> FaceTraction:
     faces, law = state.configuration.faces, state.configuration.contact.law
     name = cover.surfaces[surface].name
     pointwise = scene.laws[surface].elastic and scene.case.numerics.contact.discretization == "gauss"
-    fluids = enumerate(scene.case.loads)
-    volumes = [n for n, load in fluids if isinstance(load, FluidVolume) and load.fills(name)]
+    fluids = [load for load in scene.case.loads if isinstance(load, FluidPressure) and load.fills(name)]
+    loads, factor = enumerate(scene.case.loads), state.factor
+    volumes = [number for number, load in loads if isinstance(load, FluidVolume) and load.fills(name)]
     injected = sum(volume_pressure(state, number) for number in volumes)
 
     def traction(s: Floats) -> tuple[Floats, Floats]:
@@ -257,10 +195,10 @@ def _tractions(state: LoadState, surface: int) -> FaceTraction:
             normal, tangential = elastic_tractions(cover, faces, surface, s, law, outcome)
         else:
             points = outcome.points
-            normal, tangential = between_contact_points(faces, surface, s, points.normal, points.tangential)
-        if scene.has_fluid(name):
+            normal, tangential = faces.between(surface, s, points.normal, points.tangential)
+        if fluids:
             places = cover.lattice.to_metres(points_at(cover, surface, s).points)
-            normal = normal - scene.fluid_pressure(name, state.factor, places)
+            normal = normal - sum(component_at(load.pressure, places) * scene.share(load, factor) for load in fluids)
         return normal - injected, tangential
 
     return traction

@@ -116,21 +116,18 @@ class _Cells:
         return np.asarray(np.minimum(a, b) * len(self.vertices) + np.maximum(a, b))
 
 
-def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
-    """The mesh of all elements."""
-    cells = _cells_of(elements)
-    return _with_nodes(_divided(elements, cells, tips) if tips else cells)
-
-
 def _cells_of(elements: Elements) -> _Cells:
     """Undivided cells; a whole tile with corners in its sides is a fan of triangles."""
     triangles, owner = triangulate(elements.polygons)
     counts = np.bincount(elements.rings.face, minlength=elements.n)[: elements.n_whole]
     square = np.flatnonzero(counts == 4)
     between = (elements.edges.right >= 0) & ~elements.passable
+    n, ids = len(elements.vertices), vertex_ids(np.concatenate([elements.vertices, triangles.reshape(-1, 2)]))
+    vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
+    vertex[ids[:n]] = np.arange(n)
     cells = _Cells(
         vertices=elements.vertices,
-        triangles=_vertex_of(elements, triangles.reshape(-1, 2)).reshape(-1, 3),
+        triangles=vertex[ids[n:]].reshape(-1, 3),
         owners=owner + elements.n_whole,
         quads=elements.rings.start[starts_of(counts)[square, None] + np.arange(4)],
         whole=square,
@@ -158,7 +155,7 @@ def _fanned(elements: Elements, cells: _Cells, chosen: Ints) -> _Cells:
 
 
 def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
-    """Halve sides that are too long until none is; where one of a triangle is, its longest one is halved, too.
+    """Halve sides that are too long until none is, and before one of a triangle its longest one.
 
     So triangles stay about as slender as they are (Rivara 1984).
     """
@@ -171,39 +168,30 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
         halved = _too_long(cells.vertices[ends], tips)
         if not halved.any():
             return cells
-        longest = np.argmax(_lengths(cells.vertices[ends])[side], axis=1)
-        of_triangle = side[np.arange(len(side)), longest]
-        while (more := halved[side].any(axis=1) & ~halved[of_triangle]).any():
-            halved[of_triangle[more]] = True
+        rank = np.argsort(np.argsort(_lengths(cells.vertices[ends]), kind="stable"))  # of equal ones one is longer
+        turn = np.argmax(rank[side], axis=1)
+        longest = side[np.arange(len(side)), turn]
+        while (more := halved[side].any(axis=1) & ~halved[longest]).any():
+            halved[longest[more]] = True
         touched = np.isin(cells.keys(_sides_of(cells.quads)), keys[halved]).any(axis=1)
         if touched.any():
             cells = _fanned(elements, cells, cells.whole[touched])
-        else:
+        else:  # those first that are the longest of all of their triangles
+            halved &= np.bincount(longest, minlength=len(ends)) == np.bincount(side.ravel(), minlength=len(ends))
             middle = np.full(len(ends), -1)
             middle[halved] = len(cells.vertices) + np.arange(int(halved.sum()))
-            cells = _halved(cells, ends[halved], middle[side], longest)
+            cells = _halved(cells, ends[halved], middle[longest], turn)
 
 
-def _halved(cells: _Cells, ends: Ints, middle: Ints, longest: Ints) -> _Cells:
-    """Sides between `ends` (s, 2) get vertices in their middles, the next ones.
+def _halved(cells: _Cells, ends: Ints, middle: Ints, turn: Ints) -> _Cells:
+    """Sides between `ends` (s, 2) get vertices in their middles, the next ones, and their triangles are halved.
 
-    middle: (t, 3) vertex in the middle of each side of the triangles, -1 for none
-    longest: (t,) the side of each triangle that is halved first
+    middle: (t,) vertex in the middle of the longest side of each triangle, -1 for none
+    turn: (t,) number of that side
     """
-    turn = (longest[:, None] + np.arange(3)) % 3
-    cut = np.take_along_axis(middle, turn, axis=1)
-    whole = cut[:, 0] < 0
-    a, b, c = np.take_along_axis(cells.triangles, turn, axis=1)[~whole].T
-    m, p, q = cut[~whole].T
-    first, second = np.concatenate([c, b]), np.concatenate([a, c])  # ends of the other two sides
-    apex, on_side, owner = np.tile(m, 2), np.concatenate([q, p]), np.tile(cells.owners[~whole], 2)
-    again = on_side >= 0
-    parts = [
-        cells.triangles[whole],
-        np.stack([first, second, apex], axis=1)[~again],
-        np.stack([first, on_side, apex], axis=1)[again],
-        np.stack([on_side, second, apex], axis=1)[again],
-    ]
+    cut = middle >= 0
+    turned = np.take_along_axis(cells.triangles, (turn[:, None] + np.arange(3)) % 3, axis=1)
+    (a, b, c), m = turned[cut].T, middle[cut]
     keys, closed = cells.keys(ends), cells.closed
     there = np.isin(cells.keys(closed), keys)
     between = len(cells.vertices) + np.searchsorted(keys, cells.keys(closed[there]))
@@ -211,14 +199,16 @@ def _halved(cells: _Cells, ends: Ints, middle: Ints, longest: Ints) -> _Cells:
     return replace(
         cells,
         vertices=np.concatenate([cells.vertices, 0.5 * (cells.vertices[ends[:, 0]] + cells.vertices[ends[:, 1]])]),
-        triangles=np.concatenate(parts),
-        owners=np.concatenate([cells.owners[whole], owner[~again], owner[again], owner[again]]),
+        triangles=np.concatenate([cells.triangles[~cut], np.stack([c, a, m], axis=1), np.stack([b, c, m], axis=1)]),
+        owners=np.concatenate([cells.owners[~cut], np.tile(cells.owners[cut], 2)]),
         closed=np.concatenate([closed[~there], *halves]),
     )
 
 
-def _with_nodes(cells: _Cells) -> OutputMesh:
-    """The mesh; corners at a vertex are one node if a way round it joins them that crosses no closed side."""
+def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
+    """The mesh of all elements; corners at a vertex are one node if a way round it joins them without a closed side."""
+    cells = _cells_of(elements)
+    cells = _divided(elements, cells, tips) if tips else cells
     n_vertices, n_corners = len(cells.vertices), cells.triangles.size
     element = np.concatenate([cells.owners, cells.whole])
     owner = np.repeat(element, np.repeat([3, 4], [len(cells.triangles), len(cells.quads)]))
@@ -266,11 +256,3 @@ def _lengths(ends: Floats) -> Floats:
 def _sides_of(cells: Ints) -> Ints:
     """Ends (n, k, 2) of the sides of cells with corners (n, k)."""
     return np.stack([cells, np.roll(cells, -1, axis=1)], axis=2)
-
-
-def _vertex_of(elements: Elements, points: Floats) -> Ints:
-    """Vertex ids (n,) of points (n, 2) that are vertices."""
-    ids = vertex_ids(np.concatenate([elements.vertices, points]))
-    vertex = np.empty(int(ids.max()) + 1, dtype=np.int64)
-    vertex[ids[: len(elements.vertices)]] = np.arange(len(elements.vertices))
-    return vertex[ids[len(elements.vertices) :]]

@@ -156,7 +156,7 @@ def ended(state: RunState, solution: StepSolution, growth: Growth) -> RunEnd:
     largest, law = site_criticality(solution).max(initial=-np.inf), growth.rate_law
     step, is_last, grows = f"step {state.step}", state.step == growth.steps, largest > -np.inf
     near = f"; the most critical is at {largest:.3g} of "
-    at_load = f"{near}the strength at load factor {solution.state.factor:.4g}" if grows else ""
+    at_load = f"{near}the strength at load factor {solution.factor:.4g}" if grows else ""
     if is_last and state.step == 0:
         return RunEnd("completed", f"the static solve is done{at_load}", state.paths)
     if is_last and grows:

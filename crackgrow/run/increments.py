@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -11,19 +10,19 @@ from itertools import pairwise
 import numpy as np
 import shapely
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import LoadHistory
 from crackgrow.case.surface import SurfaceName
-from crackgrow.contact.coulomb import OPEN, SLIP, ContactMemory
+from crackgrow.contact.coulomb import OPEN, ContactMemory
 from crackgrow.contact.faces import FacePoints, points_at
 from crackgrow.contact.solve import ContactOutcome, PointStates
-from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Cover, Surface
+from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.geometry.tolerance import SAME_PLACE
+from crackgrow.run.clock import timed
 from crackgrow.run.configuration import SIGNS, Configuration, Excavated, LoadLevel
-from crackgrow.run.emissions import Course, Moves, released_by, told
-from crackgrow.run.energies import dissipated_on, strain_energy
-from crackgrow.run.path import MOST_JUMPS, Piece, least_share, next_piece, starts_in_proportion
+from crackgrow.run.energies import Course, course_of_jump, course_to, dissipated_on, strain_energy
+from crackgrow.run.path import MOST_JUMPS, Piece, next_piece, starts_in_proportion
 from crackgrow.run.result import BALANCED, ContactPoints, CrackFaces, Energy
 from crackgrow.run.scene import Scene
 from crackgrow.run.state_values import along_surfaces
@@ -40,19 +39,30 @@ SIMPSON = 2.0 / 3.0
 """Of what is in the middle beyond the mean of both ends: what the mean over all of the way has beyond it."""
 
 
-@dataclass(frozen=True, eq=False)
-class LoadState:
-    """A configuration under its loads."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where an increment starts from: the unloaded state, the one before, that of another configuration carried over.
+
+    What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
+    displacements would not be on any path of it.
+    """
+
+    level: LoadLevel  # how much of the loads acts already
+    memory: ContactMemory
+    energy: Energy
+    conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
+    round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
+    course: Course = field(default_factory=dict)  # what faces have done since the step began
+    grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class LoadState(Start):
+    """A configuration under its loads, from which the next increment starts."""
 
     configuration: Configuration
-    level: LoadLevel
     before: ContactMemory  # what points remembered when the increment began
     states: PointStates  # of the condensed model
-    energy: Energy
-    round_off: float  # J/m, of the energies: round-off
-    conjugates: Floats  # (3,): displacement under the loads per load factor, m N/m; under held loads; support force
-    seconds: float  # of all increments
-    course: Course = field(default_factory=dict)  # what faces have done since the step began
     notes: tuple[str, ...] = ()  # what the user should know of how it was found
     via: tuple[LoadState, ...] = ()  # the states that an increment went through, in turn
     formed: ContactOutcome | None = None  # None: displacements are formed when they are asked for
@@ -72,6 +82,11 @@ class LoadState:
         """The cover of the configuration."""
         return self.configuration.cover
 
+    @property
+    def cracks(self) -> tuple[GrowingCrack, ...]:
+        """The cracks of the configuration."""
+        return self.configuration.cracks
+
     @cached_property
     def materials(self) -> tuple[PlaneElasticity, ...]:
         """Materials, body by body, in-situ stress included."""
@@ -90,25 +105,6 @@ class LoadState:
     def light(self) -> LoadState:
         """The state without what its contact was found by, which is large."""
         return replace(self, states=self.states.light())
-
-    @cached_property
-    def memory(self) -> ContactMemory:
-        """What the next part of an increment needs."""
-        increment, _ = self.configuration.increment(self.level, self.before)
-        return increment.memory_after(self.states)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Start:
-    """Where an increment starts from: the unloaded state, or the state of another configuration carried over."""
-
-    level: LoadLevel  # how much of the loads acts already
-    memory: ContactMemory
-    energy: Energy
-    conjugates: Floats
-    round_off: float = 0.0  # J/m: the round-off of what the energies have been sums of on the way
-    grown: bool = False  # whether the configuration has changed on the way: what is missing was released by growth
-    course: Course = field(default_factory=dict)  # what faces have done since the step began
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -132,26 +128,18 @@ def unloaded(configuration: Configuration) -> Start:
     return Start(LoadLevel(0.0, holding), memory, Energy(0.0, 0.0, 0.0, 0.0, 0.0), np.zeros(3))
 
 
-def from_state(state: LoadState) -> Start:
-    """Go on from a state of the same configuration.
-
-    What is remembered is that of the condensed model, which increments are solved on: tractions that were corrected for
-    displacements would not be on any path of it.
-    """
-    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off, course=state.course)
-
-
 def next_load(state: LoadState) -> Start:
     """Go on from a state with the next load of the case, which is a step of its own unless cracks grow."""
-    start = from_state(state)
-    return start if state.scene.case.growth is not None else replace(start, course={})
+    course = {} if state.scene.case.growth is None else state.course
+    return Start(state.level, state.memory, state.energy, state.conjugates, state.round_off, course)
 
 
 def mapped(state: LoadState, configuration: Configuration) -> Start:
     """The state of another configuration, before the cracks grew or rock was taken out, as the start on this one.
 
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
-    are interpolated. New faces know nothing.
+    are interpolated. New faces know nothing. What points remember that are where they were stays the same to the bit:
+    by the round-off of slip that is read off displacements bonds would break where all loads go.
     """
     old, faces, outcome, points = state.configuration, configuration.faces, state.outcome, state.outcome.points
     n = faces.n
@@ -172,12 +160,18 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
             (dilation, points.dilation),
             (risen, outcome.memory.risen),
         ):
-            (values[mine],) = between_contact_points(old.faces, index, s, found)
-        nearest = nearest_contact_point(old.faces, index, s)
+            (values[mine],) = old.faces.between(index, s, found)
+        nearest = old.faces.nearest(index, s)
         lost[mine] = np.append(outcome.memory.lost, 0.0)[nearest]
         closed[mine] = np.append(points.state != OPEN, True)[nearest]
     slip = faces.functions @ (faces.lengths * jump) / faces.weights - elastic
     memory = ContactMemory(slip, lost, closed | (lost == 0.0), risen, normal, tangential, dilation)
+    for index, surface in enumerate(old.cover.surfaces):
+        before = np.flatnonzero(old.faces.surface == index)
+        after = np.flatnonzero(faces.surface == numbers.get(_first_of_many(surface.name), -1))
+        if np.array_equal(old.faces.nodes.points[before], faces.nodes.points[after]):
+            for kind, array in memory.arrays.items():
+                array[after] = state.memory.arrays[kind][before]
     return Start(state.level, memory, state.energy, state.conjugates, state.round_off, grown=True)
 
 
@@ -196,14 +190,15 @@ def _on_old_faces(points: FacePoints, index: int, surface: Surface) -> tuple[Int
 
 def increment(configuration: Configuration, start: Start, factor: float) -> LoadState:
     """The state at a load factor, with all held loads. Raises SolveError where there is none."""
-    began, end = time.perf_counter(), LoadLevel(factor)
-    if start.grown:
-        return _told(_booked(_part(configuration, start, end), start), began)
-    reached, in_turn = list[LoadState](), 0
-    for state, jumps in follow(configuration, start, end):
-        reached.append(state if state.level == end else state.light())
-        in_turn = jumps
-    return _told(_ended(start, reached, in_turn), began)
+    end = LoadLevel(factor)
+    with timed("contact"):
+        if start.grown:
+            return _formed(_booked(_part(configuration, start, end), start))
+        reached, in_turn = list[LoadState](), 0
+        for state, jumps in follow(configuration, start, end):
+            reached.append(state if state.level == end else state.light())
+            in_turn = jumps
+        return _formed(_ended(start, reached, in_turn))
 
 
 def rising(configuration: Configuration, start: Start, factor: float) -> Iterator[LoadState]:
@@ -211,17 +206,25 @@ def rising(configuration: Configuration, start: Start, factor: float) -> Iterato
 
     Raises SolveError where no branch goes on, or there are no displacements.
     """
-    reached, began = list[LoadState](), time.perf_counter()
+    reached = list[LoadState]()
     for state, jumps in follow(configuration, start, LoadLevel(factor), open_ended=True):
-        yield _told(_ended(start, [*reached, state], jumps), began)
+        yield _formed(_ended(start, [*reached, state], jumps))
         reached.append(state.light())
-        began = time.perf_counter()
 
 
 def _ended(start: Start, reached: Sequence[LoadState], jumps: int) -> LoadState:
     """The last of the states that were reached from a start, with the others and what is in doubt; jumps led there."""
-    notes = tuple(_doubts([start.energy, *(state.energy for state in reached)], jumps > MOST_JUMPS))
-    return replace(reached[-1], via=tuple(reached[:-1]), notes=notes)
+    energies, notes = [start.energy, *(state.energy for state in reached)], list[str]()
+    smaller = "apply the load in smaller steps (loading.history)"
+    if jumps > MOST_JUMPS or len(reached) > MOST_PIECES:
+        notes.append(
+            f"contact points change in {len(reached)} pieces of one load, and how they change in the rest of it "
+            f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
+        )
+    fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
+    if fallen > BALANCED * max(energy.size for energy in energies):
+        notes.append(f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}")
+    return replace(reached[-1], via=tuple(reached[:-1]), notes=tuple(notes))
 
 
 def follow(
@@ -235,22 +238,24 @@ def follow(
     for share in np.linspace(0.0, 1.0, number + 1)[1:].tolist() if number else ():
         state = _part(configuration, at, start.level.towards(end, share))
         yield state, 0
-        at = from_state(state)
+        at = state
     pieces, jumps = number, 0
     before: Piece | None = None
     largest = max(abs(start.level.factor), abs(end.factor))
     while not pieces or at.level != end:
         if pieces < MOST_PIECES:
-            way, in_part = (at.level, end), open_ended or jumps > 0
-            piece = next_piece(configuration, at.memory, way, least_share(way, largest, jumps), before, in_part)
+            piece = next_piece(configuration, at.memory, (at.level, end), largest, jumps, before, open_ended)
             state = _stated(configuration, at, piece.states, at.level.towards(end, piece.share), piece.middle)
             before, is_jump = piece if piece.kind == "straight" else None, piece.kind == "jump"
         else:
             state, is_jump = _part(configuration, at, end), True
         jumps = jumps + 1 if is_jump else 0
-        state = _jumped(state, at) if is_jump else state
+        if is_jump:
+            state = _booked(state, at)
+            released = state.energy.released - at.energy.released
+            state = replace(state, course=course_of_jump(state, at, released))
         yield state, jumps
-        at, pieces = from_state(state), pieces + 1
+        at, pieces = state, pieces + 1
 
 
 def _number_of(configuration: Configuration, start: Start) -> int:
@@ -270,59 +275,24 @@ def equilibrated(state: LoadState, configuration: Configuration) -> Start:
     What this one does not store any more is released.
     """
     start = mapped(state, configuration)
-    start = replace(start, memory=_kept(state, configuration, start.memory))
     states = configuration.states(state.level, start.memory)
     start = replace(start, conjugates=configuration.conjugates(state.level, states))
-    found = from_state(_booked(_stated(configuration, start, states, state.level), start))
-    return replace(found, course=next_load(state).course)
+    found = _booked(_stated(configuration, start, states, state.level), start)
+    return replace(next_load(found), course=next_load(state).course)
 
 
-def _kept(state: LoadState, configuration: Configuration, read_off: ContactMemory) -> ContactMemory:
-    """What was `read_off` the state, but to the bit what points remember of surfaces whose points are where they were.
-
-    By the round-off of slip that is read off displacements bonds would break where all loads go.
-    """
-    was, is_now = state.configuration.faces.nodes, configuration.faces.nodes
-    numbers = {surface.name: number for number, surface in enumerate(configuration.cover.surfaces)}
-    known, found = state.memory.arrays, {name: array.copy() for name, array in read_off.arrays.items()}
-    for index, surface in enumerate(state.cover.surfaces):
-        before = np.flatnonzero(was.surface == index)
-        after = np.flatnonzero(is_now.surface == numbers.get(surface.name, -1))
-        if np.array_equal(was.points[before], is_now.points[after]):
-            for name, array in found.items():
-                array[after] = known[name][before]
-    return ContactMemory(**found)
-
-
-def _told(state: LoadState, began: float) -> LoadState:
-    """The state with its displacements and the time (s) that it took. Raises SolveError where there are none."""
+def _formed(state: LoadState) -> LoadState:
+    """The state with its displacements. Raises SolveError where there are none."""
     formed = state.outcome
-    return replace(state, states=state.states.light(keep=True), formed=formed, seconds=time.perf_counter() - began)
-
-
-def _doubts(energies: Sequence[Energy], at_once: bool) -> Iterator[str]:
-    """What is given up of pieces between these energies, of which the last one is taken `at_once`, in words."""
-    smaller = "apply the load in smaller steps (loading.history)"
-    if at_once or len(energies) - 1 > MOST_PIECES:
-        yield (
-            f"contact points change in {len(energies) - 1} pieces of one load, and how they change in the rest of it "
-            f"was not followed: which of them break or slip, and where, is only as good as that; {smaller}"
-        )
-    size = max(energy.size for energy in energies)
-    fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
-    if fallen > BALANCED * size:
-        yield f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}"
+    return replace(state, states=state.states.light(keep=True), formed=formed)
 
 
 def held_loads(configuration: Configuration) -> Start:
-    """The state of the held loads alone, which come first where contact remembers anything.
-
-    Raises SolveError where there is none.
-    """
+    """The state of the held loads alone, which come first where contact remembers anything. Raises SolveError."""
     start, law = unloaded(configuration), configuration.contact.law
     remembers = law.friction.any() or law.cohesion.any() or law.tension.any()
     if configuration.constant.any() and remembers:
-        return from_state(increment(configuration, start, 0.0))
+        return increment(configuration, start, 0.0)
     return start
 
 
@@ -332,16 +302,13 @@ def _part(configuration: Configuration, start: Start, level: LoadLevel) -> LoadS
 
 
 def _stated(
-    configuration: Configuration,
-    start: Start,
-    states: PointStates,
-    level: LoadLevel,
-    middle: PointStates | None = None,
+    configuration: Configuration, start: Start, states: PointStates, level: LoadLevel, middle: PointStates | None = None
 ) -> LoadState:
     """The state with its energies, of the states of contact points; in the `middle` too where the way is bent."""
     was, conjugates = start.memory, configuration.conjugates(level, states)
     none = Energy(start.energy.work, 0.0, start.energy.dissipated, start.energy.released, 0.0)
-    state = LoadState(configuration, level, was, states, none, 0.0, conjugates, 0.0)
+    memory = configuration.increment(level, was).memory_after(states)
+    state = LoadState(level, memory, none, conjugates, configuration=configuration, before=was, states=states)
     shares = [configuration.shares(at) for at in (start.level, level)]
     change, more = conjugates - start.conjugates, shares[1] - shares[0]
     mean = 0.5 * (start.conjugates + conjugates)
@@ -351,29 +318,10 @@ def _stated(
         work -= SIGNS * bulge @ more
     strain, terms = strain_energy(state)
     round_off = max(terms, start.round_off)  # work that comes back keeps the round-off of what it was
-    slides, by_point = dissipated_on(configuration, was, state, middle)
+    slides, by_point = dissipated_on(state, middle)
     dissipated = none.dissipated + float(by_point.sum())
     energy = _checked(replace(none, work=none.work + float(work), strain=strain, dissipated=dissipated), round_off)
-    moves = _moves(state, start, slides)
-    course = told(start.course, moves, by_point)
-    return replace(state, energy=energy, round_off=round_off, course=course)
-
-
-def _moves(state: LoadState, start: Start, slides: Bools, *, jumps: bool = False) -> Moves:
-    """What contact points do between a start and a state; a jump takes from those that had begun to break, too."""
-    configuration, was, now, law = state.configuration, start.memory, state.memory, state.configuration.contact.law
-    faces, cover, slip = configuration.faces, configuration.cover, np.abs(now.slip - was.slip)
-    pressed = (was.normal < 0.0) | (start.level.factor != 0.0)  # or have just lost their pressure, at an event
-    return Moves(
-        names=[str(surface.name) for surface in cover.surfaces],
-        surface=faces.surface,
-        points=cover.lattice.to_metres(faces.nodes.points),
-        load_factor=start.level.factor + 0.0,  # no -0
-        slip=slip,
-        slides=slides & (slip > 0.0),
-        parts=was.closed & ~now.closed & (was.coheres(law) | pressed),
-        breaks=law.breakable & (now.lost > was.lost) & (jumps | ~was.broken),
-    )
+    return replace(state, energy=energy, round_off=round_off, course=course_to(state, start, slides, by_point))
 
 
 def _missing(energy: Energy) -> float:
@@ -392,12 +340,3 @@ def _booked(state: LoadState, start: Start) -> LoadState:
     missing = _missing(state.energy) - _missing(start.energy)
     released = replace(state.energy, released=state.energy.released + missing)
     return replace(state, energy=_checked(released, state.round_off))
-
-
-def _jumped(state: LoadState, start: Start) -> LoadState:
-    """A state to which points have jumped, with what is released by it booked to their surfaces."""
-    booked, weights = _booked(state, start), state.configuration.contact.weights
-    moves = _moves(state, start, state.states.state == SLIP, jumps=True)
-    released = booked.energy.released - start.energy.released
-    course = told(state.course, moves, np.zeros(len(weights)))  # of what had begun to break in another step
-    return replace(booked, course=released_by(course, moves, weights, released))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 from typing import TypeVar
@@ -15,6 +16,7 @@ from crackgrow.case.model import Case, Growth, Stages, StrengthReduction
 from crackgrow.case.on_map import on_map
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.run.checkpoint import RunState, beginning, packed, restored
+from crackgrow.run.clock import SPENT
 from crackgrow.run.deflection import Way, way_on
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import Advances, chosen_advances, ended, time_of, unsolved
@@ -22,7 +24,7 @@ from crackgrow.run.increments import FROM_REST
 from crackgrow.run.loading import HistorySolver, LoadsInTurn, NextStepSolver, load
 from crackgrow.run.propagation import BeforeAdvance, advance_debonds, advance_tips
 from crackgrow.run.report import estimate_maker, step_result
-from crackgrow.run.result import Checkpoint, RunEnd, Safety, StepResult
+from crackgrow.run.result import Checkpoint, RunEnd, StepResult
 from crackgrow.run.scene import Scene, make_scene
 from crackgrow.run.strength_reduction import NARROW, strength_reduction
 from crackgrow.run.target import next_grading, solved_to_target
@@ -45,12 +47,13 @@ def grow(case: Case, checkpoint: Checkpoint | None = None) -> Generator[StepResu
     run: `broke_through` where a piece of rock comes loose that nothing holds, else `failed`; the end has the cracks and
     the events of that step, and the estimated error of the last one that was solved.
     """
-    return _steps(case, checkpoint, lambda result, _: result)
-
-
-def solved_steps(case: Case, checkpoint: Checkpoint | None = None) -> Steps:
-    """As `grow`, each result with the solution that it tells of."""
-    return _steps(case, checkpoint, lambda *step: step)
+    steps = solved_steps(case, checkpoint)
+    while True:
+        try:
+            yield next(steps)[0]
+        except StopIteration as stop:
+            end: RunEnd = stop.value
+            return end
 
 
 def for_each(steps: Generator[Item, None, Returned], each: Callable[[Item], object]) -> Returned:
@@ -64,10 +67,8 @@ def for_each(steps: Generator[Item, None, Returned], each: Callable[[Item], obje
         each(step)
 
 
-def _steps(
-    case: Case, checkpoint: Checkpoint | None, convert: Callable[[StepResult, StepSolution], Item]
-) -> Generator[Item, None, RunEnd]:
-    """What `convert` makes of each step, then the end; linear algebra has one thread while steps are made.
+def solved_steps(case: Case, checkpoint: Checkpoint | None = None) -> Steps:
+    """As `grow`, each result with the solution that it tells of; linear algebra has one thread while steps are made.
 
     Places of results are those of the map, if the case has one; what is computed, and checkpoints, are at its origin.
     The error of the last step is estimated as it is known to be the last.
@@ -84,6 +85,7 @@ def _steps(
     last: tuple[StepResult, StepSolution] | None = None
     while True:
         with single_threaded():
+            SPENT.begin()
             try:
                 last = next(steps)
             except StopIteration as stop:
@@ -94,16 +96,19 @@ def _steps(
                     end = replace(end, norm_error=error)
                 return on_map(end, case.origin)
         result, solution = last
-        yield convert(on_map(result, case.origin), solution)
+        yield on_map(result, case.origin), solution
 
 
 def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     """The steps of a run with growth."""
     scene, state, advances = scene.with_cracks(begun.cracks), begun, Advances(begun.cracks)
-    known, before = _again(scene, begun), None
+    known, before = None, None
+    if begun.origin is not None:  # it was solved before: the search for its direction of growth is not repeated
+        known = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
+        known = replace(known, notes=begun.notes, errors=begun.errors)
     while True:
         if before is not None:
-            before.contact.system.release()  # memory holds the factors of one step
+            before.configuration.contact.system.release()  # memory holds the factors of one step
         try:
             solution = known or load(scene, state.cracks, before)
         except (GeometryError, SolveError) as error:
@@ -140,14 +145,6 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 
-def _again(scene: Scene, begun: RunState) -> StepSolution | None:
-    """The solution of a step that was solved before; the search for its direction of growth is not repeated."""
-    if begun.origin is None:
-        return None
-    solution = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
-    return replace(solution, factorizations=begun.factorizations, notes=begun.notes, errors=begun.errors)
-
-
 def _static(scene: Scene, begun: RunState) -> Steps:
     """The load factors of the history, or the stages, in turn, without growth."""
     cracks, n = begun.cracks, scene.case.n_loads
@@ -155,10 +152,10 @@ def _static(scene: Scene, begun: RunState) -> Steps:
     for step in range(begun.step, n):
         solver.number, solution = step, solver.here.solution(step)
         if step == begun.step and begun.origin is not None:  # it was solved before
-            solution = replace(solution, factorizations=begun.factorizations, errors=begun.errors)
+            solution = replace(solution, errors=begun.errors)
         elif scene.case.numerics.measured:
             solution = solved_to_target(solution, solver)
-        yield _reported(RunState(step, cracks, debonds=begun.debonds), solution), solution
+        yield _reported(begun.at_load(step), solution), solution
     done = f"all {n} {'stages' if isinstance(scene.case.loading, Stages) else 'load factors'} are done"
     return RunEnd("completed", "the static solve is done" if n == 1 else done, begun.paths)
 
@@ -167,21 +164,15 @@ def _reduced(scene: Scene, begun: RunState) -> Steps:
     """The scene as it is, if it holds, and its last stable state while its strength is reduced."""
     safety, solutions = strength_reduction(scene, begun.cracks)
     if scene.case.numerics.measured:
-        safety = replace(safety, error=100.0 * (BOUND * _factor_apart(scene, begun, safety) + NARROW))
+        companion = scene.with_grading(replace(scene.grading, companion=True))
+        with suppress(GeometryError, SolveError):
+            other = strength_reduction(companion, begun.cracks)[0].factor
+            if np.isfinite([other, safety.factor]).all():
+                safety = replace(safety, error=100.0 * (BOUND * abs(other / safety.factor - 1.0) + NARROW))
     for step, solution in enumerate(solutions):
         if step >= begun.step:  # those before were told of when they were solved first
-            yield _reported(RunState(step, begun.cracks, debonds=begun.debonds), solution), solution
+            yield _reported(begun.at_load(step), solution), solution
     return RunEnd("completed", str(safety), begun.paths, safety=safety)
-
-
-def _factor_apart(scene: Scene, begun: RunState, safety: Safety) -> float:
-    """By how much, of itself, the factor of safety is another one on the companion mesh; nan where there is none."""
-    companion = scene.with_grading(replace(scene.grading, companion=True))
-    try:
-        other = strength_reduction(companion, begun.cracks)[0].factor
-        return abs(other / safety.factor - 1.0) if np.isfinite([other, safety.factor]).all() else float("nan")
-    except (GeometryError, SolveError):
-        return float("nan")
 
 
 def _reported(
@@ -190,4 +181,4 @@ def _reported(
     """The step's result, with what a run can go on from: the solution as it was `solved`, or itself."""
     output = solution.scene.case.output
     result = step_result(state, solution, advances or Advances(state.cracks), output.frames != "none" or output.figures)
-    return replace(result, checkpoint=packed(state, solved or solution))
+    return replace(result, checkpoint=packed(replace(state, factorizations=result.factorizations), solved or solution))

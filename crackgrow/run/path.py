@@ -1,6 +1,6 @@
 """The path of the contact points under a load that changes: straight pieces, from event to event.
 
-Everything is linear in the loads as long as each point stays on its branch of the law (`coulomb.Branches`). A piece
+Everything is linear in the loads as long as each point stays on its branch of the law (`contact.equations`). A piece
 sets out from a state on the branches that an increment to its end has, if these lead back to the state; else on those
 of a much shorter increment. It ends at the first event: a closed point is not pressed any more, or at its tensile
 strength, an open one closes, one that only its bond holds opens, a sticking one comes to its limit, or slip that
@@ -78,13 +78,9 @@ class _LoadPath:
     last: LoadLevel
     near: PointStates | None  # states that may be close
 
-    def level(self, share: float) -> LoadLevel:
-        """The load after a share of the way."""
-        return self.first.towards(self.last, share)
-
     def at(self, share: float) -> PointStates:
         """The states after one increment to there."""
-        return self.configuration.states(self.level(share), self.was, self.near)
+        return self.configuration.states(self.first.towards(self.last, share), self.was, self.near)
 
     def if_borne(self, share: float) -> PointStates | None:
         """The same; None where there are none."""
@@ -95,8 +91,7 @@ class _LoadPath:
 
     def on_branch(self, like: PointStates, share: float) -> PointStates:
         """The states there on branches of others, with what slip on these takes."""
-        increment, free = self.configuration.increment(self.level(share), self.was)
-        return increment.on_branch(like, free)
+        return self.configuration.increment(self.first.towards(self.last, share), self.was).on_branch(like)
 
     def moved(self, states: PointStates) -> Floats:
         """How far (n,) m points have slipped on the way, less the elastic part."""
@@ -116,19 +111,21 @@ def next_piece(
     configuration: Configuration,
     was: ContactMemory,
     ends: tuple[LoadLevel, LoadLevel],
-    least: float,
+    largest: float,
+    jumps: int,
     before: Piece | None,
-    in_part: bool,
+    open_ended: bool,
 ) -> Piece:
-    """The next piece of a way between two loads.
+    """The next piece of a way between two loads, after some jumps in turn, where the `largest` load factor has acted.
 
-    It sets out from what `was` at the first load, and takes the `least` share of the way or more. A straight piece
-    `before` ended at an event there: few points have other branches beyond, and where one event was the next is mostly
-    near. Raises SolveError where there are no states at the last load; of a way that is gone `in_part`, where no branch
-    goes on: nothing may bear up to its end.
+    It sets out from what `was` at the first load. A straight piece `before` ended at an event there: few points have
+    other branches beyond, and where one event was the next is mostly near. Raises SolveError where there are no states
+    at the last load; of a way that is gone in part, where no branch goes on: nothing may bear up to its end.
     """
     path = _LoadPath(configuration, was, *ends, None if before is None else before.states)
-    law = configuration.contact.law
+    law, length = configuration.contact.law, abs(ends[1].factor - ends[0].factor)
+    resolved = RESOLVED * largest / length if length > 0.0 else 0.0
+    least = min(1.0, max(SHARES[-1] * 10.0**jumps, resolved)) if jumps < MOST_JUMPS else 1.0  # share of the way
     if starts_in_proportion(configuration, was, path.first):
         return Piece(path.at(1.0), 1.0, "straight")
     if law.weakens.any() or law.bends.any():
@@ -139,9 +136,9 @@ def next_piece(
             path.wear(start) > 0.0 and ((there := path.if_borne(probe)) is None or path.wear(there) > 0.0)
         ):
             return _bent_piece(path, start, least) or Piece(start, least, "jump")
-    for share in (*(share for share in _shares(before, in_part) if share > least), least):
+    for share in (*(share for share in _shares(before, open_ended or jumps > 0) if share > least), least):
         states = path.at(share) if share in (1.0, least) else path.if_borne(share)
-        if states is None or path.wear(states) > 0.0 or _breaks(path, states):
+        if states is None or path.wear(states) > 0.0 or ((states.trial.lost > was.lost) & law.breakable).any():
             continue  # on the way
         begin = path.on_branch(states, 0.0)
         if _leads_back(path, begin, states):
@@ -154,15 +151,6 @@ def next_piece(
     end = path.on_branch(states, 1.0)
     event = max(_first_event(path, begin, end), share)
     return Piece(end if event == 1.0 else path.on_branch(begin, event), event, "straight")
-
-
-def least_share(way: tuple[LoadLevel, LoadLevel], largest: float, jumps: int) -> float:
-    """The least share of a way that a piece takes, after `jumps` in turn, where the `largest` load factor has acted."""
-    if jumps >= MOST_JUMPS:
-        return 1.0
-    length = abs(way[1].factor - way[0].factor)
-    resolved = RESOLVED * largest / length if length > 0.0 else 0.0
-    return min(1.0, max(SHARES[-1] * 10.0**jumps, resolved))
 
 
 def _shares(before: Piece | None, in_part: bool) -> tuple[float, ...]:
@@ -245,16 +233,8 @@ def _until_event(path: _LoadPath, begin: PointStates, end: tuple[float, PointSta
     return low if low[0] > 0.0 else high
 
 
-def _breaks(path: _LoadPath, states: PointStates) -> bool:
-    """Whether points with something to lose have lost it under the states' load."""
-    return bool(((states.trial.lost > path.was.lost) & path.configuration.contact.law.breakable).any())
-
-
 def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> bool:
-    """Whether the branches of some `states` lead back to what was at first.
-
-    `begin` are the states on these branches at the load there.
-    """
+    """Whether the branches of `states` lead back to what was; `begin` are on these branches at the first load."""
     tractions = path.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
     length = size * float(path.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0

@@ -8,7 +8,6 @@ alone (diagonal secant); one whose tip has met something is not corrected any mo
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import zip_longest
@@ -81,7 +80,7 @@ def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, so
 
     Starts of new cracks come last.
     """
-    n_tips, growth = len(solution.tips), before.scene.case.growth
+    n_tips = len(solution.tips)
     chosen = chosen[chosen < len(solution.configuration.sites)]
     kinks: list[float] = []
     turns: dict[End, bool] = {}  # what starts, and shear, keep their directions
@@ -97,7 +96,7 @@ def advance_tips(before: BeforeAdvance, solution: StepSolution, chosen: Ints, so
             verdict, before = start.verdict, replace(before, starts=(*before.starts, new))
         kinks.append(verdict.kink)
     first = _advanced_by(before, turns, np.array(kinks))
-    implicit = growth is not None and growth.direction == "implicit"
+    implicit = before.scene.growth.direction == "implicit"
     if not implicit or not any(turning and first.cracks[n].can_grow(end) for (n, end), turning in turns.items()):
         return first
     return _without_shear(before, turns, np.array(kinks), first, solve)
@@ -110,11 +109,10 @@ def advance_debonds(
 
     They end on the `new` ones, too, which begin in this step.
     """
-    scene, growth, events = solution.scene, solution.scene.case.growth, list[Event]()
+    scene, growth, events = solution.scene, solution.scene.growth, list[Event]()
     grown = list(scene.debonds)
     for number in chosen[chosen >= len(solution.configuration.sites)].tolist():
         known = solution.interface_tips[number - len(solution.configuration.sites)]
-        assert growth is not None
         assert known.debond is not None  # it was chosen by its toughness
         index, at_end = scene.debonds.index(known.debond), known.tip.at_end
         ends = ends_of(solution.cracks, (*grown, *new))
@@ -134,8 +132,7 @@ def _advanced_by(before: BeforeAdvance, ends: Mapping[End, bool], kinks: Floats)
     A tip that one before it has met is no tip any more and stays: an event of its own. The numbers after the last crack
     are those of new ones, which do not start where one before them has come.
     """
-    scene, growth, grown, events = before.scene, before.scene.case.growth, list(before.cracks), list[Event]()
-    assert growth is not None
+    scene, growth, grown, events = before.scene, before.scene.growth, list(before.cracks), list[Event]()
     for (index, at_end), kink in zip(ends, kinks.tolist(), strict=True):
         length = before.lengths.get((index, at_end), growth.increment)
         length = min(length, LONGEST_SEGMENT * scene_size(scene.case))  # no farther than what leads out of the rock
@@ -211,11 +208,8 @@ def _named(scene: Scene, body: str, met: Meeting, others: Sequence[GrowingCrack]
 def _without_shear(
     before: BeforeAdvance, turns: Mapping[End, bool], kinks: Floats, first: AfterAdvance, solve: Solve
 ) -> AfterAdvance:
-    """The advance whose new tips see least shear, with its solution and the cost of all solves.
-
-    Solutions are large, and only the best one is kept.
-    """
-    trials, seconds = list[tuple[Floats, Floats]](), Counter[str]()  # kinks and K_II / K at the new tips of each
+    """The advance whose new tips see least shear, with its solution; others, which are large, are not kept."""
+    trials = list[tuple[Floats, Floats]]()  # kinks and K_II / K at the new tips of each
     least, found, doubts = np.inf, first, list[str]()
     while not least <= 1.0 and len(trials) < MOST_SOLVES:
         try:
@@ -226,7 +220,6 @@ def _without_shear(
                 return first  # solving it again tells the user why
             doubts.append(f"the search for the direction of growth ended at trial {len(trials) + 1}: {error}")
             break
-        seconds.update(solved.seconds)
         shear, nothing = _shear(advance, solved, turns)
         trials.append((kinks, shear))
         excess = float((np.abs(shear) / nothing).max())
@@ -237,9 +230,7 @@ def _without_shear(
     assert found.solution is not None
     if least > 1.0:
         doubts.append(f"the direction of growth left K_II at {left:.2g} of K at a new tip")
-    notes = (*found.solution.notes, *doubts)
-    solution = replace(found.solution, seconds=dict(seconds), factorizations=len(trials), notes=notes)
-    return replace(found, solution=solution)
+    return replace(found, solution=replace(found.solution, notes=(*found.solution.notes, *doubts)))
 
 
 def _shear(advance: AfterAdvance, solution: StepSolution, turns: Mapping[End, bool]) -> tuple[Floats, Floats]:

@@ -16,19 +16,19 @@ from crackgrow.case.model import CriticalLoad, Fatigue, Subcritical
 from crackgrow.case.on_map import on_map
 from crackgrow.case.segments import line_length
 from crackgrow.case.surface import end_word
+from crackgrow.cover.shapes import body_index
 from crackgrow.fracture.advance import STARTS, advancing_sites
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.fracture.subcritical import velocities
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.run.checkpoint import RunState
+from crackgrow.run.clock import SPENT
 from crackgrow.run.evaluation import InterfaceTipState, StepSolution
 from crackgrow.run.frame import make_frame
 from crackgrow.run.growth import Advances
 from crackgrow.run.result import (
-    ContactPoints,
     CrackFaces,
-    CrackPath,
     Event,
     Frame,
     FrameOnDemand,
@@ -37,10 +37,11 @@ from crackgrow.run.result import (
     StepResult,
     TipResult,
 )
-from crackgrow.run.state_values import history, mean_stress, reactions, specimen_means
+from crackgrow.run.state_values import history, history_of, mean_stress, reactions, specimen_means
 from crackgrow.run.step_warnings import contact_violations, pressed_strain, step_warnings
 
 Estimate = Callable[[], ErrorEstimate]
+
 STILL = 1e-6
 """Of what the stress could make a crack of its length slip: faces have not moved by less, 3e-9 of it in 56 joints."""
 
@@ -49,18 +50,24 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
     """The result of a step, after which its tips advance."""
     started = time.perf_counter()
     outcome, scene, paths = solution.outcome, solution.scene, state.paths
-    contact, faces = solution.state.along_surfaces
+    contact, faces = solution.along_surfaces
     unknown, missed = (math.nan,) * len(solution.tips), contact_violations(solution, faces)
     errors = solution.errors or Errors(scene.grading, K=unknown, T=unknown, kinks=unknown)  # cells are by hand
     percent = {goal: 100.0 * BOUND * share for goal, share in errors.shares.items()}
-    still = _sticking(contact, paths, pressed_strain(solution, faces))
-    means = specimen_means(solution.state)
+    name, moved = np.array(contact.crack), np.hypot(contact.mean_opening, contact.mean_slip)
+    strain = pressed_strain(solution, faces)
+    still = {  # cracks whose faces have not moved, by what the stress could make them slip
+        path.name
+        for path in paths
+        if 0.0 <= moved[name == path.name].max(initial=-1.0) <= STILL * strain * arc_lengths(path.points)[-1]
+    }
+    means = specimen_means(solution)
     critical = isinstance(scene.case.loading, CriticalLoad)
     estimate = cache(estimate_maker(solution))
     asked = estimate if "energy_error" in scene.case.output.fields else None
     return StepResult(
         step=state.step,
-        load_factor=solution.state.factor,
+        load_factor=solution.factor,
         cracks=paths,
         events=state.events,
         tips=tuple(_tip(solution, tip, tip in advances.sites, errors, still) for tip in range(len(solution.tips))),
@@ -70,19 +77,19 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         ),
         contact=contact,
         faces=faces,
-        reactions=reactions(solution.state),
+        reactions=reactions(solution),
         mesh=FrameOnDemand(frame_maker(solution, asked)) if with_frame else None,
         n_dofs=solution.cover.n_dofs,
         n_contact=outcome.points.n_unknowns,
         contact_iterations=outcome.points.iterations,
         contact_status=outcome.points.status,
-        factorizations=solution.factorizations,
+        factorizations=SPENT.n_factorizations if state.factorizations is None else state.factorizations,
         residual=outcome.residual,
         penetration=outcome.penetration,
         complementarity=outcome.complementarity,
         overlap=max((surface.overlap for surface in missed), default=0.0),
         overlap_share=max((surface.share for surface in missed), default=0.0),
-        energy=solution.state.energy,
+        energy=solution.energy,
         load_displacement=_load_displacement(solution),
         mean_stress=means[0],
         mean_strain=means[1],
@@ -96,13 +103,13 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
         reaction_error=percent.get("reaction", math.nan),
         load_factor_error=percent.get("load_factor", math.nan) if critical else math.nan,
         stress=_stress(solution, faces),
-        history=history([*solution.passed, solution.state]),
+        history=history([*solution.passed, *history_of(solution)]),
         start=_start(solution),
         emissions=(
-            *(replace(event, step=state.step) for event in solution.state.course.values()),
+            *(replace(event, step=state.step) for event in solution.course.values()),
             *_growing(state.step, solution, advances),
         ),
-        seconds={**solution.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
+        seconds={**SPENT.seconds, "output": time.perf_counter() - started},  # the last: all that is above counts
     )
 
 
@@ -127,16 +134,14 @@ def _interface_tip(solution: StepSolution, known: InterfaceTipState, advances: b
 def estimate_maker(solution: StepSolution) -> Estimate:
     """Makes the estimate of a solution, of which it keeps what that takes and no more."""
     singular = [SingularStress(solution.cover, number, tip.K) for number, tip in enumerate(solution.tips)]
-    return partial(error_estimate, solution.cover, solution.state.materials, solution.outcome.u, singular)
+    return partial(error_estimate, solution.cover, solution.materials, solution.outcome.u, singular)
 
 
 def frame_maker(solution: StepSolution, error: Estimate | None) -> Callable[[], Frame]:
-    """Makes the mesh of a solution, of which it keeps what that takes and no more; with its error if that is asked for.
-
-    Places are those of the map, and bodies have their numbers in the case.
-    """
-    cover, materials, u = solution.cover, solution.state.materials, solution.outcome.u
-    numbers, origin = solution.scene.numbers_at_start, solution.scene.case.origin
+    """Makes the mesh of a solution, on the map, and keeps what that takes and no more; with its error if asked for."""
+    cover, materials, u = solution.cover, solution.materials, solution.outcome.u
+    scene, origin = solution.scene, solution.scene.case.origin
+    numbers = np.array([body_index(scene.at_start.case.bodies, body.name) for body in scene.case.bodies])
 
     def made() -> Frame:
         frame = make_frame(cover, materials, u, None if error is None else error())
@@ -152,7 +157,7 @@ def _stress(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
     """
     cracks = (face for surface, face in zip(solution.cover.surfaces, faces, strict=True) if surface.name.is_crack)
     pressure = max((float(np.abs(face.normal_traction).max(initial=0.0)) for face in cracks), default=0.0)
-    return max(pressure, mean_stress(solution.state))
+    return max(pressure, mean_stress(solution))
 
 
 def _load_displacement(solution: StepSolution) -> float:
@@ -163,15 +168,8 @@ def _load_displacement(solution: StepSolution) -> float:
     on_patches = solution.configuration.scaled[: 2 * len(solution.cover.patches.nodes)]
     total = float(np.abs(on_patches).sum())
     if total > 0.0:
-        return float(solution.state.conjugates[0]) / total
-    return solution.configuration.farthest(solution.state.level)
-
-
-def _sticking(contact: ContactPoints, paths: Sequence[CrackPath], strain: float) -> set[str]:
-    """The cracks whose faces have not moved, in rock that the stress strains by so much."""
-    name, moved = np.array(contact.crack), np.hypot(contact.mean_opening, contact.mean_slip)
-    found = ((path.name, moved[name == path.name], STILL * strain * arc_lengths(path.points)[-1]) for path in paths)
-    return {each for each, mine, least in found if len(mine) and mine.max() <= least}
+        return float(solution.conjugates[0]) / total
+    return solution.configuration.farthest(solution.level)
 
 
 def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still: set[str]) -> TipResult:
@@ -216,22 +214,20 @@ def _tip(solution: StepSolution, tip: int, advances: bool, errors: Errors, still
 
 def _growing(step: int, solution: StepSolution, advances: Advances) -> Iterator[Event]:
     """The tips that grow, each with the energy that K says is released along its advance."""
-    cover, growth = solution.cover, solution.scene.case.growth
+    cover, scene = solution.cover, solution.scene
     for tip in sorted(set(advances.sites.tolist()) & set(range(len(solution.tips)))):
         state, (index, at_end) = solution.tips[tip], cover.tip_ends[tip]
-        assert growth is not None
         assert state.verdict is not None  # it was chosen by it
-        material = solution.state.materials[solution.scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
-        length = advances.lengths.get((index, at_end), growth.increment)
+        material = solution.materials[scene.crack_bodies[index]].turned(cover.tips[tip].rotation)
+        length = advances.lengths.get((index, at_end), scene.growth.increment)
         energy = length * kinked_release(state.K, state.verdict.kink, material)
         place, name = cover.lattice.to_metres(cover.tips[tip].point), str(cover.cracks[index].name)
-        yield Event(step, "growth", name, end_word(at_end), place, "", solution.state.factor, energy)
+        yield Event(step, "growth", name, end_word(at_end), place, "", solution.factor, energy)
     for number, known in enumerate(solution.interface_tips):
         if len(solution.configuration.sites) + number in advances.sites:
-            assert growth is not None
             place, name = cover.lattice.to_metres(known.tip.point), str(cover.surfaces[known.tip.surface].name)
-            energy, end = growth.increment * known.release.G, end_word(known.tip.at_end)
-            yield Event(step, "growth", name, end, place, "", solution.state.factor, energy)
+            energy, end = scene.growth.increment * known.release.G, end_word(known.tip.at_end)
+            yield Event(step, "growth", name, end, place, "", solution.factor, energy)
 
 
 def _start(solution: StepSolution) -> StartResult | None:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from crackgrow.arrays import Floats
@@ -11,7 +9,7 @@ from crackgrow.case.units import place_text
 from crackgrow.contact.solve import ContactOutcome
 from crackgrow.contact.system import ContactSystem
 from crackgrow.cover.cover import Cover
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError, SolveError
 from crackgrow.linear import SymmetricMatrix
 
 LARGEST = 1e100
@@ -30,31 +28,13 @@ LOST_DIGITS = 1e-9
 """Of the terms of a force: what round-off leaves of them at worst."""
 
 
-@dataclass(frozen=True, slots=True)
-class Residual:
-    """The largest force on an unknown that nothing balances."""
+def checked_residual(
+    cover: Cover, matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, outcome: ContactOutcome
+) -> tuple[float, float]:
+    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts, and the largest terms (N/m).
 
-    size: float  # relative
-    dof: int  # the unknown
-    terms: float  # size of what the stress forces there are the sum of, relative as well
-    largest_terms: float  # N/m: that size where it is largest, not relative
-
-    def message(self, cover: Cover) -> str:
-        """What to say of it where it is too large."""
-        near = place_text(cover.lattice.to_map(_place_of(cover, self.dof // 2)), 4)
-        what = f"the equilibrium residual is {self.size:.2g}, more than {WORST_RESIDUAL:g}, near {near}"
-        if self.size > LOST_DIGITS * self.terms:
-            return f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"
-        return (
-            f"{what}: the system is too ill conditioned there, with terms {self.terms:.1g} times the forces; move what "
-            "lies close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
-        )
-
-
-def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, outcome: ContactOutcome) -> Residual:
-    """Equilibrium residual K u + C' m + G' W p - f, relative to the largest of its parts.
-
-    Where nothing is stressed all parts are round-off, and the terms give the size.
+    These are what stress forces are the sums of. Where nothing is stressed all parts are round-off, and the terms give
+    the size. Raises NotSolvedError where it is too large.
     """
     internal, terms = matrix @ outcome.u, matrix.sizes(outcome.u)
     reactions = contact.system.constraints.T @ outcome.multipliers
@@ -63,11 +43,23 @@ def residual_of(matrix: SymmetricMatrix, contact: ContactSystem, loads: Floats, 
     parts = (internal, reactions, tractions, loads)
     size, most = max(np.abs(part).max(initial=0.0) for part in parts), float(terms.max(initial=0.0))
     size = max(size, UNSTRESSED * most)
-    left = np.abs(internal + reactions + tractions - loads)
-    place = int(np.argmax(left))
     if size == 0.0:
-        return Residual(0.0, place, 0.0, most)
-    return Residual(float(left[place] / size), place, float(terms[place] / size), most)
+        return 0.0, most
+    left = np.abs(internal + reactions + tractions - loads)
+    dof = int(np.argmax(left))
+    found, of_terms = float(left[dof] / size), float(terms[dof] / size)
+    if found <= WORST_RESIDUAL:
+        return found, most
+    near = place_text(cover.lattice.to_map(_place_of(cover, dof // 2)), 4)
+    what = f"the equilibrium residual is {found:.2g}, more than {WORST_RESIDUAL:g}, near {near}"
+    if found > LOST_DIGITS * of_terms:
+        raise NotSolvedError(
+            f"{what}: no state was found in which forces balance there; use smaller load increments or a spacing"
+        )
+    raise NotSolvedError(
+        f"{what}: the system is too ill conditioned there, with terms {of_terms:.1g} times the forces; move what lies "
+        "close together (a tip, a crack, an outline, a lattice line) a little, or change numerics.spacing"
+    )
 
 
 def _place_of(cover: Cover, function: int) -> Floats:

@@ -15,7 +15,7 @@ from crackgrow.contact.coulomb import OPEN as OPEN
 from crackgrow.contact.coulomb import SLIP as SLIP
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL
 from crackgrow.contact.coulomb import STICK as STICK
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning, limit_of
 
 STATE_NAMES = ("open", "stick", "slip")
 
@@ -23,7 +23,7 @@ BALANCED = 1e-5
 """Energies that miss each other by less than this part of the largest are balanced."""
 
 CHECK_LIMITS = {
-    "residual": WarningCause.RESIDUAL.limit,
+    "residual": limit_of("RESIDUAL"),
     "penetration": 1e-6,  # of the largest jump of the step: beyond round-off
     "complementarity": SOLVED_RESIDUAL,
     "overlap_share": 1.0,

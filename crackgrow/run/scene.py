@@ -10,11 +10,9 @@ import numpy as np
 import shapely
 
 from crackgrow.accuracy.companion import BY_HAND, Grading
-from crackgrow.arrays import Floats, Ints
 from crackgrow.case import model
-from crackgrow.case.formula import component_at
 from crackgrow.case.sizing import Length, rim_lengths
-from crackgrow.case.surface import SurfaceName, numbered
+from crackgrow.case.surface import numbered
 from crackgrow.case.toughness import BY_K, averaging_radius, shear_radius, start_radius
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.lattice import Lattice, place_lattice
@@ -32,25 +30,6 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Course:
-    """How loads change in a stage: the load factor counts stages, and rises by one in each."""
-
-    number: int  # of the stage, from 0 on
-    begin: model.Stage
-    end: model.Stage
-
-    def parts(self, value: Callable[[model.Stage], float]) -> tuple[float, float]:
-        """a and b: what has some `value` at the end of a stage is a + b F at a load factor F."""
-        b = value(self.end) - value(self.begin)
-        return value(self.begin) - self.number * b, b
-
-
-def course_of(loading: model.Stages, number: int) -> Course:
-    """The course of a stage, from 0 on."""
-    return Course(number, loading.stages[number - 1] if number else loading.before, loading.stages[number])
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Scene:
     """A case made ready for its steps."""
 
@@ -65,7 +44,7 @@ class Scene:
     lengths: tuple[Length, ...]  # what the stress varies over besides cracks
     laws: tuple[SurfaceLaw, ...]  # of the cracks, the interfaces and the foundations, as the cover's surfaces
     grading: Grading = BY_HAND
-    course: Course | None = None  # of the stage; None: the case has no stages
+    stage: int | None = None  # its number, from 0 on: the load factor rises by one in each; None: there are none
     whole: Scene | None = None  # with the rock that is gone; None: none is
     debonds: tuple[Debond, ...] = ()  # cracked parts of interfaces that have a toughness
 
@@ -74,16 +53,21 @@ class Scene:
         """The scene with all of its rock: its cells are those of every stage."""
         return self.whole or self
 
-    @property
-    def numbers_at_start(self) -> Ints:
-        """Body by body (n,) its number in the case."""
-        return np.array([body_index(self.at_start.case.bodies, body.name) for body in self.case.bodies])
-
     def parts(self, load: model.Load) -> tuple[float, float]:
         """a and b: at a load factor F a load acts with a + b F."""
-        if self.course is None:
+        if self.stage is None:
             return (1.0, 0.0) if load.held else (0.0, 1.0)
-        return self.course.parts(lambda stage: _share_at_end(stage, load))
+        return self.through_stage(
+            lambda stage: dict(stage.loads).get(load.name or "", 1.0 if load.held else stage.factor)
+        )
+
+    def through_stage(self, value: Callable[[model.Stage], float]) -> tuple[float, float]:
+        """a and b: what has some `value` at the end of a stage is a + b F at a load factor F of the one of now."""
+        loading, number = self.case.loading, self.stage
+        assert isinstance(loading, model.Stages)
+        assert number is not None
+        begin, end = value(loading.stages[number - 1] if number else loading.before), value(loading.stages[number])
+        return begin - number * (end - begin), end - begin
 
     def share(self, load: model.Load, load_factor: float) -> float:
         """How much of a load acts at a load factor."""
@@ -93,43 +77,18 @@ class Scene:
     @property
     def given_parts(self) -> tuple[float, float]:
         """The same of given displacements."""
-        return (0.0, 1.0) if self.course is None else self.course.parts(lambda stage: stage.factor)
-
-    def parts_of_excavated(self, body: str) -> tuple[float, float]:
-        """The same of the forces by which a body held the rest that is gone."""
-        assert self.course is not None
-        return self.course.parts(lambda stage: 1.0 - dict(stage.excavated).get(body, 0.0))
-
-    def fluid_pressure(self, surface: SurfaceName, load_factor: float, places: Floats) -> Floats:
-        """Pressure (n,) Pa on the faces of a surface at places (n, 2) m, at a load factor."""
-        total = np.zeros(len(places))
-        for load in self._fluids(surface):
-            total += component_at(load.pressure, places) * self.share(load, load_factor)
-        return total
-
-    def has_fluid(self, surface: SurfaceName) -> bool:
-        """Whether a fluid presses on the faces of a surface."""
-        return bool(self._fluids(surface))
-
-    def _fluids(self, surface: SurfaceName) -> list[model.FluidPressure]:
-        return [load for load in self.case.loads if isinstance(load, model.FluidPressure) and load.fills(surface)]
+        return (0.0, 1.0) if self.stage is None else self.through_stage(lambda stage: stage.factor)
 
     def body_force(self, body: int, load_factor: float) -> BodyForce | None:
         """What pulls at the rock of a body at a load factor, besides a uniform in-situ stress; None for nothing."""
-        weight, stress = self._weight(body, load_factor), self._in_situ(body, load_factor)
+        weight, stress, rock = np.zeros(2), self._in_situ(body, load_factor), self.case.bodies[body]
+        for load in self.case.loads:
+            if isinstance(load, model.Gravity) and load.body == rock.name:
+                assert rock.material.density is not None  # the case was checked
+                weight += rock.material.density * np.asarray(load.acceleration) * self.share(load, load_factor)
         if not stress.varying:
             return (lambda places: np.broadcast_to(weight, places.shape)) if weight.any() else None
         return lambda places: weight + stress.divergence(places, self.lattice.spacing)
-
-    def _weight(self, body: int, load_factor: float) -> Floats:
-        """Weight (2,) N/m^3 at a load factor."""
-        force = np.zeros(2)
-        for load in self.case.loads:
-            if isinstance(load, model.Gravity) and load.body == self.case.bodies[body].name:
-                density = self.case.bodies[body].material.density
-                assert density is not None  # the case was checked
-                force += density * np.asarray(load.acceleration) * self.share(load, load_factor)
-        return force
 
     def _in_situ(self, body: int, load_factor: float) -> InSitu:
         """In-situ stress of a body at a load factor."""
@@ -165,13 +124,9 @@ class Scene:
             if mine:
                 lines = bonds(interface.boundary, mine) if interface.beside_crack else [each.points for each in mine]
                 interfaces[number] = replace(interface, lines=tuple(lines))
-        case, n, n_founded = (
-            replace(self.case, interfaces=tuple(interfaces)),
-            len(self.case.cracks),
-            len(self.foundations),
-        )
+        case, n = replace(self.case, interfaces=tuple(interfaces)), len(self.case.cracks)
         geometries, laws = _on_interfaces(case, self.lattice)
-        all_laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - n_founded :])
+        all_laws = (*self.laws[:n], *laws, *self.laws[len(self.laws) - len(self.foundations) :])
         return replace(self, case=case, interfaces=tuple(geometries), laws=all_laws, debonds=debonds)
 
     def _with_fluids_beyond(self, growing: Sequence[GrowingCrack]) -> tuple[model.Load, ...]:
@@ -209,12 +164,17 @@ class Scene:
         """Return the scene with other refinement levels, which the scene before excavation gets, too."""
         return replace(self, grading=grading, whole=self.whole and self.whole.with_grading(grading))
 
+    @property
+    def growth(self) -> model.Growth:
+        """How cracks grow: of a case with growth."""
+        assert self.case.growth is not None
+        return self.case.growth
+
     def growing_in(self, body: int) -> tuple[model.Growth, model.Strength]:
-        """How cracks grow, and the strength of the body that they grow in, which has one: of a case with growth."""
-        growth, strength = self.case.growth, self.case.bodies[body].strength
-        assert growth is not None
+        """How cracks grow, and the strength of the body that they grow in, which has one."""
+        strength = self.case.bodies[body].strength
         assert strength is not None
-        return growth, strength
+        return self.growth, strength
 
     def start_radius(self, body: int) -> float:
         """Radius (m) of the criterion in such a body where cracks start, and at tips of those that have so in shear."""
@@ -242,14 +202,6 @@ class Scene:
         )
 
 
-def _share_at_end(stage: model.Stage, load: model.Load) -> float:
-    """How much of a load acts at the end of a stage."""
-    own = dict(stage.loads)
-    if load.name is not None and load.name in own:
-        return own[load.name]
-    return 1.0 if load.held else stage.factor
-
-
 def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Scene:
     """Place the lattice, moved by `offset` spacings for studies, and evaluate the materials of a case.
 
@@ -261,35 +213,33 @@ def make_scene(case: model.Case, offset: tuple[float, float] = (0.0, 0.0)) -> Sc
     lattice = place_lattice(corners.min(axis=0), corners.max(axis=0), spacing, numerics.support, offset)
     scene = replace(_scene_on(case, replace(lattice, map_origin=case.origin)), grading=grading)
     scene = scene.with_cracks([GrowingCrack.given(crack) for crack in case.cracks])
-    return replace(scene, course=course_of(case.loading, 0)) if isinstance(case.loading, model.Stages) else scene
+    return replace(scene, stage=0) if isinstance(case.loading, model.Stages) else scene
 
 
 def scene_of_stage(scene: Scene, number: int) -> Scene:
-    """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice."""
-    assert isinstance(scene.case.loading, model.Stages)
-    course = course_of(scene.case.loading, number)
-    gone = {body for body, _ in course.end.excavated}
+    """The scene of a stage, from 0 on, of a case that has them: without the rock that is gone, on the same lattice.
+
+    What acts on that goes, too, but for supports, which keep their numbers.
+    """
+    case = scene.case
+    assert isinstance(case.loading, model.Stages)
+    gone = {body for body, _ in case.loading.stages[number].excavated}
     if not gone:
-        return replace(scene, course=course)
-    left = _scene_on(without(scene.case, gone), scene.lattice)
-    left = replace(left, grading=scene.grading, lengths=scene.lengths, debonds=scene.debonds)
-    return replace(left, course=course, whole=scene)
-
-
-def without(case: model.Case, gone: set[str]) -> model.Case:
-    """The case without some bodies and what acts on them. Supports keep their numbers: those of gone bodies stay."""
+        return replace(scene, stage=number)
 
     def is_left(load: model.Load) -> bool:
         if isinstance(load, model.Fluid):
             return not load.surface.bounds(gone)
         return (load.region.body if isinstance(load, model.EdgeLoad) else load.body) not in gone
 
-    return replace(
+    case = replace(
         case,
         bodies=tuple(body for body in case.bodies if body.name not in gone),
         interfaces=tuple(interface for interface in case.interfaces if not interface.surface.bounds(gone)),
         loads=tuple(filter(is_left, case.loads)),
     )
+    left = replace(_scene_on(case, scene.lattice), grading=scene.grading, lengths=scene.lengths, debonds=scene.debonds)
+    return replace(left, stage=number, whole=scene)
 
 
 def _scene_on(case: model.Case, lattice: Lattice) -> Scene:

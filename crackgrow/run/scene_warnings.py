@@ -24,7 +24,7 @@ from crackgrow.geometry.tolerance import ON_LINE, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
 from crackgrow.run.scene import Scene
 from crackgrow.run.starting import sites_of
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning, limit_of, warning
 from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.loads import point_forces
 from crackgrow.vectors import across, cross, outward_normals
@@ -48,22 +48,22 @@ def scene_warnings(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """What holds for all steps."""
     case, growth = scene.case, scene.case.growth
     if not case.numerics.measured and (cover.tips or any(length.where is not None for length in scene.lengths)):
-        yield WarningCause.UNMEASURED.at()
+        yield warning("UNMEASURED")
     if growth is not None and growth.steps > 0:
         sites = sites_of(scene, cover, tuple(map(GrowingCrack.given, case.cracks)))
         growing = any(each.toughness is not None for each in case.interfaces) or any(
             crack.tip_at_start or crack.tip_at_end for crack in case.cracks
         )
         if not growing and all(site.kind == "tip" for site in sites):
-            yield WarningCause.NO_TIPS.at(steps=growth.steps)
+            yield warning("NO_TIPS", steps=growth.steps)
     yield from _of_growth(scene)
     yield from _of_cracked_interfaces(scene, cover)
     for load in case.loads:
         if isinstance(load, model.PointForce) and any(load.force):
-            yield WarningCause.POINT_FORCE.at(f"the force at {place_text(load.point + case.origin)}")
+            yield warning("POINT_FORCE", f"the force at {place_text(load.point + case.origin)}")
     for body in case.bodies if case.plane == "strain" and case.numerics.support < LEAST_SUPPORT else ():
-        if (ratio := body.material.poisson) > WarningCause.LOCKING.limit:
-            yield WarningCause.LOCKING.at(f"body '{body.name}'", ratio, least=LEAST_SUPPORT)
+        if (ratio := body.material.poisson) > limit_of("LOCKING"):
+            yield warning("LOCKING", f"body '{body.name}'", ratio, least=LEAST_SUPPORT)
     yield from free_edges(scene)
     yield from _contradictions(scene, cover)
     yield from _of_files(case)
@@ -75,9 +75,9 @@ def _of_cracked_interfaces(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     varying = {body.name for body, of in zip(cover.bodies, scene.materials_at(1.0), strict=True) if of.initial.varying}
     for name in dict.fromkeys(cover.surfaces[number].name for number, _ in tips):
         if growth is not None and growth.steps > 0 and debond_number(scene.debonds, name) is None:
-            yield WarningCause.BONDED_TIPS.at(name.words)
+            yield warning("BONDED_TIPS", name.words)
         if not varying.isdisjoint(name.of):
-            yield WarningCause.UNKNOWN_G.at(name.words)
+            yield warning("UNKNOWN_G", name.words)
 
 
 def _of_files(case: model.Case) -> Iterator[StepWarning]:
@@ -89,17 +89,17 @@ def _of_files(case: model.Case) -> Iterator[StepWarning]:
     if moved:
         shown = _listed(moved)
         shown += "; ends of cracks that were moved are no tips" if any(move.end for move in case.moved) else ""
-        yield WarningCause.MOVED.at(share=SNAP, metres=Metres(SNAP * scene_size(case)), shown=shown)
+        yield warning("MOVED", share=SNAP, metres=Metres(SNAP * scene_size(case)), shown=shown)
     if cut:
-        yield WarningCause.CUT.at(n=len(cut), shown=_listed(cut))
+        yield warning("CUT", n=len(cut), shown=_listed(cut))
     for crack in case.cracks:
         if crack.left_out:
-            yield WarningCause.LEFT_OUT.at(crack.surface.words, crack.left_out)
+            yield warning("LEFT_OUT", crack.surface.words, crack.left_out)
     for body in case.bodies:
         lines = [crack.points for crack in case.cracks if crack.body == body.name] or [body.outline]
         share = float(np.hypot(*np.ptp(np.concatenate(lines), axis=0)) / np.hypot(*np.ptp(body.outline, axis=0)))
-        if share < WarningCause.TINY_CRACKS.limit:
-            yield WarningCause.TINY_CRACKS.at(f"body '{body.name}'", share)
+        if share < limit_of("TINY_CRACKS"):
+            yield warning("TINY_CRACKS", f"body '{body.name}'", share)
 
 
 def _listed(told: list[str]) -> str:
@@ -109,7 +109,7 @@ def _listed(told: list[str]) -> str:
 
 def _contradictions(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
     """Points on an edge that are held otherwise than the edge is there."""
-    cause, there = WarningCause.CONTRADICTION, {body.name for body in cover.bodies}
+    there = {body.name for body in cover.bodies}
     for (n, support), (m, edge) in product(enumerate(scene.case.supports), repeat=2):
         if not (isinstance(support, model.PointSupport) and isinstance(edge, model.EdgeSupport)):
             continue
@@ -121,9 +121,9 @@ def _contradictions(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         at = place_text(support.point + scene.case.origin)
         for component, *pair in zip("xy", support.displacement, edge.displacement, strict=True):
             mine, its = (_at_point(displacement, support.point) for displacement in pair)
-            if (apart := abs(mine - its)) > cause.limit * max(abs(mine), abs(its)):
+            if (apart := abs(mine - its)) > limit_of("CONTRADICTION") * max(abs(mine), abs(its)):
                 told = {"component": component, "mine": Metres(mine), "its": Metres(its), "point": at}
-                yield cause.at(f"supports.{n}", apart, other=f"supports.{m}", **told)
+                yield warning("CONTRADICTION", f"supports.{n}", apart, other=f"supports.{m}", **told)
 
 
 def _at_point(displacement: model.Component | None, point: Floats) -> float:
@@ -138,22 +138,22 @@ def _of_growth(scene: Scene) -> Iterator[StepWarning]:
     Of such a crack the average in shear is not that of its K; where cracks start at kinks, those of such increments
     follow each other within the radius. By a criterion that goes by K the given cracks go on in tension alone.
     """
-    growth, cause = scene.case.growth, WarningCause.WIDE_SHEAR
+    growth = scene.case.growth
     if growth is None:
         return
     for crack, body in zip(scene.case.cracks, scene.crack_bodies, strict=True):
         strength = scene.case.bodies[body].strength
         length = None if strength is None or growth.criterion in BY_K else shear_radius(growth, strength)
         share = 0.0 if length is None else length / line_length(crack.points)
-        if length is not None and share > cause.limit and (crack.tip_at_start or crack.tip_at_end):
+        if length is not None and share > limit_of("WIDE_SHEAR") and (crack.tip_at_start or crack.tip_at_end):
             percent = 100.0 * (1.0 - 1.0 / np.sqrt(1.0 + share))
-            yield cause.at(crack.surface.words, share, radius=Metres(length), percent=percent)
-    at, cause = growth.initiation.at, WarningCause.SHORT_START
+            yield warning("WIDE_SHEAR", crack.surface.words, share, radius=Metres(length), percent=percent)
+    at = growth.initiation.at
     if growth.steps > 0 and at not in ("tips", "ends"):
         radius = max(scene.start_radius(n) for n, body in enumerate(scene.case.bodies) if body.strength is not None)
-        if growth.increment < cause.limit * radius:
+        if growth.increment < limit_of("SHORT_START") * radius:
             increment, size = Metres(growth.increment), radius / growth.increment
-            yield cause.at(size=size, increment=increment, radius=Metres(radius), at=at)
+            yield warning("SHORT_START", size=size, increment=increment, radius=Metres(radius), at=at)
 
 
 def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
@@ -175,9 +175,9 @@ def unbalanced_loads(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         )
         size += stress_size
         left = min(max(np.hypot(x, y), abs(turn)) for x, y, turn in (stress + others, stress + others + weight))
-        if left > WarningCause.UNBALANCED.limit * size:
+        if left > limit_of("UNBALANCED") * size:
             what = f"{left:.3g} N/m of the loads ({100.0 * left / size:.2g} %)"
-            yield WarningCause.UNBALANCED.at(size=left / size, what=what)
+            yield warning("UNBALANCED", size=left / size, what=what)
 
 
 def _resultant(case: model.Case, cover: Cover, loads: Sequence[model.Load]) -> tuple[Floats, float]:
@@ -204,15 +204,13 @@ def free_edges(scene: Scene) -> Iterator[StepWarning]:
             shapely.MultiLineString(lines), shapely.points(places), SAME_PLACE * scene.lattice.spacing
         )
         left[near] = 0.0
-        sides = np.flatnonzero((left > WarningCause.FREE_EDGES.limit * size).reshape(-1, POINTS).any(axis=1))
+        sides = np.flatnonzero((left > limit_of("FREE_EDGES") * size).reshape(-1, POINTS).any(axis=1))
         names = list(dict.fromkeys(body.rings[0].edge_names[side] for side in sides))
         if names:
             more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
             what = f"edge{'s' if len(names) > 1 else ''} {', '.join(names[:MOST_NAMED])}{more} of body '{body.name}'"
             are = "are" if len(names) > 1 else "is"
-            yield WarningCause.FREE_EDGES.at(
-                f"body '{body.name}'", left.max(), what=what, are=are, stress=1e-6 * left.max()
-            )
+            yield warning("FREE_EDGES", f"body '{body.name}'", left.max(), what=what, are=are, stress=1e-6 * left.max())
 
 
 def _left_over(case: model.Case, body: model.Body, places: Floats, outward: Floats) -> tuple[float, Floats]:
@@ -263,7 +261,7 @@ def dry_joints(scene: Scene, cover: Cover) -> Iterator[StepWarning]:
         for words, load, fluid in wet:
             dry = line if isinstance(load, model.Fluid) else line.boundary
             if shapely.dwithin(dry, fluid, ON_LINE) and _presses(scene, load, fluid, dry):
-                yield WarningCause.DRY.at(f"{name.words} at {words}", dry=name.words, fluid=words)
+                yield warning("DRY", f"{name.words} at {words}", dry=name.words, fluid=words)
 
 
 def _presses(scene: Scene, load: FluidLoad, fluid: shapely.Geometry, dry: shapely.Geometry) -> bool:

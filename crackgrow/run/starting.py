@@ -8,7 +8,7 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import Case, CoulombContact, Crack, Growth
+from crackgrow.case.model import Case, CoulombContact, Crack
 from crackgrow.cover.cover import Cover
 from crackgrow.errors import SolveError
 from crackgrow.fracture.advance import GrowingCrack, Start
@@ -22,9 +22,16 @@ def sites_of(scene: Scene, cover: Cover, growing: Sequence[GrowingCrack]) -> tup
     tips, growth = tuple(tip_site(tip, growing[tip.crack].in_shear) for tip in cover.tips), scene.case.growth
     if growth is None or growth.initiation.at == "tips":
         return tips
-    began = _free_ends(scene, growing) if growth.initiation.at == "ends" else map(_began, growing)
+    at, spacing, h = growth.initiation.at, growth.initiation.spacing, scene.lattice.spacing
+    began = _free_ends(scene, growing) if at == "ends" else map(_began, growing)
     places = [place for some in began for place in scene.lattice.to_lattice(some)]
-    return (*tips, *start_sites(cover, scene.crack_bodies, places, _start_regions(scene, growth)))
+    strong = [body.strength is not None for body in scene.case.bodies]
+    radii = [scene.start_radius(n) if has_strength else None for n, has_strength in enumerate(strong)]
+    if spacing is None:
+        spacing = max([growth.increment, *(radius for radius in radii if radius is not None)])
+    apart = tuple(None if radius is None else radius / h for radius in radii)
+    regions = StartRegions(at != "ends", at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
+    return (*tips, *start_sites(cover, scene.crack_bodies, places, regions))
 
 
 def _free_ends(scene: Scene, growing: Sequence[GrowingCrack]) -> Iterator[Floats]:
@@ -48,18 +55,6 @@ def _began(growing: GrowingCrack) -> Floats:
     first, last = np.flatnonzero(growing.rooted)[[0, -1]]
     ends = [vertex for vertex, end in ((first, 0), (last, len(growing.steps) - 1)) if vertex != end]
     return np.asarray(growing.crack.points[ends])
-
-
-def _start_regions(scene: Scene, growth: Growth) -> StartRegions:
-    """Where cracks may start, in lattice units."""
-    bodies = range(len(scene.case.bodies))
-    radii = [None if scene.case.bodies[n].strength is None else scene.start_radius(n) for n in bodies]
-    at, spacing = growth.initiation.at, growth.initiation.spacing
-    if spacing is None:
-        spacing = max([growth.increment, *(radius for radius in radii if radius is not None)])
-    h = scene.lattice.spacing
-    apart = tuple(None if radius is None else radius / h for radius in radii)
-    return StartRegions(at != "ends", at in ("outlines", "anywhere"), at == "anywhere", spacing / h, apart)
 
 
 def start_at(scene: Scene, growing: Sequence[GrowingCrack], others: Sequence[Start], site: Site, mode: str) -> Start:

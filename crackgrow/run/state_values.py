@@ -22,12 +22,11 @@ import numpy as np
 import shapely
 
 from crackgrow.arrays import Floats
-from crackgrow.case.model import ContactSupport, FacePoint, FluidVolume, PointPair, RockPoint
+from crackgrow.case.model import ContactSupport, FacePoint, FluidVolume, RockPoint
 from crackgrow.contact.coulomb import OPEN
 from crackgrow.contact.face_loads import filled_length
 from crackgrow.contact.faces import joined, points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.contact.tractions import between_contact_points, nearest_contact_point
 from crackgrow.cover.cover import Foundation
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import CrackGeometry, body_index
@@ -78,8 +77,8 @@ def along_surfaces(state: LoadState) -> tuple[ContactPoints, tuple[CrackFaces, .
     )
     found = []
     for index, (surface, sample, (opening, slip)) in enumerate(zip(cover.surfaces, samples, along, strict=True)):
-        normal, tangential = between_contact_points(faces, index, sample.s, points.normal, points.tangential)
-        nearest = nearest_contact_point(faces, index, sample.s)
+        normal, tangential = faces.between(index, sample.s, points.normal, points.tangential)
+        nearest = faces.nearest(index, sample.s)
         found.append(
             CrackFaces(
                 crack=str(surface.name),
@@ -157,12 +156,6 @@ def face_forces(state: LoadState, surface: int) -> Floats:
     return np.asarray(-(bond + normal + tangential))
 
 
-def total_load(state: LoadState) -> Floats:
-    """Resultant (2,) N/m of all loads: the sum over the patches' own functions, which add up to one everywhere."""
-    loads = state.configuration.loads(state.level)
-    return np.asarray(loads.reshape(-1, 2)[: len(state.cover.patches.nodes)].sum(axis=0))
-
-
 def imbalance(state: LoadState) -> float:
     """What loads and the forces on the whole scene leave, by the sum of their magnitudes.
 
@@ -171,9 +164,10 @@ def imbalance(state: LoadState) -> float:
     faces that have parted, nothing is out of balance.
     """
     external = [*_of_supports(state), *_on_surfaces(state, state.scene.foundations)]
-    held = [np.array(reaction.force) for reaction in external]
-    size = float(np.abs(state.configuration.loads(state.level)).sum() + sum(np.hypot(*force) for force in held))
-    left = float(np.abs(sum(held, start=total_load(state))).max())
+    held, loads = [np.array(reaction.force) for reaction in external], state.configuration.loads(state.level)
+    size = float(np.abs(loads).sum() + sum(np.hypot(*force) for force in held))
+    total = loads.reshape(-1, 2)[: len(state.cover.patches.nodes)].sum(axis=0)  # patches' functions add up to one
+    left = float(np.abs(sum(held, start=total)).max())
     return 0.0 if size <= ROUND_OFF * state.outcome.largest_terms else left / size
 
 
@@ -186,13 +180,22 @@ def mean_stress(state: LoadState) -> float:
 
 def specimen_means(state: LoadState) -> tuple[Components, Components]:
     """Mean stress (Pa) and mean strain of the specimen; the shear strain is half the angle."""
+    cover, lattice, outlines = state.cover, state.cover.lattice, state.cover.elements.outlines
     whole = shapely.union_all(state.scene.regions)
     outer = shapely.union_all(shapely.polygons(shapely.get_exterior_ring(shapely.get_parts(whole))))
-    (a, b, c), (d, e, f) = _stress_integral(state) / outer.area, _strain_integral(state, outer) / outer.area
-    return (float(a), float(b), float(c)), (float(d), float(e), float(f))
+    middle = shapely.points(lattice.to_metres(outlines.points.mean(axis=1)))
+    on_rim = shapely.dwithin(outer.boundary, middle, SAME_PLACE * lattice.spacing)
+    ends, element = outlines.points[on_rim], outlines.element[on_rim]
+    edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[on_rim])
+    u = displacement_at(cover, state.outcome.u, points, element[edge])
+    normals = outward_normals(ends[:, 1] - ends[:, 0])[edge]
+    a, b, c = (_stress_integral(state) / outer.area).tolist()
+    d, e, f = (_symmetric((length[:, None] * lattice.spacing * u).T @ normals) / outer.area).tolist()
+    return (a, b, c), (d, e, f)
 
 
 def _stress_integral(state: LoadState) -> Floats:
+    """Integral (3,) N of xx, yy and xy of the stress over the specimen."""
     cover, lattice = state.cover, state.cover.lattice
     nodes = lattice.to_metres(cover.patches.nodes)
     forces = (state.configuration.stiffness @ state.outcome.u).reshape(-1, 2)[: len(nodes)]
@@ -206,17 +209,6 @@ def _stress_integral(state: LoadState) -> Floats:
             mine = body == number
             total += lattice.spacing**2 * at.weights[mine] @ material.initial.more_at(places[mine])
     return total
-
-
-def _strain_integral(state: LoadState, outer: shapely.Geometry) -> Floats:
-    cover, lattice, outlines = state.cover, state.cover.lattice, state.cover.elements.outlines
-    middle = shapely.points(lattice.to_metres(outlines.points.mean(axis=1)))
-    on_rim = shapely.dwithin(outer.boundary, middle, SAME_PLACE * lattice.spacing)
-    ends, element = outlines.points[on_rim], outlines.element[on_rim]
-    edge, points, length = points_on_outlines(cover, ends, element, outlines.edge[on_rim])
-    u = displacement_at(cover, state.outcome.u, points, element[edge])
-    normals = outward_normals(ends[:, 1] - ends[:, 0])[edge]
-    return _symmetric((length[:, None] * lattice.spacing * u).T @ normals)
 
 
 def _symmetric(of: Floats) -> Floats:
@@ -235,8 +227,8 @@ def history_of(state: LoadState) -> tuple[LoadState, ...]:
 
 
 def history(states: Sequence[LoadState]) -> History | None:
-    """What named places, and the reactions, say in the states of a step, in order; None without output points."""
-    if not states[0].scene.case.output.points:
+    """What named places, and the reactions, say in some states, in order; None where there are none."""
+    if not states:
         return None
     told = [dict(_values(state)) for state in _formed(states)]
     factors = np.array([state.factor for state in states])
@@ -267,7 +259,9 @@ def _values(state: LoadState) -> Iterator[tuple[str, float]]:
         elif isinstance(point, FacePoint):
             names, values = ("opening", "slip"), _jump(state, point)
         else:
-            names, values = ("convergence",), [_convergence(state, point)]
+            at = [_at_point(state, body, place)[:2] for body, place in zip(point.bodies, point.points, strict=True)]
+            before, after = (np.hypot(*(both[1] - both[0])) for both in (point.points, point.points + at))
+            names, values = ("convergence",), [before - after]
         yield from ((f"{point.name}.{name}", float(value)) for name, value in zip(names, values, strict=True))
     for reaction in reactions(state):
         if np.isfinite(reaction.pressure):
@@ -292,10 +286,7 @@ def _at_point(state: LoadState, body: str, point: Floats) -> list[float]:
 
 
 def _jump(state: LoadState, point: FacePoint) -> list[float]:
-    """Opening and slip (m) of the surface at the place nearest to a point, wherever its ends have grown to.
-
-    nan where the surface has been excavated.
-    """
+    """Opening and slip (m) of the surface at the place nearest to a point; nan where it has been excavated."""
     cover = state.cover
     at = shapely.Point(cover.lattice.to_lattice(point.point))
     lines = {
@@ -308,9 +299,3 @@ def _jump(state: LoadState, point: FacePoint) -> list[float]:
     index = min(lines, key=lambda number: float(lines[number].distance(at)))
     s = np.array([shapely.line_locate_point(lines[index], at)])
     return [float(jump[0]) for jump in gap_and_slip(cover, points_at(cover, index, s), state.outcome.u)]
-
-
-def _convergence(state: LoadState, pair: PointPair) -> float:
-    """By how much (m) two points have come closer."""
-    moved = pair.points + [_at_point(state, body, at)[:2] for body, at in zip(pair.bodies, pair.points, strict=True)]
-    return float(np.hypot(*(pair.points[1] - pair.points[0])) - np.hypot(*(moved[1] - moved[0])))

@@ -23,7 +23,7 @@ from crackgrow.run.result import CrackFaces
 from crackgrow.run.scene_warnings import dry_joints, scene_warnings, unbalanced_loads
 from crackgrow.run.state_values import imbalance, mean_stress, reactions
 from crackgrow.run.surface_laws import SurfaceLaw
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning, limit_of, warning
 from crackgrow.solid.recovery import displacement_at
 
 FARTHER = 1.25
@@ -53,35 +53,33 @@ def step_warnings(
     What holds for all steps is said at the first.
     """
     found = [
-        *(
-            WarningCause.NOTE.at(words=note)
-            for note in (*solution.outcome.notes, *solution.state.notes, *solution.notes)
-        ),
+        *(warning("NOTE", words=note) for note in (*solution.outcome.notes, *solution.notes)),
         *_missed(solution),
         *(scene_warnings(solution.scene, solution.cover) if step == 0 else ()),
         *_passing_through(solution, faces),
-        *_overlapping(off),
+        *(each.warning for each in off if each.share > 1.0),
         *_of_tips(solution),
-        *ripples(solution),
+        *_ripples(solution),
         *_unstable(solution),
         *_large_displacements(solution, faces),
         *dry_joints(solution.scene, solution.cover),
-        *_suction(solution),
+        *(
+            warning("SUCTION", volume.where, -volume.pressure)  # it would pull at the faces
+            for volume in reactions(solution)
+            if volume.pressure < -limit_of("SUCTION") * mean_stress(solution)
+        ),
         *_on_points(solution),
     ]
-    return tuple(sorted(found, key=lambda warning: warning.rank))
+    return tuple(sorted(found, key=lambda each: each.rank))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ContactViolation:
     """By how much the faces of one surface violate its contact law."""
 
-    face: CrackFaces
     overlap: float  # m, the largest beyond what the contact stiffness explains
-    how: str  # in words, of what is the worst
-    off: float  # m, of the worst
-    share: float  # of what is small there: beyond 1 it warns
-    flat: float  # m: what the rock of a cell gives way to the pressure there
+    share: float  # of the worst, over what is small there: beyond 1 it warns
+    warning: StepWarning
 
 
 def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> list[ContactViolation]:
@@ -89,7 +87,7 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
 
     Faces are looked at along samples, and at the contact points of kinks, of which there is one for each normal.
     """
-    strain, found, (points, _) = pressed_strain(solution, faces), [], solution.state.along_surfaces
+    strain, found, (points, _) = pressed_strain(solution, faces), [], solution.along_surfaces
     names, round_off = np.array(points.crack), ROUND_OFF * float(np.abs(solution.outcome.u).max())
     for surface, law, face in zip(solution.cover.surfaces, solution.scene.laws, faces, strict=True):
         mine = np.flatnonzero(names == face.crack)
@@ -100,14 +98,18 @@ def contact_violations(solution: StepSolution, faces: Sequence[CrackFaces]) -> l
         overlap = np.zeros(len(size)) if law.contact is None else np.abs(np.minimum(opening - elastic, 0.0))
         apart = np.zeros(len(size))
         apart[: len(face.s)] = _apart(law, face, elastic[: len(face.s)])
-        part = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS
-        small = np.maximum(max(WarningCause.OVERLAP.limit * _largest_jump(face), round_off), part * strain * size)
+        part, jump = PRESSED_FLAT if surface.name.is_crack else AT_CORNERS, _largest_jump(face)
+        small = np.maximum(max(limit_of("OVERLAP") * jump, round_off), part * strain * size)
         off = np.stack([overlap, apart])
         shares = np.divide(off, small, out=np.zeros(off.shape), where=off > 0.0)
         way, worst = np.unravel_index(int(np.argmax(shares)), shares.shape)
-        how, most = ("overlap", "stand apart under pressure")[way], float(off[way, worst])
-        share, flat = float(shares[way, worst]), size[worst] * strain
-        found.append(ContactViolation(face, float(overlap.max()), how, most, share, flat))
+        most, share, flat = float(off[way, worst]), float(shares[way, worst]), size[worst] * strain
+        told = {"how": ("overlap", "stand apart under pressure")[way], "overlap": Metres(most), "of_flat": ""}
+        if flat:
+            told["of_flat"] = f" and {100.0 * most / flat:.3g} % of what a spacing of rock gives way to the pressure"
+        percent = 100.0 * most / jump if jump else 0.0
+        told_of = warning("OVERLAP", f"'{face.crack}'", share, percent=percent, **told)
+        found.append(ContactViolation(float(overlap.max()), share, told_of))
     return found
 
 
@@ -127,51 +129,30 @@ def _largest_jump(face: CrackFaces) -> float:
 
 
 def pressed_strain(solution: StepSolution, faces: Sequence[CrackFaces]) -> float:
-    """Strain of the rock under the largest pressure on any face, or under its own mean stress if larger.
-
-    Times the side of the cells a length that neither the size of the specimen nor its rigid motion changes.
-    """
+    """Strain of the softest rock under the largest pressure on any face, or under its own mean stress if larger."""
     pressure = max((np.abs(f.normal_traction).max() for f in faces), default=0.0)
-    return float(max(pressure, mean_stress(solution.state)) / min(m.young_prime for m in solution.scene.materials))
-
-
-def _overlapping(surfaces: Sequence[ContactViolation]) -> Iterator[StepWarning]:
-    """Surfaces whose faces overlap, or stand apart where they are pressed, by more than is small."""
-    for surface in surfaces:
-        face, of_flat = surface.face, ""
-        if surface.share <= 1.0:
-            continue
-        if surface.flat:
-            of_flat = (
-                f" and {100.0 * surface.off / surface.flat:.3g} % of what a spacing of rock gives way to the pressure"
-            )
-        told = {
-            "how": surface.how,
-            "overlap": Metres(surface.off),
-            "percent": 100.0 * surface.off / _largest_jump(face),
-        }
-        yield WarningCause.OVERLAP.at(f"'{face.crack}'", surface.share, of_flat=of_flat, **told)
+    return float(max(pressure, mean_stress(solution)) / min(m.young_prime for m in solution.scene.materials))
 
 
 def _passing_through(solution: StepSolution, faces: Sequence[CrackFaces]) -> Iterator[StepWarning]:
     """Cracks whose faces never touch, and lie in each other."""
-    cause, strain = WarningCause.CONTACT_NONE, pressed_strain(solution, faces)
+    strain = pressed_strain(solution, faces)
     for law, face in zip(solution.scene.laws, faces, strict=True):
         if law.contact is not None or law.bonded:
             continue
         jump = _largest_jump(face)
-        deep = -face.opening > np.maximum(cause.limit * jump, PRESSED_FLAT * strain * face.cell_size)
+        deep = -face.opening > np.maximum(limit_of("CONTACT_NONE") * jump, PRESSED_FLAT * strain * face.cell_size)
         if deep.any():
             depth = -float(face.opening[deep].min())
-            yield cause.at(f"'{face.crack}'", depth, depth=Metres(depth), percent=100.0 * depth / jump)
+            yield warning("CONTACT_NONE", f"'{face.crack}'", depth, depth=Metres(depth), percent=100.0 * depth / jump)
 
 
-def ripples(solution: StepSolution) -> Iterator[StepWarning]:
+def _ripples(solution: StepSolution) -> Iterator[StepWarning]:
     """Contact tractions that oscillate as no rock makes them."""
     points, cover, contact = solution.outcome.points, solution.cover, solution.scene.case.numerics.contact
     worst = worst_ripple(cover, solution.configuration.faces, points.normal, points.tangential)
-    if worst is not None and worst.part > WarningCause.RIPPLE.limit:
-        place = f"'{cover.surfaces[worst.surface].name}'"
+    if worst is not None and worst[1] > limit_of("RIPPLE"):
+        surface, part = worst
         why, remedy = "contact points are closer than the displacement can follow", "numerics.contact."
         if contact.discretization != "mortar":
             remedy += "discretization mortar"
@@ -179,26 +160,26 @@ def ripples(solution: StepSolution) -> Iterator[StepWarning]:
             remedy += f"spacing {FARTHER:g} or more"
         else:
             why, remedy = "the pressure changes within less than two cells", "smaller cells there"
-        yield WarningCause.RIPPLE.at(place, worst.part, percent=100.0 * worst.part, why=why, remedy=remedy)
+        place = f"'{cover.surfaces[surface].name}'"
+        yield warning("RIPPLE", place, part, percent=100.0 * part, why=why, remedy=remedy)
 
 
 def _missed(solution: StepSolution) -> Iterator[StepWarning]:
     """A target that is not met; forces and energies that miss each other."""
-    errors, numerics, state = solution.errors, solution.scene.case.numerics, solution.state
+    errors, numerics = solution.errors, solution.scene.case.numerics
     if errors is not None and errors.missed:
         off, wanted = errors.estimate(numerics.goal), 100.0 * numerics.target
         came = f"is off by an estimated {100.0 * off:.2g} %" if np.isfinite(off) else "has no error estimate"
-        yield WarningCause.TARGET.at(size=off, what=numerics.goal, wanted=wanted, came=came, why=errors.missed)
+        yield warning("TARGET", size=off, what=numerics.goal, wanted=wanted, came=came, why=errors.missed)
     for cause, size in (
-        (WarningCause.RESIDUAL, state.outcome.residual),
-        (WarningCause.ENERGY, state.energy.error),
-        (WarningCause.IMBALANCE, imbalance(state)),
+        ("RESIDUAL", solution.outcome.residual),
+        ("ENERGY", solution.energy.error),
+        ("IMBALANCE", imbalance(solution)),
     ):
-        if size > cause.limit:
-            yield cause.at(size=size, percent=100.0 * size)
-    energy, cause = state.energy, WarningCause.CREATED
-    if energy.created > max(cause.limit, energy.error):
-        yield cause.at(size=energy.created, percent=100.0 * energy.created, released=energy.released)
+        if size > limit_of(cause):
+            yield warning(cause, size=size, percent=100.0 * size)
+    if (size := solution.energy.created) > max(limit_of("CREATED"), solution.energy.error):
+        yield warning("CREATED", size=size, percent=100.0 * size, released=solution.energy.released)
 
 
 def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:
@@ -206,11 +187,11 @@ def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:
 
     The last increments of those turn to and fro: they are too long for a direction that is found at their beginning.
     """
-    scene, growth, cause = solution.scene, solution.scene.case.growth, WarningCause.SAWING
+    scene, growth = solution.scene, solution.scene.case.growth
     for beyond, (index, at_end) in zip(solution.jumps, solution.cover.tip_ends, strict=True):
         crack = solution.cover.cracks[index]
         if beyond:
-            yield WarningCause.JUMP.at(crack.name.end(at_end), 1.0 + beyond)
+            yield warning("JUMP", crack.name.end(at_end), 1.0 + beyond)
         if growth is None or growth.direction == "implicit":
             continue
         given = scene.lattice.to_lattice(scene.case.cracks[index].points[-1 if at_end else 0])
@@ -218,9 +199,9 @@ def _of_tips(solution: StepSolution) -> Iterator[StepWarning]:
         n_grown = int(np.argmin(np.hypot(*(points - given).T)))  # segments that growth has added
         turns = np.rad2deg(kink_angles(points))[: max(n_grown - 1, 0)][:SAW_TEETH]
         to_and_fro = len(turns) == SAW_TEETH and bool((turns[1:] * turns[:-1] <= 0.0).all())
-        if to_and_fro and (least := np.abs(turns).min()) >= cause.limit:
+        if to_and_fro and (least := np.abs(turns).min()) >= limit_of("SAWING"):
             criterion = "" if growth.criterion == "max_hoop_stress" else "growth.criterion: max_hoop_stress with "
-            yield cause.at(crack.name.end(at_end), least, criterion=criterion)
+            yield warning("SAWING", crack.name.end(at_end), least, criterion=criterion)
 
 
 def _unstable(solution: StepSolution) -> Iterator[StepWarning]:
@@ -228,16 +209,16 @@ def _unstable(solution: StepSolution) -> Iterator[StepWarning]:
     case, cover = solution.scene.case, solution.cover
     if case.growth is None or case.growth.steps == 0 or isinstance(case.loading, CriticalLoad):
         return
-    cause = WarningCause.UNSTABLE if case.rate_law else WarningCause.OVERLOAD
+    cause = "UNSTABLE" if case.rate_law else "OVERLOAD"
     criticality = site_criticality(solution)
-    if criticality.max(initial=0.0) < cause.limit:
+    if criticality.max(initial=0.0) < limit_of(cause):
         return
     worst = int(np.argmax(criticality))
     where = place_text(cover.lattice.to_metres(site_places(solution)[worst]))
     if worst < len(cover.tip_ends):
         index, at_end = cover.tip_ends[worst]
         where = cover.cracks[index].name.end(at_end)
-    yield cause.at(size=criticality[worst], where=where)
+    yield warning(cause, size=criticality[worst], where=where)
 
 
 def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) -> Iterator[StepWarning]:
@@ -251,7 +232,7 @@ def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) ->
         for face in faces
     ]
     elements, spacing = solution.cover.elements, solution.cover.lattice.spacing
-    for number, (body, material) in enumerate(zip(solution.scene.case.bodies, solution.state.materials, strict=True)):
+    for number, (body, material) in enumerate(zip(solution.scene.case.bodies, solution.materials, strict=True)):
         mine = np.flatnonzero(elements.body == number)
         along = elements.reference[mine] @ ALONG
         some = mine[np.concatenate([along.argmin(axis=0), along.argmax(axis=0)])]
@@ -262,27 +243,19 @@ def _large_displacements(solution: StepSolution, faces: Sequence[CrackFaces]) ->
         found.append((strain, f"the stress in the ground would strain body '{body.name}' by {{}}"))
         found.append((np.linalg.norm(gradient, 2), f"the loads strain or turn body '{body.name}' by {{}}"))
     size, what = max(found)
-    if size > WarningCause.NOT_SMALL.limit:
-        yield WarningCause.NOT_SMALL.at(size=size, what=what.format(f"{100.0 * size:.2g} %"))
-
-
-def _suction(solution: StepSolution) -> Iterator[StepWarning]:
-    """Volumes of fluid that would pull at the faces."""
-    state, cause = solution.state, WarningCause.SUCTION
-    for reaction in reactions(state):
-        if reaction.pressure < -cause.limit * mean_stress(state):  # no volume: nan
-            yield cause.at(reaction.where, -reaction.pressure)
+    if size > limit_of("NOT_SMALL"):
+        yield warning("NOT_SMALL", size=size, what=what.format(f"{100.0 * size:.2g} %"))
 
 
 def _on_points(solution: StepSolution) -> Iterator[StepWarning]:
     """Supports at points that carry forces. Of a heavy scene only what its other loads leave is told."""
-    case, state = solution.scene.case, solution.state
+    case = solution.scene.case
     if any(isinstance(load, Gravity) for load in case.loads):
         yield from unbalanced_loads(solution.scene, solution.cover)
         return
-    forces = {reaction.where: float(np.hypot(*reaction.force)) for reaction in reactions(state)}
-    size = float(np.abs(state.configuration.loads(state.level)).sum()) + sum(forces.values())
+    forces = {reaction.where: float(np.hypot(*reaction.force)) for reaction in reactions(solution)}
+    size = float(np.abs(solution.configuration.loads(solution.level)).sum()) + sum(forces.values())
     for number, support in enumerate(case.supports):
         where = f"supports.{number}"
-        if isinstance(support, PointSupport) and forces[where] > WarningCause.UNBALANCED.limit * size:
-            yield WarningCause.UNBALANCED.at(where, forces[where], what=f"{forces[where]:.3g} N/m at {where}")
+        if isinstance(support, PointSupport) and forces[where] > limit_of("UNBALANCED") * size:
+            yield warning("UNBALANCED", where, forces[where], what=f"{forces[where]:.3g} N/m at {where}")

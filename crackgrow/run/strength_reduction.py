@@ -8,9 +8,8 @@ that contact alone holds says which of them moves, and how.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -22,7 +21,6 @@ from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.increments import LoadState, held_loads, increment
 from crackgrow.run.result import FARTHEST, Safety
 from crackgrow.run.scene import Scene
-from crackgrow.run.state_values import history_of
 
 NARROW = 1e-4
 """The factor of safety is found to this fraction."""
@@ -43,23 +41,20 @@ UNNAMED = "{}. Limit analysis, for which faces that slide part as well, has it h
 
 
 def strength_reduction(scene: Scene, cracks: tuple[GrowingCrack, ...]) -> tuple[Safety, Iterator[StepSolution]]:
-    """How safe a scene is; the scene as it is, if it holds, and its last stable state.
-
-    Raises SolveError where it does not hold at any factor.
-    """
+    """How safe a scene is; it as it is, if it holds, and its last stable state. Raises SolveError if none holds."""
     given = assemble(scene, cracks)
-    search = _Search(partial(_loaded, given))
+    search = _Search(given)
     found = search.found()
     safety = _beside_limit_equilibrium(given, found, PROGRESSIVE if search.named else UNNAMED)
     states = dict.fromkeys(state for state in (search.as_given, search.last) if state is not None)
-    return safety, (replace(evaluated(state), passed=history_of(state)[:-1]) for state in states)
+    return safety, map(evaluated, states)
 
 
 class _Search:
     """The search for the largest factor that has a state."""
 
-    def __init__(self, state_at: Callable[[float], LoadState]) -> None:
-        self._state_at = state_at
+    def __init__(self, given: Configuration) -> None:
+        self._given = given
         self._why: SolveError | None = None  # there is none at `_above`
         self._below, self._above = 0.0, np.inf
         self.as_given: LoadState | None = None
@@ -113,19 +108,14 @@ class _Search:
 
     def _holds(self, factor: float) -> bool:
         """Whether there is a state at a factor; the interval ends there."""
+        configuration = _reduced(self._given, factor)
         try:
-            self.last, self._below = self._state_at(factor), factor
+            configuration.check_can_hold(LoadLevel(1.0))  # sees at once what solvers look for in vain for long
+            self.last, self._below = increment(configuration, held_loads(configuration), 1.0), factor
         except (FreePieceError, NotSolvedError) as error:
             self._above, self._why = factor, error
             return False
         return True
-
-
-def _loaded(given: Configuration, factor: float) -> LoadState:
-    """The scene under its loads with its strength divided by a factor. Raises SolveError where nothing holds it."""
-    configuration = _reduced(given, factor)
-    configuration.check_can_hold(LoadLevel(1.0))  # sees at once what solvers look for in vain for long
-    return increment(configuration, held_loads(configuration), 1.0)
 
 
 def _reduced(given: Configuration, factor: float) -> Configuration:
@@ -156,10 +146,7 @@ def _beside_limit_equilibrium(given: Configuration, safety: Safety, words: str) 
 
 
 def _giving_way(given: Configuration, factor: float) -> str:
-    """Which piece moves, and how, where contact with all of its strength, divided by a factor, can't hold it; or empty.
-
-    Raises NotSolvedError where linear programming fails.
-    """
+    """Which piece moves where full strength over a factor can't hold it, and how; or empty. Raises NotSolvedError."""
     try:
         _reduced(given, factor).check_can_hold(LoadLevel(1.0))
     except FreePieceError as error:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -45,13 +44,8 @@ StepSolver = NextStepSolver | HistorySolver
 def solved_to_target(solution: StepSolution, solver: StepSolver) -> StepSolution:
     """The step with its errors, on cells that meet the target, or come as near to it as they can."""
     numerics, before = solution.scene.case.numerics, None
-    n_solves, seconds = 0, Counter[str]()
     for n_rounds in range(MOST_ROUNDS + 1):
-        n_solves += solution.factorizations
-        seconds.update(solution.seconds)
-        errors, cost = _held_against(solution, solver)
-        seconds.update(cost)
-        n_solves += bool(cost)
+        errors = _held_against(solution, solver)
         if errors.estimate(numerics.goal) <= numerics.target:
             break
         finer = _finer(solution, solver, errors, before) if n_rounds < MOST_ROUNDS else TOO_MANY_ROUNDS
@@ -59,7 +53,7 @@ def solved_to_target(solution: StepSolution, solver: StepSolver) -> StepSolution
             errors = replace(errors, missed=finer)
             break
         before, solution = errors, finer
-    return replace(solution, errors=errors, factorizations=n_solves, seconds=dict(seconds))
+    return replace(solution, errors=errors)
 
 
 def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: Errors | None) -> StepSolution | str:
@@ -67,7 +61,7 @@ def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: E
     numerics, refine = solution.scene.case.numerics, solution.scene.case.numerics.refine
     if before is not None and math.isinf(errors.estimate(numerics.goal)) and math.isinf(before.estimate(numerics.goal)):
         return errors.missed or "the companion mesh does not have it"  # nor on smaller cells
-    changes = tuple(_changes(solution.state))
+    changes = tuple(_changes(solution))
     wanted = refined(errors, before, numerics.target, numerics.goal, _lines(solution), changes)
     scene = solution.scene.with_grading(wanted)
     try:
@@ -83,18 +77,17 @@ def _finer(solution: StepSolution, solver: StepSolver, errors: Errors, before: E
         return f"smaller cells are not to be had: {error}"
 
 
-def _held_against(solution: StepSolution, solver: StepSolver) -> tuple[Errors, Counter[str]]:
-    """The errors of a step, and the seconds that its companion took; none where it has no solution."""
+def _held_against(solution: StepSolution, solver: StepSolver) -> Errors:
+    """The errors of a step; not known where its companion has no solution."""
     scene = solution.scene
-    here = quantities(solution, solution.state.factor)
+    here = quantities(solution, solution.factor)
     try:
         on = scene.with_grading(replace(scene.grading, companion=True))
         there, own_factor = solver.companion(on, solution)
     except (GeometryError, SolveError) as error:
         missed = f"the companion mesh has no solution to hold it against: {error}"
-        return replace(errors_of(scene.grading, here, None), missed=missed), Counter()
-    errors = errors_of(scene.grading, here, quantities(there, own_factor))
-    return errors, Counter(there.seconds)
+        return replace(errors_of(scene.grading, here, None), missed=missed)
+    return errors_of(scene.grading, here, quantities(there, own_factor))
 
 
 def next_grading(solution: StepSolution) -> Grading:
@@ -102,7 +95,7 @@ def next_grading(solution: StepSolution) -> Grading:
     errors, numerics = solution.errors, solution.scene.case.numerics
     if errors is None:
         return solution.scene.grading
-    return coarsened(errors, numerics.target, numerics.goal, _lines(solution), tuple(_changes(solution.state)))
+    return coarsened(errors, numerics.target, numerics.goal, _lines(solution), tuple(_changes(solution)))
 
 
 def _lines(solution: StepSolution) -> list[Floats]:
@@ -123,7 +116,7 @@ def _changes(state: LoadState) -> Iterator[tuple[int, float, float]]:
 
 def quantities(solution: StepSolution, own_factor: float) -> Quantities:
     """What a solution says of all that errors are stated of."""
-    state, tips = solution.state, solution.tips
+    state, tips = solution, solution.tips
     intensities = [tip.intensity for tip in tips]
     of_volumes = -state.outcome.multipliers[state.configuration.held.load >= 0]  # pressure times the length wetted
     forces = np.array([*(reaction.force for reaction in reactions(state)), *((f, 0.0) for f in of_volumes)])

@@ -34,9 +34,9 @@ from scipy.linalg import solve_triangular
 from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Case, LoadHistory, Stages, StrengthReduction
 from crackgrow.case.units import Metres, place_text
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set
 from crackgrow.contact.equations import solve_active
+from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, PointStates
@@ -44,7 +44,7 @@ from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.loading import load, load_history
+from crackgrow.run.loading import LoadsInTurn, load
 from crackgrow.run.scene import make_scene
 
 DIFFERENT: Final = 1e-6  # jumps that differ by more, relative to the largest free one, are two solutions
@@ -110,7 +110,6 @@ def _attempts(problem: ContactProblem) -> Iterator[ContactSolution]:
 class SecondSolution:
     """Another state that meets the contact law under the same loads and the same memory."""
 
-    limit: float  # friction below which there is certainly none
     points: Ints  # (k,) contact points, those whose jump changes most first
     change: Floats  # (k,) m, how much farther or nearer the faces lie there, or how far along
     states: Ints  # (k,) OPEN, STICK or SLIP
@@ -118,26 +117,23 @@ class SecondSolution:
 
 def unique_text(case: Case) -> Iterator[str]:
     """What is known of the solutions of contact at every load factor of a case, in lines. Raises as a run does."""
-    scene, cracks = make_scene(under_its_loads(case)), beginning(case).cracks
     history = isinstance(case.loading, LoadHistory | Stages)
-    for solution in load_history(scene, cracks) if history else [load(scene, cracks)]:
-        yield f"  at load factor {solution.state.factor:.6g}: {_found(solution)}"
-
-
-def under_its_loads(case: Case) -> Case:
-    """The case with the strength that it has, where it asks by how much that can be reduced."""
-    if not isinstance(case.loading, StrengthReduction):
-        return case
-    return replace(case, loading=LoadHistory(case.loading.factors))
+    if isinstance(case.loading, StrengthReduction):  # with the strength that it has
+        case = replace(case, loading=LoadHistory(case.loading.factors))
+    scene, cracks = make_scene(case), beginning(case).cracks
+    in_turn = map(LoadsInTurn(scene, cracks).solution, range(case.n_loads)) if history else [load(scene, cracks)]
+    for solution in in_turn:
+        yield f"  at load factor {solution.factor:.6g}: {_found(solution)}"
 
 
 def _found(solution: StepSolution) -> str:
     """What is known of the solutions of a loaded configuration."""
-    contact, points = solution.contact, solution.outcome.points
+    contact, points = solution.configuration.contact, solution.outcome.points
     if why := why_not_examined(contact, points):
         return why
-    limit = proven_limit(contact, points)
-    if limit is None:
+    assert points.problem is not None  # it is examined
+    limit = friction_limit(points.problem.points.compliance, contact.weights[points.rows])
+    if points.problem.friction.max() < limit:
         touching = "no faces touch: " if (points.state == OPEN).all() else ""
         return f"{touching}there is exactly one solution"
     second = second_solution(contact, solution.outcome)
@@ -145,8 +141,8 @@ def _found(solution: StepSolution) -> str:
     if second is None:
         return f"no second solution was found, which is no proof that there is none: {beyond}"
     point = int(second.points[0])
-    there = solution.cover.lattice.to_map(solution.faces.nodes.points[[point]])[0]
-    place = solution.cover.surfaces[solution.faces.surface[point]].name
+    there = solution.cover.lattice.to_map(solution.configuration.faces.nodes.points[[point]])[0]
+    place = solution.cover.surfaces[solution.configuration.faces.surface[point]].name
     return (
         f"friction leaves more than one solution ({beyond}): in another one the point {place_text(there, 4)} of "
         f"'{place}', which {WORDS[int(points.state[point])]}, {WORDS[int(second.states[0])]}, its faces moved by "
@@ -155,10 +151,7 @@ def _found(solution: StepSolution) -> str:
 
 
 def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
-    """Why nothing is to be examined, or nothing can be; empty otherwise.
-
-    The bound takes supports that hold all of the rock, and a symmetric compliance, which dilation has not.
-    """
+    """Why nothing is examined; empty otherwise. The bound takes supports of all rock, and a symmetric compliance."""
     if points.problem is None:
         return "no faces touch: there is exactly one solution"
     if points.problem.n_motions:
@@ -170,39 +163,23 @@ def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
     return "" if points.problem.friction.any() else "there is no friction: there is exactly one solution"
 
 
-def proven_limit(contact: ContactSystem, points: PointStates) -> float | None:
-    """The friction below which there is certainly one solution; None where all of it is below."""
-    problem = points.problem
-    assert problem is not None
-    limit = friction_limit(problem.points.compliance, contact.weights[points.rows])
-    return None if problem.friction.max() < limit else limit
-
-
 def second_solution(contact: ContactSystem, outcome: ContactOutcome) -> SecondSolution | None:
-    """A second solution, if there is one and some start leads to it; None below the limit at the cost of the bound."""
+    """A second solution, if there is one and some start leads to it."""
     points = outcome.points
-    problem, rows = points.problem, points.rows
-    if why_not_examined(contact, points) or problem is None or points.solution is None:
-        return None
-    limit = proven_limit(contact, points)
-    if limit is None:
+    problem, rows, n = points.problem, points.rows, len(contact.weights)
+    if problem is None or points.solution is None:
         return None
     known = points.solution.traction
     for p in other_solutions(problem, known):
         states = active_set(problem, p, problem.jump(p)).states()
         whole = contact.law.breakable[rows] & ~outcome.memory.broken[rows]
         breaks = bool((whole & (states != STICK)).any())  # then it is one of another law, with lost cohesion
-        if not breaks and not _closes_others(contact, points, p - known):
+        gap = points.gap - contact.rock[:n, np.concatenate([rows, n + rows])] @ (p - known)
+        gap[rows] = 0.0
+        overlaps = gap.min() < -OVERLAP * np.abs(gap).max()  # at points that the solver did not have to deal with
+        if not breaks and not overlaps:
             moved = problem.points.compliance @ (p - known)
             change = np.hypot(*moved.reshape(2, -1))
             order = np.argsort(-change, kind="stable")
-            return SecondSolution(limit, rows[order], change[order], states[order])
+            return SecondSolution(rows[order], change[order], states[order])
     return None
-
-
-def _closes_others(contact: ContactSystem, points: PointStates, change: Floats) -> bool:
-    """Whether a change (2 k,) Pa of the tractions lets points overlap that the solver did not have to deal with."""
-    rows, n = points.rows, len(contact.weights)
-    gap = points.gap - contact.rock[:n, np.concatenate([rows, n + rows])] @ change
-    gap[rows] = 0.0
-    return bool(gap.min() < -OVERLAP * np.abs(gap).max())

@@ -145,7 +145,7 @@ def _in_turn(solution: StepSolution, K: Truth) -> np.ndarray:
 
 def _off(solution: StepSolution, truth: Quantities, here: Quantities | None = None) -> Errors:
     """What a solution, or the quantities of another one, are off by, over the largest values of the truth."""
-    here = here or quantities(solution, solution.state.factor)
+    here = here or quantities(solution, solution.factor)
     nothing = np.zeros(len(here.ends))
     off = errors_of(solution.scene.grading, replace(here, spread=nothing, unresolved=nothing), truth)
     return replace(off, largest=max(float(np.nanmax(np.hypot(*truth.K.T), initial=0.0)), here.small["K"]))
@@ -176,7 +176,7 @@ def _on_finer(solution: StepSolution, before: StepSolution | None, number: int, 
     if scene.case.growth is not None:
         return quantities(*NextStepSolver(cracks, before).companion(finer, solution))
     there = LoadsInTurn(finer, cracks).solution(number)
-    return quantities(there, there.state.factor)
+    return quantities(there, there.factor)
 
 
 def _rows(make: Callable[..., Row], solution: StepSolution, off: Errors, apart: Errors | float) -> Iterator[Row]:

@@ -155,7 +155,7 @@ def test_uniform_compression_passes_through_stuck_cracks(name: str, support: flo
     strain = LOAD / YOUNG * (1 + POISSON) * np.array([POISSON, POISSON - 1])
     exact = strain * (metres - 1e-3 * LOWER_EDGE)
     assert np.abs(found - exact).max() < 1e-6 * np.abs(exact).max()
-    outcome, normal = solution.outcome, solution.faces.nodes.normal
+    outcome, normal = solution.outcome, solution.configuration.faces.nodes.normal
     np.testing.assert_allclose(outcome.points.normal, -LOAD * normal[:, 1] ** 2, atol=1e-5 * LOAD)
     np.testing.assert_allclose(outcome.points.tangential, LOAD * normal[:, 0] * normal[:, 1], atol=1e-5 * LOAD)
     assert solution.outcome.residual < 1e-7
@@ -175,7 +175,7 @@ PEEKING = [
 def test_a_kink_just_over_a_tile_line_leaves_contact_reciprocal(kink: tuple[tuple[float, float], ...]) -> None:
     """The gap at one contact point by a force at another is the gap there by the same force here (Betti)."""
     path = tuple((NODE[0] + 1.5 * x, NODE[1] + 1.5 * y) for x, y in kink)
-    contact = solved((("both", path),), STICKY).contact
+    contact = solved((("both", path),), STICKY).configuration.contact
     S = contact.rock / np.tile(contact.weights, 2)
     assert np.linalg.eigvalsh(0.5 * (S + S.T)).min() > 0.0
     np.testing.assert_allclose(S, S.T, atol=3e-6 * np.abs(S).max())

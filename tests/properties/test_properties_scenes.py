@@ -70,7 +70,7 @@ def test_a_frictionless_block_slides_at_any_push_and_without_one_its_place_is_ar
     smooth = "supports.0.contact={friction: 0, cohesion: 0}"
     solution = solve(BLOCK, smooth)
     assert set(solution.outcome.points.state.tolist()) == {SLIP}
-    assert solution.outcome.points.n_unknowns == solution.faces.n  # normal only
+    assert solution.outcome.points.n_unknowns == solution.configuration.faces.n  # normal only
     (note,) = solution.outcome.notes
     assert "(translation in x)" in note
     assert "arbitrary" in note
@@ -169,7 +169,7 @@ def test_a_plate_hangs_on_a_pin() -> None:
     """Tractions on an arc act along many normals; their resultant is the weight all the same."""
     solution = solve(HOLED)
     sides = 180.0 * 0.5**2 * np.sin(np.deg2rad(1.0))  # area of the hole, a polygon of 360 sides
-    (pin,) = reactions(solution.state)
+    (pin,) = reactions(solution)
     np.testing.assert_allclose(pin.force, [0.0, 25000.0 * (16.0 - sides)], rtol=1e-8, atol=1e-3)
 
 
@@ -200,6 +200,6 @@ def test_two_foundations_on_one_edge_have_their_own_names() -> None:
         " {on: {body: block, edge: bottom, from: 1, to: 2}, contact: {friction: 0.5, cohesion: 0}}]"
     )
     solution = solve(BLOCK, posts)
-    forces = {item.where: item.force for item in reactions(solution.state)}
+    forces = {item.where: item.force for item in reactions(solution)}
     assert list(forces) == ["block.bottom.0", "block.bottom.1"]
     np.testing.assert_allclose([force[1] for force in forces.values()], 200.0, rtol=1e-6)

@@ -21,8 +21,8 @@ from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import SLIP, STICK
 from crackgrow.contact.ripple import worst_ripple
 from crackgrow.errors import CaseError
-from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 from tests.contact_problems import drawn, ended
 from tests.scenes import shipped_case, specimen, told
@@ -88,10 +88,13 @@ def test_mortar_tractions_are_smooth_at_every_stiffness(stiffness: str, friction
     found = solution(*flaw(friction, stiffness=stiffness, spacing=0.75))  # enough nodes for waves to show
     p_n, p_t = found.outcome.points.normal, found.outcome.points.tangential
     assert len(p_n) >= 9
-    worst = worst_ripple(found.cover, found.faces, p_n, p_t)
+    worst = worst_ripple(found.cover, found.configuration.faces, p_n, p_t)
     assert worst is not None
-    assert worst.part == 0.0
-    middle = np.abs(found.faces.s - 0.5 * found.faces.s.max()) < 0.25 * found.faces.s.max()
+    assert worst[1] == 0.0
+    middle = (
+        np.abs(found.configuration.faces.s - 0.5 * found.configuration.faces.s.max())
+        < 0.25 * found.configuration.faces.s.max()
+    )
     assert np.abs(np.diff(p_n[middle], 2)).max() < 4.0 * 1e-3 * PRESSURE  # of values that are good to 0.1 %
     np.testing.assert_allclose(p_n[middle], -PRESSURE, rtol=0.015)  # 74.2 MPa: the flaw is not short for the plate
     np.testing.assert_allclose(np.abs(p_t), -friction * p_n, rtol=1e-9, atol=1.0)

@@ -16,8 +16,8 @@ from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import STICK
-from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
+from crackgrow.run.loop import grow
 from crackgrow.run.scene import make_scene
 from tests.scenes import one_size, shipped_case
 from tests.solving import solve_case, whole_run

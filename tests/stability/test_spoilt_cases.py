@@ -28,7 +28,7 @@ from crackgrow.case.units import Units
 from crackgrow.cli.command_line import declared
 from crackgrow.cli.start import template_text
 from crackgrow.errors import CaseError, CrackgrowError, SolveError
-from crackgrow.run import grow
+from crackgrow.run.loop import grow
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import EVERYTHING, changed, read_yaml12, text_of
 

@@ -21,7 +21,7 @@ from crackgrow.case.model import Case
 from crackgrow.errors import GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.run.result import RunEnd, StepResult
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,7 +32,7 @@ Grow = Callable[[Case, object], Generator[StepResult, None, RunEnd]]
 
 def growing(case: Case, checkpoint: object) -> Generator[StepResult, None, RunEnd]:
     for step in range(3):
-        yield make_result(step, step_warnings=(StepWarning(WarningCause.NOTE, "thin cell"),))
+        yield make_result(step, step_warnings=(StepWarning("NOTE", "thin cell"),))
     return make_end(3)
 
 

@@ -66,7 +66,7 @@ class Solved:
 
     def tractions(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
         """Normal and shear traction (n,) Pa at arc lengths s (n,) m: sum of N_k p_k, linear between Gauss points."""
-        faces, outcome = self.solution.faces, self.solution.outcome
+        faces, outcome = self.solution.configuration.faces, self.solution.outcome
         mine = faces.points.surface == surface
         places = faces.points.s[mine] * self.scene.lattice.spacing
         tractions = (outcome.points.normal, outcome.points.tangential)

@@ -81,7 +81,7 @@ def test_rock_in_equilibrium_with_its_weight_does_not_move(change: Change) -> No
 def test_a_joint_in_rock_at_rest_carries_what_the_rock_beside_it_does() -> None:
     joint = "joint: {path: {points: [[8, 3], [22, 12]]}, contact: {friction: 0.8, cohesion: 0}}"
     solution = solve_case(case_of(UNDER_WEIGHT, CRACKS=joint)).solution
-    nodes = solution.faces.nodes
+    nodes = solution.configuration.faces.nodes
     mine = nodes.surface == 0
     y = solution.scene.lattice.to_metres(nodes.points[mine])[:, 1]
     (n_x, n_y), stress = nodes.normal[mine].T, WEIGHT * (y - 20.0)
@@ -153,9 +153,9 @@ numerics: {spacing: 0.25}
 def test_water_in_an_interface_takes_its_pressure_off_the_faces(pair: str) -> None:
     """Effective stress: the faces carry 1e5 + 1e4 x less the pressure of the water."""
     solution = solve_case(case_of(WATER, PAIR=pair, HIGH="4e4")).solution
-    weights = solution.contact.weights
+    weights = solution.configuration.contact.weights
     assert weights @ solution.outcome.points.normal == pytest.approx(-4 * 6e4, rel=1e-9)
-    x = solution.faces.nodes.points[:, 0] * solution.scene.lattice.spacing
+    x = solution.configuration.faces.nodes.points[:, 0] * solution.scene.lattice.spacing
     x = x - (weights @ x) / weights.sum()
     assert weights @ (x * solution.outcome.points.normal) == pytest.approx(0.0, abs=1e-6 * 4 * 6e4)
 

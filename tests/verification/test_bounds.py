@@ -16,11 +16,9 @@ from scipy.optimize import brentq
 
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.case import Case
-from crackgrow.run import grow
 from crackgrow.run.loading import load
-from crackgrow.run.loop import solved_steps
+from crackgrow.run.loop import grow, solved_steps
 from crackgrow.run.result import StepResult, TipResult
-from crackgrow.run.warning_causes import WarningCause
 from tests.benchmarks.errors import wings
 from tests.benchmarks.target_scenes import SCENES as TABLE
 from tests.scenes import plate, shipped_case
@@ -62,7 +60,7 @@ def test_K_is_within_the_target_and_the_bound_holds(name: str, target: float) ->
 
 def is_missed(step: StepResult) -> bool:
     """Whether the run says that its target is missed."""
-    return any(warning.cause is WarningCause.TARGET for warning in step.step_warnings)
+    return any(warning.cause == "TARGET" for warning in step.step_warnings)
 
 
 def test_faces_that_touch_next_to_a_tip_are_seen() -> None:

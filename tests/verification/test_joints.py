@@ -234,7 +234,7 @@ def test_under_loads_that_press_and_shear_at_once_faces_slip_at_their_strength()
     law = "cracks.flaw.contact={friction: 0.2, cohesion: 0, barton: {jrc: 10, jcs: 50}}"
     settings = [law, "numerics.spacing=1", "growth.steps=0", "loading={history: [1]}", "output.frames=none"]
     *_, (_, solution) = solved_steps(shipped_case("compression30", settings))
-    points = solution.state.outcome.points
+    points = solution.outcome.points
     friction, _ = solution.configuration.contact.law.bound_of(points.trial.lost, points.normal)
     assert (points.state == SLIP).all()
     np.testing.assert_allclose(np.abs(points.tangential), -friction * points.normal, rtol=1e-6)

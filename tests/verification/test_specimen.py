@@ -31,7 +31,7 @@ def test_under_uniform_tractions_the_stress_is_theirs_and_the_work_is_that_of_th
     scene: str, settings: tuple[str, ...], stress: tuple[float, float, float]
 ) -> None:
     """Hill (1963): half of A times stress times strain, with open or slipping cracks and holes."""
-    state = solved(scene, *settings).solution.state
+    state = solved(scene, *settings).solution
     found, strain = map(np.array, specimen_means(state))
     np.testing.assert_allclose(found, 1e6 * np.array(stress), atol=1e-9 * 1e6 * np.abs(stress).max())
     shape = state.scene.case.bodies[0].outline
@@ -44,7 +44,7 @@ def test_without_cracks_strains_are_those_of_Hooke_with_in_situ_stress_as_well()
     loads = (
         "loads=[{body: rock, stress: [-3, -2, 0.5], held: true}, {far_field: [-3, -2, 0.5]}, {far_field: [0, 1, 0]}]"
     )
-    state = solved("tension0", "growth.steps=0", "cracks={}", loads).solution.state
+    state = solved("tension0", "growth.steps=0", "cracks={}", loads).solution
     stress, strain = specimen_means(state)
     (material,) = make_scene(state.scene.case).materials
     np.testing.assert_allclose(stress, [-3e6, -1e6, 0.5e6], rtol=1e-9)
@@ -239,8 +239,8 @@ def test_the_pressure_is_smooth_between_joints_that_end_on_both_sides_of_another
 ) -> None:
     """With nodes on both corners and between them it was up to 3.9 times as large on the short stretch, or zero."""
     solution = solve_case(offset_joints(offset, cracked)).solution
-    points, normal = solution.faces.nodes.points, solution.outcome.points.normal
-    lattice, level = solution.cover.lattice, np.abs(solution.faces.nodes.normal[:, 1]) > 0.5
+    points, normal = solution.configuration.faces.nodes.points, solution.outcome.points.normal
+    lattice, level = solution.cover.lattice, np.abs(solution.configuration.faces.nodes.normal[:, 1]) > 0.5
     there = level & (np.abs(lattice.to_metres(points)[:, 0] - 2.0) < 0.6)
     assert np.count_nonzero(there) > 2
     assert normal[there] == pytest.approx(-1e6, rel=0.2)

@@ -12,9 +12,8 @@ import pytest
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
-from crackgrow.run import grow
 from crackgrow.run.evaluation import StepSolution
-from crackgrow.run.loop import solved_steps
+from crackgrow.run.loop import grow, solved_steps
 from crackgrow.run.result import STICK, StepResult
 from tests.scenes import shipped_case
 from tests.solving import seen, whole_run

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import STICK, active_set, complementarity_residual
 from crackgrow.contact.hold import alone, least_unbalanced
-from crackgrow.contact.newton import solve_by_newton, solve_settled
+from crackgrow.contact.lemke import solve_by_lemke
+from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem
 from crackgrow.contact.stuck import solve_among_stuck
 from crackgrow.solid.rigid_modes import FreePiece
@@ -128,8 +128,10 @@ def test_a_block_that_contact_does_not_hold_has_no_solution(pull: tuple) -> None
 
 
 def test_a_motion_that_nothing_sees_stays_where_it_is() -> None:
-    """A smooth level base: along it nothing acts and nothing holds."""
-    found = solve_by_newton(block_on_points(0.0, (-3.0, 0.0, 0.5)))
+    """A smooth level base: along it nothing acts and nothing holds, and points do not see it (`ContactSystem`)."""
+    problem, seen = block_on_points(0.0, (-3.0, 0.0, 0.5)), np.repeat([1.0, 0.0], 5)
+    points = replace(problem.points, jump=problem.points.jump * seen[:, None], force=problem.points.force * seen)
+    found = solve_by_newton(replace(problem, points=points))
     assert found.status == "solved"
     assert found.traction.sum() * 0.4 == pytest.approx(-3.0)
     assert abs(found.motion[1]) < 1e-12
@@ -190,7 +192,7 @@ def pressed_block(n: int, pieces: int, seed: int) -> ContactProblem:
 @pytest.mark.parametrize("seed", range(3))
 def test_the_states_are_those_of_newtons_method_with_all_points(pieces: int, seed: int) -> None:
     problem = pressed_block(80, pieces, seed)
-    known, found = solve_settled(problem), solve_among_stuck(problem)
+    known, found = solve_by_newton(problem), solve_among_stuck(problem)
     assert found is not None
     assert known.status == found.status == "solved"
     assert 0 < np.sum(known.state != STICK) < 40
@@ -202,8 +204,8 @@ def test_the_states_are_those_of_newtons_method_with_all_points(pieces: int, see
 @pytest.mark.parametrize("pieces", [0, 2])
 def test_a_state_leads_to_one_that_is_near_and_to_that_on_its_branches(pieces: int) -> None:
     problem = pressed_block(80, pieces, 1)
-    near = solve_settled(replace(problem, free=1.1 * problem.free, pull=1.2 * problem.pull))
-    known, found = solve_settled(problem), solve_among_stuck(problem, near.unknowns)
+    near = solve_by_newton(replace(problem, free=1.1 * problem.free, pull=1.2 * problem.pull))
+    known, found = solve_by_newton(problem), solve_among_stuck(problem, near.unknowns)
     assert found is not None
     np.testing.assert_allclose(found.unknowns, known.unknowns, atol=1e-9 * np.abs(known.unknowns).max())
     branches = active_set(problem, known.traction, problem.jump(known.unknowns))
@@ -215,7 +217,7 @@ def test_a_state_leads_to_one_that_is_near_and_to_that_on_its_branches(pieces: i
 @pytest.mark.parametrize("pieces", [0, 2])
 def test_points_that_all_stick_take_one_solution(pieces: int) -> None:
     problem = replace(pressed_block(40, pieces, 0), friction=np.full(40, 5.0))
-    known, found = solve_settled(problem), solve_among_stuck(problem)
+    known, found = solve_by_newton(problem), solve_among_stuck(problem)
     assert found is not None
     assert found.iterations == 0
     np.testing.assert_allclose(found.unknowns, known.unknowns, atol=1e-9 * np.abs(known.unknowns).max())

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import crackgrow.contact.newton as module
-from crackgrow.contact.contact_lcp import solve_by_lemke
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, complementarity_residual, project
 from crackgrow.contact.equations import solve_active
-from crackgrow.contact.lemke import LcpResult, lemke
+from crackgrow.contact.lemke import LcpResult, lemke, solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError

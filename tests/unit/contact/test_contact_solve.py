@@ -10,14 +10,14 @@ import pytest
 
 from crackgrow.contact import system
 from crackgrow.contact.coulomb import SLIP, STICK
+from crackgrow.contact.jump import elastic_tractions
 from crackgrow.contact.ripple import ripple, worst_ripple
 from crackgrow.contact.solve import ContactOutcome
-from crackgrow.contact.tractions import elastic_tractions
 from crackgrow.errors import SolveError
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.run.configuration import Configuration, LoadLevel
 from crackgrow.run.evaluation import StepSolution, evaluated
-from crackgrow.run.increments import from_state, increment, unloaded
+from crackgrow.run.increments import increment, unloaded
 from tests.contact_problems import contact_law, rock_of
 from tests.scenes import shipped_case
 from tests.solving import ready, solve_case, solve_contact, through
@@ -169,7 +169,7 @@ def solved(
     start = unloaded(scene)
     for factor in factors:
         state = increment(scene, start, factor)
-        start = from_state(state)
+        start = state
     return evaluated(state)
 
 
@@ -178,9 +178,9 @@ def solved(
 def test_at_the_contact_points_they_are_those_of_the_contact_points(law: dict, factors: tuple, state: int) -> None:
     """Dilation is no overlap, and the part of the shear that cohesion carries is none of friction's."""
     solution = solved("gauss", 20.0, factors, **law)
-    outcome, faces = solution.outcome, solution.faces
+    outcome, faces, by_point = solution.outcome, solution.configuration.faces, solution.configuration.contact.law
     assert set(outcome.points.state.tolist()) == {state}
-    normal, tangential = elastic_tractions(solution.cover, faces, 0, faces.s, solution.contact.law, outcome)
+    normal, tangential = elastic_tractions(solution.cover, faces, 0, faces.s, by_point, outcome)
     np.testing.assert_allclose(normal, outcome.points.normal, rtol=1e-6)
     np.testing.assert_allclose(tangential, outcome.points.tangential, rtol=1e-6)
 
@@ -227,9 +227,9 @@ def test_of_two_waves_the_larger_counts_and_few_points_have_none() -> None:
 def test_the_ripple_of_a_surface_is_held_against_its_own_pressure() -> None:
     settings = ("numerics.contact={discretization: gauss, stiffness: 1}", "numerics.spacing=3", "growth.steps=0")
     solution = solve_case(shipped_case("compression30", settings))
-    cover, faces, none = solution.cover, solution.faces, np.zeros(solution.faces.n)
+    cover, faces, none = solution.cover, solution.configuration.faces, np.zeros(solution.configuration.faces.n)
     calm = none - 75e6
     wave = calm + 15e6 * (-1.0) ** np.arange(faces.n)
     for normal, tangential in ((wave, none), (1e-9 * wave, none), (calm, wave)):
-        assert worst_ripple(cover, faces, normal, tangential).part == pytest.approx(30.0 / 75.0, rel=0.01)
+        assert worst_ripple(cover, faces, normal, tangential)[1] == pytest.approx(30.0 / 75.0, rel=0.01)
     assert worst_ripple(cover, faces, none, none) is None

@@ -13,7 +13,7 @@ from crackgrow.case import Case
 from crackgrow.plan import cost
 from crackgrow.plan.cost import Sizes, cost_of, estimated_cost, guessed_sizes, sizes_of
 from crackgrow.plan.text import overview, plan_text
-from crackgrow.run import grow
+from crackgrow.run.loop import grow
 from tests.scenes import shipped_case
 from tests.unit.case.scenes import EVERYTHING, load
 

@@ -20,7 +20,7 @@ from crackgrow.results.gathered import Gathered
 from crackgrow.results.log import told_line
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, git_state, summarize
 from crackgrow.run.result import RunEnd, StepResult
-from crackgrow.run.warning_causes import StepWarning, WarningCause
+from crackgrow.run.warning_causes import StepWarning
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
 
@@ -42,7 +42,7 @@ def test_the_summary_of_a_run() -> None:
     """A check that is nan is the worst one, and null in JSON."""
     tally = Tally()
     for step, residual in enumerate((1e-12, math.nan, 2e-12)):
-        cautions = (StepWarning(WarningCause.NOTE, "thin cell"),) if step else ()
+        cautions = (StepWarning("NOTE", "thin cell"),) if step else ()
         tally.add(make_result(step, residual=residual, step_warnings=cautions))
     tally.add_seconds("output", 1.0)
     summary = written(tally, make_end(2))
@@ -136,10 +136,10 @@ def test_the_log_names_every_tip_that_advanced_in_one_unit() -> None:
 
 
 def overlap(name: str, percent: float) -> StepWarning:
-    return StepWarning(WarningCause.OVERLAP, f"'{name}' overlaps by {percent:g} %", f"'{name}'", percent)
+    return StepWarning("OVERLAP", f"'{name}' overlaps by {percent:g} %", f"'{name}'", percent)
 
 
-CLOSE = StepWarning(WarningCause.RIPPLE, "close", "tip")
+CLOSE = StepWarning("RIPPLE", "close", "tip")
 
 
 @pytest.mark.parametrize(("cautions", "sentences"), [
@@ -149,15 +149,15 @@ CLOSE = StepWarning(WarningCause.RIPPLE, "close", "tip")
         ["steps 3 to 14, worst 7: 'b' overlaps by 30 %; likewise 'a', 'c'"],
     ),
     (  # the important ones come first
-        {0: [StepWarning(WarningCause.LEFT_OUT, "left out"), StepWarning(WarningCause.SAWING, "saw")],
-         1: [StepWarning(WarningCause.UNBALANCED, "unbalanced")]},
+        {0: [StepWarning("LEFT_OUT", "left out"), StepWarning("SAWING", "saw")],
+         1: [StepWarning("UNBALANCED", "unbalanced")]},
         ["step 1: unbalanced", "step 0: saw", "step 0: left out"],
     ),
     ({step: [CLOSE] for step in (0, 2, 3, 4, 9)}, ["steps 0, 2 to 4, 9: close"]),
     (  # notes that differ in numbers alone are one
-        {1: [StepWarning(WarningCause.NOTE, "left K_II at 0.12 of K"),
-             StepWarning(WarningCause.NOTE, "another method")],
-         2: [StepWarning(WarningCause.NOTE, "left K_II at 3e-05 of K")]},
+        {1: [StepWarning("NOTE", "left K_II at 0.12 of K"),
+             StepWarning("NOTE", "another method")],
+         2: [StepWarning("NOTE", "left K_II at 3e-05 of K")]},
         ["steps 1 to 2: left K_II at 0.12 of K", "step 1: another method"],
     ),
 ])  # fmt: skip

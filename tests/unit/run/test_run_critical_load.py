@@ -16,7 +16,7 @@ from crackgrow.errors import FreePieceError, NotSolvedError, SolveError
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StepSolution, evaluated
-from crackgrow.run.increments import from_state, held_loads, increment
+from crackgrow.run.increments import held_loads, increment
 from crackgrow.run.scene import make_scene
 from tests.scenes import shipped_case, specimen
 from tests.solving import ready, solve_step, whole_run
@@ -62,13 +62,13 @@ def test_in_tension_the_critical_load_is_strength_over_stress(factors: list[floa
     found = critical_load.critically_loaded(configuration, 1.0)
     at_one = solve_step(make_scene(case), configuration.cracks, 1.0)
     stress = max(tip.verdict.sigma_1 for tip in at_one.tips)
-    assert found.state.factor == pytest.approx(0.5e6 / stress, rel=1e-9)
+    assert found.factor == pytest.approx(0.5e6 / stress, rel=1e-9)
     assert criticality(found) == pytest.approx(1.0, abs=1e-9)
     assert len(factors) == 2
-    for guess in (1e-3, 0.7, 40.0, found.state.factor):
+    for guess in (1e-3, 0.7, 40.0, found.factor):
         factors.clear()
         again = critical_load.critically_loaded(configuration, guess)
-        assert again.state.factor == pytest.approx(found.state.factor, rel=1e-9)
+        assert again.factor == pytest.approx(found.factor, rel=1e-9)
         assert len(factors) <= 2
 
 
@@ -85,7 +85,7 @@ def test_the_critical_load_of_a_closed_crack_is_the_first_that_meets_the_criteri
     configuration = ready(case_of("compression30", *CLOSED, *settings))
     found = critical_load.critically_loaded(configuration, 1.0)
     assert len(factors) <= MOST_SOLVES
-    near = found.state.factor
+    near = found.factor
     assert is_first_met(configuration, near)
     if kept == "lost" and cohesion > 0.5:  # the flaw lets go at a load that is more than enough for its tips
         assert criticality(found) > 1.5
@@ -102,7 +102,7 @@ def test_where_only_loads_have_a_size_the_way_to_the_critical_one_does_not_matte
 ) -> None:
     settings = (f"cracks.flaw.contact.dilation_angle={dilation}",)
     configuration = ready(case_of("compression30", *CLOSED, *settings))
-    found = critical_load.critically_loaded(configuration, 0.07).state
+    found = critical_load.critically_loaded(configuration, 0.07)
     assert len(factors) <= 3
     alone = increment(configuration, held_loads(configuration), found.factor)
     for of in ("outcome.u", "outcome.multipliers", "outcome.memory.slip", "conjugates", "states.tractions"):
@@ -111,7 +111,7 @@ def test_where_only_loads_have_a_size_the_way_to_the_critical_one_does_not_matte
     np.testing.assert_array_equal(found.outcome.points.state, alone.outcome.points.state)
     energies = [(e.work, e.strain, e.dissipated, e.released) for e in (found.energy, alone.energy)]
     np.testing.assert_allclose(*energies, rtol=0.0, atol=1e-9 * energies[0][0])
-    later = increment(configuration, from_state(found), 1.1 * found.factor)
+    later = increment(configuration, found, 1.1 * found.factor)
     assert later.energy.error < 1e-9
 
 
@@ -147,7 +147,7 @@ def test_a_load_that_is_critical_before_bonds_break_is_found_from_any_guess() ->
     """A crack with tips between bonded ones: once these slip they shield it."""
     configuration = sheared({"flaw": OPEN, "above": level(4, 24, 9, "none"), "below": level(-4, 24, 9, "none")}, 4)
     found = [critical_load.critically_loaded(configuration, guess) for guess in (0.1, 1.0, 10.0)]
-    factors = [solution.state.factor for solution in found]
+    factors = [solution.factor for solution in found]
     np.testing.assert_allclose(factors, factors[0], rtol=1e-8)
     assert is_first_met(configuration, factors[0])
     start = held_loads(configuration)
@@ -168,7 +168,7 @@ def pushed(push: float, tension: float) -> Configuration:
 def test_a_guess_beyond_what_friction_holds_does_not_end_the_search(push: float) -> None:
     """A block on a rough foundation slides at a load that does not depend on the unit of the load factor."""
     found = critical_load.critically_loaded(pushed(push, 0.5), 1.0)
-    assert push * found.state.factor == pytest.approx(6.97, rel=1e-3)
+    assert push * found.factor == pytest.approx(6.97, rel=1e-3)
 
 
 @pytest.mark.parametrize("guess", [0.01, 300.0])
@@ -194,7 +194,7 @@ def test_lateral_loads_that_are_held_raise_the_critical_load(factors: list[float
         factors.clear()
         solution = critical_load.critically_loaded(configuration, 1.0)
         assert len(factors) <= MOST_SOLVES
-        found.append(solution.state.factor)
+        found.append(solution.factor)
         assert criticality(solution) == pytest.approx(1.0, abs=1e-9)
         assert is_first_met(configuration, found[-1])
     assert found[1] > 1.2 * found[0]
@@ -248,4 +248,4 @@ def test_only_tips_that_can_grow_have_a_critical_load(factors: list[float]) -> N
     factors.clear()
     (still,) = shipped_case("tension0", ["cracks.flaw.tips=none"]).cracks
     none = critical_load.critically_loaded(replace(configuration, cracks=(GrowingCrack(still, growing.steps),)), 0.7)
-    assert (none.state.factor, factors) == (0.7, [0.7])
+    assert (none.factor, factors) == (0.7, [0.7])

@@ -11,10 +11,10 @@ from crackgrow.contact.coulomb import STICK
 from crackgrow.errors import FreePieceError
 from crackgrow.results.log import told_line
 from crackgrow.results.summary import K_error
-from crackgrow.run import grow
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import evaluated
 from crackgrow.run.increments import increment, unloaded
+from crackgrow.run.loop import grow
 from tests.scenes import shipped_case
 from tests.solving import ready
 

@@ -14,7 +14,7 @@ import crackgrow.run.loop as loop
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
 from crackgrow.errors import CrackgrowError, GeometryError, SolveError
-from crackgrow.run import grow
+from crackgrow.run.loop import grow
 from crackgrow.run.result import Checkpoint
 from tests.scenes import CYCLES, SHORTER, crack_at_bond, shipped_case, slow_cracks, specimen
 from tests.solving import whole_run

@@ -7,15 +7,18 @@ from functools import cache
 import numpy as np
 import pytest
 
+from crackgrow.case.load import read_case
 from crackgrow.contact.jump import gap_and_slip
 from crackgrow.fracture.opening import kinked_release
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.frame import OutputMesh, make_frame, output_mesh
 from crackgrow.run.layout import cover_of
+from crackgrow.run.loading import LoadsInTurn
 from crackgrow.run.loop import grow
 from crackgrow.run.result import Frame, StepResult
 from crackgrow.run.scene import make_scene
+from crackgrow.run.state_values import history_of
 from crackgrow.solid.elasticity import plane_elasticity
 from crackgrow.solid.recovery import stress_at
 from tests.scenes import shipped_case
@@ -102,7 +105,7 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
     solution, frame = solved(*SCENES[name])
     mesh = output_mesh(solution.cover.elements, solution.cover.tips)
     node, element = mesh.place_node, mesh.place_element
-    stress = stress_at(solution.cover, solution.state.materials, solution.outcome.u, mesh.points[node], element)
+    stress = stress_at(solution.cover, solution.materials, solution.outcome.u, mesh.points[node], element)
     off_tips = from_tips(solution, frame.points[node]) > 1e-6
     size = np.abs(stress[off_tips]).max()
     np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)
@@ -165,6 +168,13 @@ def test_points_of_a_bar_in_tension_have_its_exact_fields() -> None:
         np.testing.assert_allclose(seen(steps, column), values, rtol=1e-9, err_msg=column)
     np.testing.assert_allclose(seen(steps, "gauge.convergence"), -0.02 * strain, rtol=1e-8)
     assert np.abs(seen(steps, "corner.stress_xy")).max() < 1e-3
+
+
+def test_loads_that_are_gone_through_again_are_not_in_the_history_of_the_next() -> None:
+    """On other cells the second load is asked for at once; its history begins behind the first."""
+    scene = make_scene(read_case(BAR, "scene", "scene"))
+    solution = LoadsInTurn(scene, ()).solution(1)
+    assert [state.factor for state in (*solution.passed, *history_of(solution))] == [-1.0]
 
 
 def test_the_way_to_a_critical_load_is_that_of_the_load_itself() -> None:

@@ -19,7 +19,6 @@ from crackgrow.results.log import criticality_words
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.propagation import MOST_SOLVES, AfterAdvance, BeforeAdvance, advance_tips
 from crackgrow.run.result import StepResult
-from crackgrow.run.warning_causes import WarningCause
 from tests.scenes import CYCLES, SHORTER, shipped_case, slow_cracks
 from tests.solving import solve_case, whole_run
 
@@ -43,7 +42,7 @@ def test_a_tip_beyond_its_toughness_is_told_and_has_no_more_than_the_largest_vel
     assert results[0].tips[0].criticality > 1.0
     assert results[0].tips[0].velocity == V_MAX
     assert results[1].time == pytest.approx(INCREMENT / V_MAX)
-    (told,) = [warning.words for warning in results[0].step_warnings if warning.cause == WarningCause.UNSTABLE]
+    (told,) = [warning.words for warning in results[0].step_warnings if warning.cause == "UNSTABLE"]
     assert told.startswith(f"the end of crack 'notch' is at {results[0].tips[0].criticality:.3g} of its toughness")
 
 
@@ -132,7 +131,7 @@ def advance(
         for state, kink in zip(start.tips, (-kinks[0], kinks[-1]), strict=True):
             intensity = StressIntensity(1.0, K_II(kink), 0.0, 0.0, 0.0, 0.0, 1.0, False, "")
             states.append(replace(state, intensity=intensity))
-        return replace(start, tips=tuple(states), seconds={"contact": 1.0})
+        return replace(start, tips=tuple(states))
 
     return advance_tips(before, start, chosen, made_up), len(solves)
 
@@ -149,8 +148,6 @@ def test_two_tips_are_corrected_together(slope: float, start: StepSolution) -> N
     assert kinks_of(found) == pytest.approx([60.0, 60.0], abs=0.3)
     assert n_solves <= 5
     assert found.solution is not None
-    assert found.solution.factorizations == n_solves
-    assert found.solution.seconds == {"contact": float(n_solves)}
     assert found.solution.notes == ()
 
 
@@ -165,7 +162,6 @@ def test_a_trial_that_cannot_be_solved_ends_the_search(start: StepSolution) -> N
     found, n_solves = advance(start, lambda kink: 0.01 * (kink - 60.0), np.array([1]), fails_at=1)
     assert n_solves == 2
     assert found.solution is not None
-    assert found.solution.factorizations == 1
     assert "search for the direction of growth ended at trial 2" in found.solution.notes[0]
     first, _ = advance(start, lambda kink: 0.0, np.array([1]), fails_at=0)
     assert first.solution is None  # the loop solves it again and says why that fails

@@ -10,10 +10,9 @@ import pytest
 from crackgrow.accuracy.companion import BOUND
 from crackgrow.case.model import Case
 from crackgrow.errors import SolveError
-from crackgrow.run import grow
 from crackgrow.run import target as target_file
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
-from crackgrow.run.warning_causes import WarningCause
 from tests.scenes import STARTS, shipped_case
 from tests.verification.solutions import QUIET
 
@@ -33,7 +32,7 @@ def shares(step: StepResult) -> list[float]:
 
 
 def told(step: StepResult) -> list[str]:
-    return [warning.words for warning in step.step_warnings if warning.cause is WarningCause.TARGET]
+    return [warning.words for warning in step.step_warnings if warning.cause == "TARGET"]
 
 
 def test_every_load_of_a_history_meets_the_target() -> None:

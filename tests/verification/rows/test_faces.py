@@ -15,7 +15,7 @@ import pytest
 from crackgrow.case import load_case
 from crackgrow.quadrature.rules import gauss
 from crackgrow.run.increments import LoadState
-from crackgrow.run.loading import load_history
+from crackgrow.run.loading import LoadsInTurn
 from crackgrow.run.scene import make_scene
 from tests.verification.solutions import CASES, Floats, Solved, before_growth, jump_of, rate, relative_L2, solved, table
 from tests.verification.table import Record, Row, parameters
@@ -172,10 +172,11 @@ def cycle(*factors: float) -> tuple[list[LoadState], Floats]:
     """cyclic_friction under factors, its own if none are given: its states, and K_II (n,) Pa sqrt(m) at the end."""
     settings = [f"loading.history={list(factors)}"] if factors else []
     scene = make_scene(load_case(CASES / "cyclic_friction.yaml", settings))
-    found = list(load_history(scene, before_growth(scene.case)))
+    in_turn = LoadsInTurn(scene, before_growth(scene.case))
+    found = [in_turn.solution(number) for number in range(scene.case.n_loads)]
     if not factors:
-        np.testing.assert_allclose(AMPLITUDE * np.array([each.state.factor for each in found]), HISTORY, atol=1.0)
-    return [each.state for each in found], np.array([each.tips[1].K[1] for each in found])
+        np.testing.assert_allclose(AMPLITUDE * np.array([each.factor for each in found]), HISTORY, atol=1.0)
+    return list(found), np.array([each.tips[1].K[1] for each in found])
 
 
 def slip_of_cycle() -> float:

@@ -17,9 +17,9 @@ from crackgrow.case import Case
 from crackgrow.case.toughness import MODE_I, shear_radius_of
 from crackgrow.fracture.advance import GrowingCrack
 from crackgrow.fracture.criteria import CRITERIA
-from crackgrow.run import grow
 from crackgrow.run.configuration import assemble
 from crackgrow.run.critical_load import critically_loaded
+from crackgrow.run.loop import grow
 from crackgrow.run.result import Safety
 from crackgrow.run.scene import make_scene
 from tests.scenes import ROCK_TOUGHNESS, crack_at_bond, shipped_case, specimen
@@ -89,7 +89,7 @@ def in_mode_I(criterion: str, lengths: int, along: float) -> float:
         state = critically_loaded(assemble(make_scene(case), tuple(map(GrowingCrack.given, case.cracks))), 1.0)
         K = [K for tip in state.tips for K in (tip.K[0], tip.K_growth)]
         np.testing.assert_allclose(K, 1e6 * TOUGHNESS, rtol=1e-3)
-        found.append(state.state.factor * np.sqrt(np.pi * 0.03))
+        found.append(state.factor * np.sqrt(np.pi * 0.03))
     return float(np.abs(np.array(found) / TOUGHNESS - 1.0).max())
 
 
@@ -182,7 +182,7 @@ def in_shear(friction: float, phi: float, part: float, levels: int) -> tuple[flo
     assert max(abs(verdict.kink) for verdict in verdicts) < np.deg2rad(1.0) or part > 0.01
     K_II = [1e-6 * abs(tip.K[1]) for tip in found.tips]
     assert abs(K_II[0] / K_II[1] - 1.0) < 0.01
-    return found.state.factor, K_II[0]
+    return found.factor, K_II[0]
 
 
 def over_pressure(friction: float, phi: float) -> float:

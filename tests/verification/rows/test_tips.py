@@ -14,7 +14,7 @@ from scipy.special import ellipe, ellipk
 
 import crackgrow
 from crackgrow.case.units import INCH, POUND
-from crackgrow.run import grow
+from crackgrow.run.loop import grow
 from crackgrow.run.result import StepResult
 from crackgrow.solid.elasticity import plane_elasticity
 from tests.benchmarks.target_scenes import SCENES, Known, cracks, kinked, kinked_scene, winged_flaw
