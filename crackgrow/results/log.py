@@ -82,7 +82,7 @@ def load_words(case: Case, factor: float) -> str:
     return f"load factor {factor:.4g}"
 
 
-def told_line(result: StepResult, case: Case, K_scale: float = 0.0, *, logged: bool = False) -> str:
+def step_line(result: StepResult, case: Case, K_scale: float = 0.0, *, logged: bool = False) -> str:
     """One line on a solved step: its load, how critical it is, the tips that advanced or else the largest K, length.
 
     K has at least the unit in which `K_scale` (Pa sqrt(m)) is read easily.
@@ -197,7 +197,7 @@ class Progress:
         self._warnings.add(result.step, result.step_warnings)
         self._K_scale = max(self._K_scale, largest_K(result))
         if self._width is None:
-            self._say(told_line(result, self._case, self._K_scale), "\n")
+            self._say(step_line(result, self._case, self._K_scale), "\n")
         words = [load_words(self._case, result.load_factor), *criticality_words(result)[:1], *length_words(result)]
         self._show_live(result.step, f", {', '.join(words)}")
         self.tell(result.events)

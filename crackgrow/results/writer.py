@@ -18,7 +18,7 @@ from crackgrow.results import tables, vtk_frames
 from crackgrow.results.atomic import remove_files, write_bytes, write_text
 from crackgrow.results.folder import CASE, FACES, FRAME, LOG, REPORT, SUMMARY, RunFolder, of_step, own_files
 from crackgrow.results.lock import earlier_files, locked
-from crackgrow.results.log import RunLog, event_line, largest_K, told_line
+from crackgrow.results.log import RunLog, event_line, largest_K, step_line
 from crackgrow.results.resume import CheckpointWriter, Resumption
 from crackgrow.results.summary import Tally, error_line, peak_memory_mb, summarize
 from crackgrow.run.result import CrackPath, Event, RunEnd, StepResult
@@ -139,7 +139,7 @@ class RunWriter:
         self._write_paths(result.cracks)
         self._log_events(result.events)
         self._K_scale = max(self._K_scale, largest_K(result))
-        self._log.tell(told_line(result, self.case, self._K_scale, logged=True))
+        self._log.tell(step_line(result, self.case, self._K_scale, logged=True))
         for text in news:
             self._log.tell(f"step {result.step}, warning: {text}")
         self._write_summary(RUNNING)

@@ -193,7 +193,7 @@ def increment(configuration: Configuration, start: Start, factor: float) -> Load
     end = LoadLevel(factor)
     with timed("contact"):
         if start.grown:
-            return _formed(_booked(_part(configuration, start, end), start))
+            return _formed(_ended(start, [_booked(_part(configuration, start, end), start)], 0))
         reached, in_turn = list[LoadState](), 0
         for state, jumps in follow(configuration, start, end):
             reached.append(state if state.level == end else state.light())
@@ -223,7 +223,8 @@ def _ended(start: Start, reached: Sequence[LoadState], jumps: int) -> LoadState:
         )
     fallen = max(one.dissipated - other.dissipated for one, other in pairwise(energies))
     if fallen > BALANCED * max(energy.size for energy in energies):
-        notes.append(f"what friction dissipates falls by {fallen:.2g} J/m in a part of the load; {smaller}")
+        where = "as cracks grow; use smaller cells" if start.grown else f"in a part of the load; {smaller}"
+        notes.append(f"what friction dissipates falls by {fallen:.2g} J/m {where}")
     return replace(reached[-1], via=tuple(reached[:-1]), notes=tuple(notes))
 
 
