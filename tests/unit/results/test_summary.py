@@ -17,7 +17,7 @@ from crackgrow import __version__
 from crackgrow.results import tables
 from crackgrow.results.atomic import OutputError, write_atomically, write_text
 from crackgrow.results.gathered import Gathered
-from crackgrow.results.log import told_line
+from crackgrow.results.log import step_line
 from crackgrow.results.summary import K_error, K_spread, Tally, error_line, git_state, summarize
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import StepWarning
@@ -127,7 +127,7 @@ def test_git_state_is_that_of_the_top_of_a_checkout(tmp_path: Path) -> None:
 
 def test_the_log_names_every_tip_that_advanced_in_one_unit() -> None:
     result = with_tips(1, *({"crack": f"c{k}", "K_I": 4e5, "K_II": 0.0} for k in range(5)))
-    log, told = (told_line(result, make_case(), 2e6, logged=logged) for logged in (True, False))
+    log, told = (step_line(result, make_case(), 2e6, logged=logged) for logged in (True, False))
     assert log.count(" end (tension) K_I 0.400 K_II 0.000 MPa sqrt(m), ") == 5
     assert log.endswith(", 408 dofs, 4 contact iterations, 1.56 s")
     assert "c2 end" in told

@@ -9,7 +9,7 @@ import crackgrow
 from crackgrow.case.load import read_case
 from crackgrow.contact.coulomb import STICK
 from crackgrow.errors import FreePieceError
-from crackgrow.results.log import told_line
+from crackgrow.results.log import step_line
 from crackgrow.results.summary import K_error
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import evaluated
@@ -131,8 +131,8 @@ def test_a_kinked_network_that_sticks_is_told_to(friction: float, sticks: bool) 
     step = next(grow(case))
     assert [tip.sticks for tip in step.tips] == [sticks] * 4
     assert np.isnan(K_error(step)) == sticks
-    assert (" sticks, cracks " in told_line(step, case, 0.0)) == sticks
-    assert ("K_I" in told_line(step, case, 0.0)) != sticks
+    assert (" sticks, cracks " in step_line(step, case, 0.0)) == sticks
+    assert ("K_I" in step_line(step, case, 0.0)) != sticks
 
 
 def test_a_crack_that_sticks_after_it_has_slipped_has_its_K() -> None:
