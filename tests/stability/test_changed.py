@@ -178,23 +178,21 @@ def test_pressure_passes_through_a_sliver() -> None:
 
 @pytest.mark.parametrize("seeds", [(1,), pytest.param(range(40), marks=pytest.mark.slow)])
 def test_a_random_scene_that_is_written_otherwise_is_the_same(seeds: Iterable[int]) -> None:
-    """Where contact only just holds a piece a step may be solved and the changed one may not: up to that step."""
-    unsolved, n = list[str](), 0
+    """But where the run tells that there may be another state: a piece is only just held, cohesion is kept."""
+    others, n = list[str](), 0
     for seed in seeds:
         scene = Case.from_dict(growing_scene(seed)).to_dict()
         first, end = outcome(scene)
         for name, change in CHANGES.items():
             steps, other_end = outcome(change.apply(scene))
             found = deviations(scene, first, steps, change)
-            if "failed" in (end, other_end) and end != other_end:
-                unsolved.append(f"seed {seed}, {name}")
-                found.pop("steps", None)
-            else:
-                assert end == other_end, f"seed {seed}, {name}"
-            known = {quantity: off for quantity, off in found.items() if quantity not in LOOSE}
-            assert max(known.values(), default=0.0) < TOLERANCE, f"seed {seed}, {name}: {known}"
+            off = max((value for quantity, value in found.items() if quantity not in LOOSE), default=0.0)
             n += 1
-    assert len(unsolved) <= 0.05 * n, unsolved
+            if end != other_end or off >= TOLERANCE:
+                others.append(f"seed {seed}, {name}: {end}, {other_end}, {found}")
+                warnings = (warning for step in (*first, *steps) for warning in step.warnings)
+                assert "failed" in (end, other_end) or any("cohesion that is kept" in each for each in warnings), others
+    assert len(others) <= 0.05 * n, others
 
 
 CHECKS: tuple[Callable[[Court], None], ...] = (judge_contact, judge_forces, judge_energies, judge_tips)
