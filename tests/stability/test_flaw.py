@@ -117,10 +117,9 @@ def check(solutions: list[StepSolution], expected: float) -> None:
     [(3.0, 0.0, 22.5), (3.0, 0.3, 36.0), pytest.param(1.5, 0.3, 2.0, marks=pytest.mark.slow)],
 )
 def test_crack_at_all_angles(spacing: float, friction: float, step: float) -> None:
-    """K_II follows the closed form wherever the lattice lies, within the spread.
+    """K_II follows the closed form wherever the lattice lies, within the spread; of stuck faces it is nothing.
 
-    Where all sticks it is nothing but for the rules of integration of tip functions on faces and in elements: in 40
-    places at random it is 8e-6 of the largest at most, in the median 2e-9.
+    But for the rules that tip functions have on faces and in elements: 8e-6 of the largest in the worst of 40 places.
     """
     random = np.random.default_rng(11)
     for angle in np.arange(0.0, 180.1, step):
