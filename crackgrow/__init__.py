@@ -10,7 +10,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from crackgrow.api import Solution, run_case, solve
+    from crackgrow.api import Solution, SolvedRun, run_case, solve
     from crackgrow.case import load_case
     from crackgrow.case.model import Case
     from crackgrow.errors import CaseError, CrackgrowError, GeometryError, SolveError
@@ -38,6 +38,7 @@ __all__ = [
     "Run",
     "Solution",
     "SolveError",
+    "SolvedRun",
     "__version__",
     "compare_paths",
     "export",
@@ -56,7 +57,7 @@ __all__ = [
 
 # Loaded on first use: importing crackgrow stays cheap, and the command line can set thread limits before numpy.
 _HOMES = {
-    "api": "Solution run_case solve",
+    "api": "Solution SolvedRun run_case solve",
     "case": "load_case",
     "case.model": "Case",
     "errors": "CaseError CrackgrowError GeometryError SolveError",

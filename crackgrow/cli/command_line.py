@@ -47,7 +47,7 @@ def main(argv: Sequence[str] | None = None) -> int:
         module, function = groups()[group][name].get("calls", f"cli.{group}:do_{name}").split(":")
         found = getattr(import_module(f"crackgrow.{module}"), function)(**given)
         if isinstance(found, str):
-            hand_out(found, end="\n")
+            hand_out(found.removesuffix("\n"), end="\n")
         elif isinstance(found, Path | Iterator):  # of what was written
             for path in [found] if isinstance(found, Path) else found:
                 say(str(path))

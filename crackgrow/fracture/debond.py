@@ -19,6 +19,7 @@ from crackgrow.case.segments import STRAIGHT
 from crackgrow.case.surface import SurfaceName, numbered
 from crackgrow.fracture.advance import CLEARANCE, GrowingCrack
 from crackgrow.geometry.polyline import arc_lengths, kink_angles
+from crackgrow.geometry.tolerance import SAME_PART
 
 TOUCHES = 1e-6
 """Increments: what is so close to the interface lies on it, but for round-off."""
@@ -51,7 +52,8 @@ class Debond:
     def path(self) -> tuple[Floats, Ints]:
         """Its vertices (m, 2) m with the ends to which it came, and the step (m,) whose advance has made each."""
         line, along = shapely.LineString(self.line), arc_lengths(self.line)
-        s = np.union1d(self.at, along[(along > self.at[0]) & (along < self.at[-1])])
+        corners = along[np.abs(along[:, None] - self.at).min(axis=1) > SAME_PART * along[-1]]
+        s = np.union1d(self.at, corners[(corners > self.at[0]) & (corners < self.at[-1])])
         places = shapely.get_coordinates(shapely.line_interpolate_point(line, s))
         after, before = np.searchsorted(self.at, s), np.searchsorted(self.at, s, side="right") - 1
         return places, np.maximum(self.steps[before], self.steps[after])

@@ -107,15 +107,18 @@ class FieldPictures:
         return frame.points + self.warp * frame.off_mean()
 
 
-def on_specimen(low: Floats, high: Floats, size: tuple[int, int] | None = None) -> tuple[Figure, Axes, float]:
+def on_specimen(
+    low: Floats, high: Floats, size: tuple[int, int] | None = None, bar: bool = True
+) -> tuple[Figure, Axes, float]:
     """A figure of a specimen with these corners (2,) m, room for title and colour bar, axes and metres of their unit.
 
-    Without a size, in pixels, it fits the specimen; that is even, as films want it.
+    Without a size, in pixels, it fits the specimen, with a `bar` or not; that is even, as films want it.
     """
     extent = high - low
     length, unit = unit_of(extent.tolist(), LENGTHS)
     margin = MARGIN * extent.max()
-    room = [COLOUR_BAR, 0.16] if has_bar_beside(*(extent + 2.0 * margin)) else [0.12, COLOUR_BAR]
+    beside = has_bar_beside(*(extent + 2.0 * margin))
+    room = [COLOUR_BAR if bar and beside else 0.12, COLOUR_BAR if bar and not beside else 0.16]
     shares = np.maximum(extent / extent.max(), LEAST_SHARE) + room
     fitting = 2 * np.round(shares * LONG_SIDE / shares.max() / 2)
     width, height = size or fitting

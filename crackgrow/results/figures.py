@@ -38,11 +38,11 @@ def draw_paths(path: Path, case: Case, cracks: Sequence[CrackPath]) -> None:
     Raises OutputError.
     """
     case = case_on_map(case)
-    figure, axes, length = on_specimen(*extent(case))
+    last = max((int(crack.steps.max()) for crack in cracks), default=0)
+    figure, axes, length = on_specimen(*extent(case), bar=last > 0)
     for body in case.bodies:
         axes.add_patch(PathPatch(body_path(body, 1.0 / length), facecolor="0.94", edgecolor="0.35", linewidth=1.0))
     draw_steps(axes, [(crack.points, crack.steps) for crack in cracks], 1.0 / length)
-    last = max((int(crack.steps.max()) for crack in cracks), default=0)
     colours = [step_colour(step, last) for step in range(1, last + 1)]
     for crack in cracks:
         x, y = (crack.points[crack.steps > 0] / length).T

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
+from crackgrow.errors import CrackgrowError
 from crackgrow.results.atomic import damaged
 from crackgrow.results.declarations import FILES
 
@@ -49,7 +50,9 @@ class Columns(dict[str, NDArray[Any]]):
                 else:
                     found[name] = np.array(values, dtype=TYPES[kind])
             except ValueError as error:
-                raise damaged(path, f"{name}: {error}") from error
+                if name in kinds:
+                    raise damaged(path, f"{name}: {error}") from error
+                found[name] = np.array(values, dtype=object)  # somebody's own words
         return cls(path, found)
 
     @classmethod
@@ -193,6 +196,10 @@ class Run(Tables):
         """The specimen in a step, with displacement and stress; m, Pa."""
         raise NotImplementedError
 
-    def _repr_html_(self) -> str:
-        last = max(self.solved, default=0)
-        return self._html(f"{self.status}: {self.reason}; tips of step {last}:", self.warnings, last)
+    def _repr_html_(self) -> str | None:
+        """Nothing where files are missing: then notebooks show the words of `repr`."""
+        try:
+            last = max(self.solved, default=0)
+            return self._html(f"{self.status}: {self.reason}; tips of step {last}:", self.warnings, last)
+        except CrackgrowError:
+            return None

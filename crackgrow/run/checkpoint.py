@@ -36,7 +36,7 @@ class RunState:
     n_pieces: int = 0  # of rock at the start; 0: not counted yet
     origin: Origin | None = None  # of the step's solution; None: there is none yet
     factorizations: int | None = None  # of the step, where it was solved before
-    notes: tuple[str, ...] = ()  # on how its solution was found
+    doubts: tuple[str, ...] = ()  # of its solution, on the direction in which cracks have grown
     errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time; in fatigue cycles
     debonds: tuple[Debond, ...] = ()  # the cracked parts of interfaces that have a toughness
@@ -68,7 +68,7 @@ def packed(state: RunState, solution: StepSolution) -> Checkpoint:
         "events": [event_record(event) for event in state.events],
         "n_pieces": state.n_pieces,
         "factorizations": state.factorizations,
-        "notes": list(solution.notes),
+        "notes": list(solution.doubts),
         "guess": origin.guess,
         "cracks": [
             {

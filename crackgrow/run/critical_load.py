@@ -64,7 +64,8 @@ def critically_loaded(configuration: Configuration, guess: float) -> StepSolutio
             return replace(found, notes=(*found.notes, NEVER_CRITICAL))
         (below, above), farther = trials[-2:], STRIDE * trials[-1].factor
         if (rise := above.criticality - below.criticality) > 0.0:
-            farther = above.factor + (1.0 - above.criticality) / rise * (above.factor - below.factor)
+            met = above.factor + (1.0 - above.criticality) / rise * (above.factor - below.factor)
+            farther = met if met < LARGEST_FACTOR else farther  # the rise may be round-off, and a long way is coarse
         trials = [*trials[-2:], *search.towards(above, min(farther, LARGEST_FACTOR))]
     (below, above), tries = trials[-2:], 0
     while not above.meets and above.factor - below.factor > SAME * above.factor:
@@ -163,7 +164,7 @@ class _Search:
         from scipy.optimize import brentq  # here: loading it takes a tenth of a second that other loads save
 
         some = above.criticalities >= 1.0
-        met = partial(self._missing, below, above, some)
+        met = partial(self._beyond, below, above, some)
         return float(brentq(met, 0.0, 1.0, xtol=1e-16, rtol=1e-14))
 
     def _evaluated(self, state: LoadState, below: _Trial | None = None) -> _Trial:
@@ -177,8 +178,8 @@ class _Search:
         came = (*earlier, *state.via, state)
         return _Trial(state.factor, [site.loading for site in sites], criticalities, solution, came)
 
-    def _missing(self, below: _Trial, above: _Trial, some: Bools, share: float) -> float:
-        """What the criticality is below 1, negative, at a share of the way between trials if all is linear there.
+    def _beyond(self, below: _Trial, above: _Trial, some: Bools, share: float) -> float:
+        """The criticality less 1 at a share of the way between trials, if all is linear there.
 
         The largest of `some` sites (n,) counts, where no others can meet the criterion. It is that of all branches:
         where tension is met as well, shear may have been at a lower load. Of tips of interfaces it is linear itself, as

@@ -25,7 +25,6 @@ from crackgrow.fracture.debond import Debond, ends_of
 from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import SAME_PLACE
 from crackgrow.run.configuration import assemble
-from crackgrow.run.critical_load import NEVER_CRITICAL
 from crackgrow.run.evaluation import StepSolution, evaluated
 from crackgrow.run.growth import site_criticality
 from crackgrow.run.increments import held_loads, increment
@@ -62,6 +61,11 @@ class Way:
     cracks: tuple[GrowingCrack, ...] = ()
     criticality: float = 0.0  # sqrt(G / G_c) at its tips, at the load of the step
 
+    def leaves_room_for(self, other: Way) -> bool:
+        """Whether no debonds of both overlap."""
+        pairs = ((a.line is b.line, a.at, b.at) for a, b in product(self.debonds, other.debonds))
+        return not any(same and a[0] <= b[-1] and b[0] <= a[-1] for same, a, b in pairs)
+
     def and_also(self, other: Way, solution: StepSolution) -> Way:
         """Both ways at once; each new crack has a name of its own."""
         cracks = list(self.cracks)
@@ -90,9 +94,7 @@ def way_on(solution: StepSolution, step: int) -> tuple[StepSolution, Way, list[E
         most, crack = max(along, across, key=lambda way: way.criticality), solution.cracks[ending.crack]
         kind: EventKind = "stop"
         first = not (way.debonds or way.cracks) and most.criticality >= (1.0 - TIE) * best
-        also = growth.advance == "all" and most.criticality >= (1.0 - TIE) * load
-        for one, other in product(way.debonds, most.debonds):  # no two overlap
-            also &= one.line is not other.line or one.at[0] > other.at[-1] or other.at[0] > one.at[-1]
+        also = growth.advance == "all" and most.criticality >= (1.0 - TIE) * load and way.leaves_room_for(most)
         if goes_on and (first or also):
             way, kind = way.and_also(most, solution), "crossing" if most.cracks else "deflection"
         elif crack.steps[-1 if ending.at_end else 0] != step - 1:
@@ -111,8 +113,7 @@ def _at_factor(solution: StepSolution, factor: float) -> StepSolution:
     if errors is not None:
         K, T = (tuple(share * value for value in values) for values in (errors.K, errors.T))
         errors = replace(errors, K=K, T=T, largest=share * errors.largest)
-    notes = dict.fromkeys((*found.notes, *(note for note in solution.notes if note != NEVER_CRITICAL)))
-    return replace(found, notes=tuple(notes), origin=solution.origin, errors=errors)
+    return replace(found, doubts=solution.doubts, origin=solution.origin, errors=errors)
 
 
 def endings(solution: StepSolution) -> Iterator[Ending]:

@@ -155,7 +155,7 @@ def _fanned(elements: Elements, cells: _Cells, chosen: Ints) -> _Cells:
 
 
 def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
-    """Halve sides that are too long until none is, and before one of a triangle its longest one.
+    """Halve sides that are too long until none is; where one of a triangle is, its longest one is halved, too.
 
     So triangles stay about as slender as they are (Rivara 1984).
     """
@@ -168,30 +168,39 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
         halved = _too_long(cells.vertices[ends], tips)
         if not halved.any():
             return cells
-        rank = np.argsort(np.argsort(_lengths(cells.vertices[ends]), kind="stable"))  # of equal ones one is longer
-        turn = np.argmax(rank[side], axis=1)
-        longest = side[np.arange(len(side)), turn]
-        while (more := halved[side].any(axis=1) & ~halved[longest]).any():
-            halved[longest[more]] = True
+        longest = np.argmax(_lengths(cells.vertices[ends])[side], axis=1)
+        of_triangle = side[np.arange(len(side)), longest]
+        while (more := halved[side].any(axis=1) & ~halved[of_triangle]).any():
+            halved[of_triangle[more]] = True
         touched = np.isin(cells.keys(_sides_of(cells.quads)), keys[halved]).any(axis=1)
         if touched.any():
             cells = _fanned(elements, cells, cells.whole[touched])
-        else:  # those first that are the longest of all of their triangles
-            halved &= np.bincount(longest, minlength=len(ends)) == np.bincount(side.ravel(), minlength=len(ends))
+        else:
             middle = np.full(len(ends), -1)
             middle[halved] = len(cells.vertices) + np.arange(int(halved.sum()))
-            cells = _halved(cells, ends[halved], middle[longest], turn)
+            cells = _halved(cells, ends[halved], middle[side], longest)
 
 
-def _halved(cells: _Cells, ends: Ints, middle: Ints, turn: Ints) -> _Cells:
-    """Sides between `ends` (s, 2) get vertices in their middles, the next ones, and their triangles are halved.
+def _halved(cells: _Cells, ends: Ints, middle: Ints, longest: Ints) -> _Cells:
+    """Sides between `ends` (s, 2) get vertices in their middles, the next ones.
 
-    middle: (t,) vertex in the middle of the longest side of each triangle, -1 for none
-    turn: (t,) number of that side
+    middle: (t, 3) vertex in the middle of each side of the triangles, -1 for none
+    longest: (t,) the side of each triangle that is halved first
     """
-    cut = middle >= 0
-    turned = np.take_along_axis(cells.triangles, (turn[:, None] + np.arange(3)) % 3, axis=1)
-    (a, b, c), m = turned[cut].T, middle[cut]
+    turn = (longest[:, None] + np.arange(3)) % 3
+    cut = np.take_along_axis(middle, turn, axis=1)
+    whole = cut[:, 0] < 0
+    a, b, c = np.take_along_axis(cells.triangles, turn, axis=1)[~whole].T
+    m, p, q = cut[~whole].T
+    first, second = np.concatenate([c, b]), np.concatenate([a, c])  # ends of the other two sides
+    apex, on_side, owner = np.tile(m, 2), np.concatenate([q, p]), np.tile(cells.owners[~whole], 2)
+    again = on_side >= 0
+    parts = [
+        cells.triangles[whole],
+        np.stack([first, second, apex], axis=1)[~again],
+        np.stack([first, on_side, apex], axis=1)[again],
+        np.stack([on_side, second, apex], axis=1)[again],
+    ]
     keys, closed = cells.keys(ends), cells.closed
     there = np.isin(cells.keys(closed), keys)
     between = len(cells.vertices) + np.searchsorted(keys, cells.keys(closed[there]))
@@ -199,8 +208,8 @@ def _halved(cells: _Cells, ends: Ints, middle: Ints, turn: Ints) -> _Cells:
     return replace(
         cells,
         vertices=np.concatenate([cells.vertices, 0.5 * (cells.vertices[ends[:, 0]] + cells.vertices[ends[:, 1]])]),
-        triangles=np.concatenate([cells.triangles[~cut], np.stack([c, a, m], axis=1), np.stack([b, c, m], axis=1)]),
-        owners=np.concatenate([cells.owners[~cut], np.tile(cells.owners[cut], 2)]),
+        triangles=np.concatenate(parts),
+        owners=np.concatenate([cells.owners[whole], owner[~again], owner[again], owner[again]]),
         closed=np.concatenate([closed[~there], *halves]),
     )
 

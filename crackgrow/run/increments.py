@@ -138,8 +138,8 @@ def mapped(state: LoadState, configuration: Configuration) -> Start:
     """The state of another configuration, before the cracks grew or rock was taken out, as the start on this one.
 
     Contact points remember the slip of the faces that were there before, averaged as they average their own; tractions
-    are interpolated. New faces know nothing. What points remember that are where they were stays the same to the bit:
-    by the round-off of slip that is read off displacements bonds would break where all loads go.
+    are interpolated. New faces know nothing. Surfaces all of whose points are where they were remember the same to the
+    bit: by the round-off of slip that is read off displacements bonds would break where all loads go.
     """
     old, faces, outcome, points = state.configuration, configuration.faces, state.outcome, state.outcome.points
     n = faces.n

@@ -105,7 +105,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
     known, before = None, None
     if begun.origin is not None:  # it was solved before: the search for its direction of growth is not repeated
         known = NextStepSolver(begun.cracks, None).solve(scene, begun.origin)
-        known = replace(known, notes=begun.notes, errors=begun.errors)
+        known = replace(known, doubts=begun.doubts, errors=begun.errors)
     while True:
         if before is not None:
             before.configuration.contact.system.release()  # memory holds the factors of one step

@@ -230,7 +230,7 @@ def _without_shear(
     assert found.solution is not None
     if least > 1.0:
         doubts.append(f"the direction of growth left K_II at {left:.2g} of K at a new tip")
-    return replace(found, solution=replace(found.solution, notes=(*found.solution.notes, *doubts)))
+    return replace(found, solution=replace(found.solution, doubts=tuple(doubts)))
 
 
 def _shear(advance: AfterAdvance, solution: StepSolution, turns: Mapping[End, bool]) -> tuple[Floats, Floats]:

@@ -53,7 +53,7 @@ def step_warnings(
     What holds for all steps is said at the first.
     """
     found = [
-        *(warning("NOTE", words=note) for note in (*solution.outcome.notes, *solution.notes)),
+        *(warning("NOTE", words=note) for note in (*solution.outcome.notes, *solution.notes, *solution.doubts)),
         *_missed(solution),
         *(scene_warnings(solution.scene, solution.cover) if step == 0 else ()),
         *_passing_through(solution, faces),

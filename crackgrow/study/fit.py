@@ -126,7 +126,8 @@ def _case_in_middle(file: FitFile) -> Case:
 
 def _check_measured(file: FitFile, case: Case) -> None:
     """Refuse a crack that the case lacks and columns that none of its tables has together; raises CaseError."""
-    measured, cracks = file.measured, [crack.name for crack in case.cracks]
+    measured, parted = file.measured, ("/".join(one.bodies) for one in case.interfaces if one.toughness is not None)
+    cracks = [*(crack.name for crack in case.cracks), *parted]
     if measured.crack is not None:
         starts = case.growth is not None and case.growth.initiation.at != "tips"
         if measured.crack not in cracks and not starts:  # a run gives those that start their names

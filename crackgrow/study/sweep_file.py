@@ -192,9 +192,10 @@ class SweepFile:
     seed: int = 0
 
     def case_file(self, values: AnyMapping[str, str]) -> CaseFile:
-        """The case with what all runs have and these values of keys."""
+        """The case with what all runs have, and then these values of keys: a value may set what others lie in."""
         kept = (f"output.{key}={str(value).lower()}" for key, value in FORMAT.written(self.output).items())
-        return CaseFile(self.base, (*kept, *(f"{key}={text}" for key, text in {**self.settings, **values}.items())))
+        given = (*self.settings.items(), *values.items())
+        return CaseFile(self.base, (*kept, *(f"{key}={text}" for key, text in given)))
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,6 +13,7 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.case.model import Fatigue, Stages
+from crackgrow.results.atomic import FolderError
 from crackgrow.results.run import Run
 from crackgrow.results.tables import COMPONENTS
 from crackgrow.results.units import ENERGIES, FORCES, INTENSITIES, LENGTHS, STRESSES, TIMES, Unit, rounded_all, unit_of
@@ -193,7 +194,10 @@ def _history_charts(run: Run) -> Iterator[Chart]:
     """What the case's points see, increment by increment: those of a step at fractions of it."""
     if not run.case.output.points or not run.solved:
         return
-    table = run.table("history")
+    try:
+        table = run.table("history")
+    except FolderError:  # somebody has taken it away
+        return
     if table.n_rows < 2:
         return
     steps, increment = table["step"], table["increment"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
@@ -134,6 +135,8 @@ def test_it_goes_along_the_line_and_keeps_from_corners(increment: float, tip: fl
     assert reached == met
     np.testing.assert_allclose(back.points, grown.points[::-1], atol=1e-12)
     assert (grown.n_advances(True), grown.n_advances(False), back.n_advances(False)) == (1, 0, 1)
+    ends, steps = replace(grown, at=grown.at + 1e-15).path  # on corners but for round-off
+    assert (np.diff(arc_lengths(ends)).min() > 1e-9, steps[0], steps[-1]) == (True, 0, 3)
 
 
 def test_it_ends_on_a_crack_that_touches_the_interface() -> None:

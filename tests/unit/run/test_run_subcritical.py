@@ -148,21 +148,21 @@ def test_two_tips_are_corrected_together(slope: float, start: StepSolution) -> N
     assert kinks_of(found) == pytest.approx([60.0, 60.0], abs=0.3)
     assert n_solves <= 5
     assert found.solution is not None
-    assert found.solution.notes == ()
+    assert found.solution.doubts == ()
 
 
 def test_where_K_II_does_not_vanish_the_best_direction_is_kept_and_told(start: StepSolution) -> None:
     found, n_solves = advance(start, lambda kink: 0.1 + 1e-4 * abs(kink), np.array([1]))
     assert n_solves == MOST_SOLVES
     assert found.solution is not None
-    assert "left K_II at 0.1" in found.solution.notes[0]
+    assert "left K_II at 0.1" in found.solution.doubts[0]
 
 
 def test_a_trial_that_cannot_be_solved_ends_the_search(start: StepSolution) -> None:
     found, n_solves = advance(start, lambda kink: 0.01 * (kink - 60.0), np.array([1]), fails_at=1)
     assert n_solves == 2
     assert found.solution is not None
-    assert "search for the direction of growth ended at trial 2" in found.solution.notes[0]
+    assert "search for the direction of growth ended at trial 2" in found.solution.doubts[0]
     first, _ = advance(start, lambda kink: 0.0, np.array([1]), fails_at=0)
     assert first.solution is None  # the loop solves it again and says why that fails
 

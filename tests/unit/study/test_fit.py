@@ -205,6 +205,10 @@ def test_each_run_is_held_against_the_same_one_with_finer_values(tmp_path: Path)
     assert [run.reference for run in plan.runs] == [6, None, 7, 6, None, 7, None, None]
     assert [run.case.numerics.spacing for run in plan.runs if run.case] == [4e-3, 4e-3, 3e-3, 3e-3, 2e-3, 2e-3]
     assert plan.asked == plan.runs[:6]
+    growth = "{steps: 2, increment: 2, criterion: max_hoop_stress, tip_stress: {radius: 2}}"
+    text = f"set: {{growth.increment: 1}}\nparameters: {{growth: [{growth}]}}\nreference: {{growth.increment: 0.5}}"
+    plan = plan_sweep(written(tmp_path, text), tmp_path)  # what holds the key comes before it
+    assert [run.case.growth.increment for run in plan.runs] == [2e-3, 5e-4]
 
 
 @pytest.mark.parametrize(("names", "folders"), [
