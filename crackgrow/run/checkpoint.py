@@ -36,7 +36,7 @@ class RunState:
     n_pieces: int = 0  # of rock at the start; 0: not counted yet
     origin: Origin | None = None  # of the step's solution; None: there is none yet
     factorizations: int | None = None  # of the step, where it was solved before
-    doubts: tuple[str, ...] = ()  # of its solution, on the direction in which cracks have grown
+    doubts: tuple[str, ...] = ()  # on the advance that led to it
     errors: Errors | None = None  # with the grading of the cells that it was solved on
     time: float = 0.0  # s, at which the cracks have come here, where growth takes time; in fatigue cycles
     debonds: tuple[Debond, ...] = ()  # the cracked parts of interfaces that have a toughness

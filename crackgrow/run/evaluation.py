@@ -90,7 +90,7 @@ class StepSolution(LoadState):
     origin: Origin = FROM_REST
     passed: tuple[LoadState, ...] = ()  # states of the loads before it, in turn, where the case asks for its history
     errors: Errors | None = None  # None: cells are by hand, and nothing was measured
-    doubts: tuple[str, ...] = ()  # on the direction in which its cracks have grown
+    doubts: tuple[str, ...] = ()  # on the advance that led to it: its direction, the time that it took
 
     @property
     def jumps(self) -> list[float]:

@@ -119,8 +119,8 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
             solver = NextStepSolver(solution.cracks, before)
             solution = solved_to_target(solution, solver)
         scene = scene.with_grading(next_grading(solution))
-        time, cracks, notes = time_of(advances, solution, state.cracks)
-        solution = replace(solution, notes=(*solution.notes, *notes))
+        time, cracks, doubts = time_of(advances, solution, state.cracks)
+        solution = replace(solution, doubts=(*solution.doubts, *doubts))
         n_pieces = state.n_pieces or len(all_pieces(solution.cover))
         state = replace(state, cracks=cracks, n_pieces=n_pieces, time=state.time + time)
         grows_on = state.step < growth.steps

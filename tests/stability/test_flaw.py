@@ -117,7 +117,7 @@ def check(solutions: list[StepSolution], expected: float) -> None:
     [(3.0, 0.0, 22.5), (3.0, 0.3, 36.0), pytest.param(1.5, 0.3, 2.0, marks=pytest.mark.slow)],
 )
 def test_crack_at_all_angles(spacing: float, friction: float, step: float) -> None:
-    """K_II follows the closed form wherever the lattice lies; of stuck faces rules of integration leave 8e-6 at most."""
+    """K_II follows the closed form wherever the lattice lies; where faces stick integration leaves 8e-6 at most."""
     random = np.random.default_rng(11)
     for angle in np.arange(0.0, 180.1, step):
         settings = (f"cracks.flaw.contact.friction={friction}", f"cracks.flaw.path.angle={angle}")
