@@ -144,6 +144,8 @@ def _of_half(
     c, s = np.tile(np.cos(t), len(r)), np.tile(np.sin(t), len(r))
     places = tip.point + np.repeat(r, len(t))[:, None] * np.stack([c, s], axis=1) @ tip.rotation
     elements = locate(cover.lattice, cover.elements, places, tip.bodies[half])
+    if (elements < 0).any():  # the interface bends at the tip, by less than what counts as a corner
+        return np.full(len(radii), np.nan)
     gradient = _turned(basis_at(cover, places, elements).fields(u)[1:], tip)
     strain = np.stack([gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]], axis=1)
     x_, y_ = tip.rotation
