@@ -96,13 +96,13 @@ def _edge(run: WrittenRun, on: dict[str, Any]) -> tuple[float, np.ndarray]:
 
 def judge_energies(court: Court) -> None:
     """Work is stored, dissipated or released; friction and growth never give energy back."""
-    run, before = court.run, 0.0
+    run, before, size = court.run, 0.0, 0.0
     goes_on = run.growth is None or not run.growth["unload_between_steps"]
     for _, row in run.tables["steps"].iterrows():
         work, strain, lost, released = (
             float(row[name]) for name in ("work", "strain_energy", "dissipation", "released_energy")
         )
-        step, size = int(row["step"]), max(abs(work), float(strain), abs(lost))
+        step, size = int(row["step"]), max(size, abs(work), float(strain), abs(lost))  # round-off is of all before
         if size == 0.0:
             continue
         court.check("strain energy below zero", -strain / size, ENERGIES, step)
