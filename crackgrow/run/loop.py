@@ -140,8 +140,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         at = BeforeAdvance(solution.scene, cracks, state.step + 1, advances.lengths)
         advance = advance_tips(at, solution, advances.sites, partial(load, scene, before=solution))
         events = (*told, *met, *advance.events)
-        here = scene.debonds
-        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time, debonds=here)
+        state = RunState(state.step + 1, advance.cracks, events, state.n_pieces, time=state.time, debonds=debonds)
         scene, known, before = scene.with_cracks(advance.cracks), advance.solution, solution
 
 
