@@ -56,8 +56,9 @@ def step_result(state: RunState, solution: StepSolution, advances: Advances, wit
     percent = {goal: 100.0 * BOUND * share for goal, share in errors.shares.items()}
     name, moved = np.array(contact.crack), np.hypot(contact.mean_opening, contact.mean_slip)
     strain = pressed_strain(solution, faces)
+    # faces have not moved that have by less than a faint part of what the stress could make them slip
     least = {path.name: STILL * strain * arc_lengths(path.points)[-1] for path in paths if path.name in contact.crack}
-    still = {crack for crack, slip in least.items() if moved[name == crack].max() <= slip}  # by what stress could do
+    still = {crack for crack, slip in least.items() if moved[name == crack].max() <= slip}
     means = specimen_means(solution)
     critical = isinstance(scene.case.loading, CriticalLoad)
     estimate = cache(estimate_maker(solution))

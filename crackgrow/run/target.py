@@ -116,33 +116,35 @@ def _changes(state: LoadState) -> Iterator[tuple[int, float, float]]:
 
 def quantities(solution: StepSolution, own_factor: float) -> Quantities:
     """What a solution says of all that errors are stated of."""
-    state, tips = solution, solution.tips
+    tips = solution.tips
     intensities = [tip.intensity for tip in tips]
-    of_volumes = -state.outcome.multipliers[state.configuration.held.load >= 0]  # pressure times the length wetted
-    forces = np.array([*(reaction.force for reaction in reactions(state)), *((f, 0.0) for f in of_volumes)])
+    of_volumes = -solution.outcome.multipliers[
+        solution.configuration.held.load >= 0
+    ]  # pressure times the length wetted
+    forces = np.array([*(reaction.force for reaction in reactions(solution)), *((f, 0.0) for f in of_volumes)])
     forces = forces.reshape(-1, 2)
-    loads = state.configuration.loads(state.level)
-    moves = [not _sticks(state, tip.crack) for tip in state.cover.tips]
+    loads = solution.configuration.loads(solution.level)
+    moves = [not _sticks(solution, tip.crack) for tip in solution.cover.tips]
     length = max((float(arc_lengths(line)[-1]) for line in _lines(solution)), default=0.0)
-    longest = max((float(np.ptp(surface.edges.s)) for surface in state.cover.surfaces), default=0.0)
-    stress = _stress(state)
-    strain = stress / min(material.young_prime for material in state.scene.materials)
+    longest = max((float(np.ptp(surface.edges.s)) for surface in solution.cover.surfaces), default=0.0)
+    stress = _stress(solution)
+    strain = stress / min(material.young_prime for material in solution.scene.materials)
     return Quantities(
-        ends=tuple(state.cover.tip_ends),
+        ends=tuple(solution.cover.tip_ends),
         K=np.array([tip.K if moved else (math.nan,) * 2 for tip, moved in zip(tips, moves, strict=True)]).reshape(
             -1, 2
         ),
-        spread=np.array([_spread(state, *each) for each in zip(state.cover.tips, intensities, strict=True)]),
+        spread=np.array([_spread(solution, *each) for each in zip(solution.cover.tips, intensities, strict=True)]),
         T=np.array([known.T for known in intensities]),
         T_spread=np.array([known.T_spread for known in intensities]),
-        unresolved=np.array([_unresolved(state, *each) for each in zip(state.cover.tips, tips, strict=True)]),
+        unresolved=np.array([_unresolved(solution, *each) for each in zip(solution.cover.tips, tips, strict=True)]),
         kinks=np.array([math.nan if tip.verdict is None else tip.verdict.kink for tip in tips]),
         load_factor=own_factor,
-        jumps=_jumps(state),
+        jumps=_jumps(solution),
         forces=forces,
         small={
             "K": FAINT * stress * math.sqrt(math.pi * 0.5 * length),
-            "slip": FAINT * strain * longest * state.cover.lattice.spacing,
+            "slip": FAINT * strain * longest * solution.cover.lattice.spacing,
             "reaction": FAINT * float(np.abs(loads).sum() + np.abs(forces).sum()),
         },
     )
