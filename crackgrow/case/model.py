@@ -11,7 +11,6 @@ from itertools import pairwise
 from typing import Any, Final, Literal
 
 import numpy as np
-import yaml
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import STANDARD, target_of
@@ -583,10 +582,9 @@ class Case:
 
     def to_dict(self) -> dict[str, Any]:
         """The case as a mapping in the case format, as `case.yaml` of a run: SI, every default filled in."""
-        from crackgrow.case.dump import dump_case  # it stands on the classes of this module
+        from crackgrow.case.dump import mapping_of  # it stands on the classes of this module
 
-        found: dict[str, Any] = yaml.safe_load(dump_case(self))
-        return found
+        return mapping_of(self)
 
     def with_(self, *settings: str) -> Case:
         """The case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI."""
