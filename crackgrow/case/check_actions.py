@@ -16,6 +16,7 @@ from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
 from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.touching import sides_on
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
@@ -118,12 +119,7 @@ def check_foundations(scene: Scene) -> Faults:
         if region is None:
             continue
         for pair, lines in scene.shared.items():
-            if region.body not in pair:
-                continue
-            sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
-            near = shapely.multilinestrings([shapely.linestrings(line) for line in lines]).buffer(2 * scene.tolerance)
-            # a line that only touches the shared one runs inside of the buffer for a few tolerances
-            if np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance):
+            if region.body in pair and np.isin(region.sides, sides_on(scene.bodies[region.body], lines)).any():
                 other = pair[1 - pair.index(region.body)]
                 yield key, f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
         for earlier, its_region in seen:

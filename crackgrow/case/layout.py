@@ -219,7 +219,7 @@ def _place(scene: Scene, shapes: list[BodyShape]) -> None:
         if place is not None:
             message = f"overlaps body '{first.name}', such as at {scene.units.place(place)}"
             scene.report.fault(("bodies", second.name, "shape"), message)
-        elif lines := shared_lines(first, second, scene.tolerance):
+        elif lines := shared_lines(first, second):
             scene.shared[first.name, second.name] = lines
 
 

@@ -164,7 +164,7 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
 def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
     """An interface; of one that is cracked, or may be, this part, then what is bonded."""
     first, second = (scene.bodies[name] for name in interface["between"])
-    lines = shared_lines(first, second, scene.tolerance)
+    lines = shared_lines(first, second)
     if "cracked" not in interface and "toughness" not in interface:
         yield FORMAT.made(model.Interface, interface, lines=lines)
         return
