@@ -224,15 +224,8 @@ class _Schemas:
         """A bare number, whose unit is another key's business, or a text of a number and a unit."""
         bare = Units("units.length", "units.stress").of(kind) + ", in m" * (kind == "toughness")
         title = f"{kind} ({listed(UNITS[kind])}; a bare number is in {bare})"
-        pattern = rf"[\d.]\s*({_alternatives(tuple(UNITS[kind]))})\s*$"
+        parts = ("stress", "length") if kind == "stiffness" else (kind,)  # each unit of the one over each of the other
+        units = "/".join(f"({'|'.join(map(re.escape, UNITS[part]))})" for part in parts)
+        pattern = rf"[\d.]\s*{units}\s*$"
         wrong = self.shared("no quantity", _no_quantity)
         return {"title": title, "type": ["number", "string"], "pattern": pattern, "not": wrong}
-
-
-def _alternatives(units: tuple[str, ...]) -> str:
-    """A pattern of units; those of a quotient, each with each, are not listed one by one."""
-    pairs = [unit.partition("/") for unit in units]
-    above, below = (list(dict.fromkeys(pair[side] for pair in pairs)) for side in (0, 2))
-    if len(above) * len(below) == len(units) > len(above) + len(below):
-        return f"({_alternatives(tuple(above))})/({_alternatives(tuple(below))})"
-    return "|".join(re.sub(r"([\^()])", r"\\\1", unit) for unit in units)
