@@ -169,16 +169,12 @@ def _values(value: float | CoordinateFormula, places: Floats) -> Floats:
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
     """Places (n, 2) m along the parts of sides that two regions have in common."""
-    if first.body != second.body:
-        return NOWHERE
-    sides, found = scene.bodies[first.body].sides, []
-    for side, limits in zip(first.sides.tolist(), first.limits, strict=True):
-        for its_side, its_limits in zip(second.sides.tolist(), second.limits, strict=True):
-            low, high = max(limits[0], its_limits[0]), min(limits[1], its_limits[1])
-            if side == its_side and high - low > SAME_PLACE:
-                start, end = sides[side]
-                found.append([start + share * (end - start) for share in (low, high)])
-    return sampled(np.array(found).reshape(-1, 2, 2))
+    mine, its = np.nonzero((first.sides[:, None] == second.sides) & (first.body == second.body))
+    low = np.maximum(first.limits[mine, 0], second.limits[its, 0])
+    high = np.minimum(first.limits[mine, 1], second.limits[its, 1])
+    kept = high - low > SAME_PLACE
+    region = EdgeRegion(first.body, first.edge, first.sides[mine[kept]], np.stack([low, high], axis=1)[kept])
+    return sampled(ends_of(scene.bodies[first.body], region))
 
 
 def check_loads(scene: Scene) -> Faults:
