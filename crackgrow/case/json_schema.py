@@ -42,11 +42,9 @@ SIGNS: Final = {">": ("positive", lambda: _POSITIVE), ">=": ("not negative", lam
 
 def _no_number(smallest: float) -> Schema:
     """Numbers that are not physical, neither 0 nor at least so large; .nan, too, which no bound refuses."""
-    below, above = (
-        {"exclusiveMinimum": -smallest, "exclusiveMaximum": 0},
-        {"exclusiveMinimum": 0, "exclusiveMaximum": smallest},
-    )
-    return {"type": "number", "anyOf": [{"exclusiveMaximum": -LARGEST}, below, above, {"exclusiveMinimum": LARGEST}]}
+    wrong = [{"exclusiveMaximum": -LARGEST}, {"exclusiveMinimum": LARGEST}]
+    wrong += [{"exclusiveMinimum": low, "exclusiveMaximum": low + smallest} for low in (-smallest, 0)]
+    return {"type": "number", "anyOf": wrong}
 
 
 def _no_quantity() -> Schema:
@@ -65,21 +63,16 @@ def case_schema() -> str:
     return _text(head | body | {"anyOf": [own, based]}) + "\n"
 
 
-def _text(value: Any, depth: int = 0) -> str:
-    """The text of a schema: keys and definitions each begin a line."""
+def _text(value: Any, depth: int = 1, lines: bool = False) -> str:
+    """The text of a schema, or of what keys and definitions hold, which each begin a line."""
     if isinstance(value, list):
         return f"[{','.join(_text(item, depth) for item in value)}]"
     if not isinstance(value, dict):
         return json.dumps(value, ensure_ascii=False)
-    parts = []
-    for key, its in value.items():
-        if key in ("properties", "$defs") and isinstance(its, dict):
-            line = "\n" + " " * (depth + 1)
-            inner = ("," + line).join(f"{json.dumps(name)}:{_text(one, depth + 1)}" for name, one in its.items())
-            parts.append(f'"{key}":{{{line}{inner}}}')
-        else:
-            parts.append(f"{json.dumps(key)}:{_text(its, depth)}")
-    return "{" + ",".join(parts) + "}"
+    before = "\n" + " " * depth if lines else ""
+    listed = {key: key in ("properties", "$defs") and not lines for key in value}
+    parts = (f"{before}{json.dumps(key)}:{_text(its, depth + lines, listed[key])}" for key, its in value.items())
+    return f"{{{','.join(parts)}}}"
 
 
 def schema_of(spec: Any) -> Schema:
