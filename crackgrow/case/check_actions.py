@@ -16,6 +16,7 @@ from crackgrow.case.model import EdgeRegion
 from crackgrow.case.regions import SAME_PLACE, ends_of
 from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.touching import sides_on
 
 SAMPLES = np.linspace(0.0, 1.0, 65)  # places along a side at which a formula must have a value
 ENDS = SAMPLES[[0, -1]]  # of a side, which hold as much as all of it
@@ -118,12 +119,7 @@ def check_foundations(scene: Scene) -> Faults:
         if region is None:
             continue
         for pair, lines in scene.shared.items():
-            if region.body not in pair:
-                continue
-            sides = shapely.linestrings(ends_of(scene.bodies[region.body], region))
-            near = shapely.multilinestrings([shapely.linestrings(line) for line in lines]).buffer(2 * scene.tolerance)
-            # a line that only touches the shared one runs inside of the buffer for a few tolerances
-            if np.any(shapely.length(shapely.intersection(sides, near)) > 100 * scene.tolerance):
+            if region.body in pair and np.isin(region.sides, sides_on(scene.bodies[region.body], lines)).any():
                 other = pair[1 - pair.index(region.body)]
                 yield key, f"a rigid foundation cannot lie where body '{region.body}' touches body '{other}'"
         for earlier, its_region in seen:
@@ -173,16 +169,12 @@ def _values(value: float | CoordinateFormula, places: Floats) -> Floats:
 
 def _shared(scene: Scene, first: EdgeRegion, second: EdgeRegion) -> Floats:
     """Places (n, 2) m along the parts of sides that two regions have in common."""
-    if first.body != second.body:
-        return NOWHERE
-    sides, found = scene.bodies[first.body].sides, []
-    for side, limits in zip(first.sides.tolist(), first.limits, strict=True):
-        for its_side, its_limits in zip(second.sides.tolist(), second.limits, strict=True):
-            low, high = max(limits[0], its_limits[0]), min(limits[1], its_limits[1])
-            if side == its_side and high - low > SAME_PLACE:
-                start, end = sides[side]
-                found.append([start + share * (end - start) for share in (low, high)])
-    return sampled(np.array(found).reshape(-1, 2, 2))
+    mine, its = np.nonzero((first.sides[:, None] == second.sides) & (first.body == second.body))
+    low = np.maximum(first.limits[mine, 0], second.limits[its, 0])
+    high = np.minimum(first.limits[mine, 1], second.limits[its, 1])
+    kept = high - low > SAME_PLACE
+    region = EdgeRegion(first.body, first.edge, first.sides[mine[kept]], np.stack([low, high], axis=1)[kept])
+    return sampled(ends_of(scene.bodies[first.body], region))
 
 
 def check_loads(scene: Scene) -> Faults:

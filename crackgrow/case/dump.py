@@ -21,6 +21,13 @@ from crackgrow.errors import CaseError, Fault
 T = TypeVar("T")
 
 
+class _Loader(yaml.SafeLoader):
+    """Keeps all digits of coordinates on a map."""
+
+
+_Loader.add_constructor("tag:yaml.org,2002:float", lambda _, node: Coordinate.of_text(str(node.value)))
+
+
 class _Dumper(yaml.SafeDumper):
     """Writes equal lists out instead of naming them once and pointing to them."""
 
@@ -38,6 +45,12 @@ def dump_case(case: Case) -> str:
     one than was read: it cannot be written.
     """
     return yaml_text(written(_read_back(case)))
+
+
+def mapping_of(case: Case) -> dict[str, Any]:
+    """The same as a mapping, of which `case_from` makes the same case."""
+    found: dict[str, Any] = yaml.load(dump_case(case), _Loader)  # a SafeLoader
+    return found
 
 
 def _read_back(case: Case) -> Case:

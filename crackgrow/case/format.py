@@ -48,12 +48,12 @@ class Format:
     declared: AnyMapping[str, Any]
     kinds: AnyMapping[str, Spec]
     wrapped: AnyMapping[str, Callable[[Any], Spec]]
-    _parts: dict[str, Spec] = field(default_factory=dict)  # those that were asked for
+    _specs: dict[str, Spec] = field(default_factory=dict)  # those that were asked for, by what the text says
     _keys: dict[Any, dict[str, Field]] = field(default_factory=dict)  # the same, of classes
 
     def part(self, name: str) -> Any:
         """The spec of a part, one for all keys that take it."""
-        if name not in self._parts:
+        if name not in self._specs:
             said = self.declared[name]
             if isinstance(said, list):
                 forms = (self.part(form) if isinstance(form, str) else self._mapping(form, "") for form in said)
@@ -61,8 +61,8 @@ class Format:
             else:
                 is_mapping = isinstance(said, dict) and isinstance(next(iter(said.values())), list)
                 spec = self._mapping(said, name) if is_mapping else self.spec(said)
-            self._parts[name] = self.wrapped[name](spec) if name in self.wrapped else spec
-        return self._parts[name]
+            self._specs[name] = self.wrapped[name](spec) if name in self.wrapped else spec
+        return self._specs[name]
 
     def _mapping(self, said: dict[str, list[Any]], part: str) -> Mapping:
         short = [key for key, (*_, more) in said.items() if isinstance(more, dict) and "short" in more]
@@ -80,23 +80,29 @@ class Format:
         return Field(spec, doc, default, not more.get("hidden"), tuple(more.get("also", ())), more.get("field", ""))
 
     def spec(self, said: Any) -> Spec:
-        """What a key takes."""
+        """What a key takes; one spec for all keys that say the same in a text."""
         if isinstance(said, dict):
             words = tuple(word for word in said if word != "or")
             docs = tuple(said[word] for word in words) if any(said[word] for word in words) else ()
             other, _, where = said.get("or", "").partition(" or a name from ")
             spec = Words(words, docs, self.spec(other) if other else None)
             return Reference(where, spec) if where else spec
-        for known in (self.kinds, TEXTS):
-            if said in known:
-                return known[said]
         if said in self.declared:
             part: Spec = self.part(said)
             return part
+        if said not in self._specs:
+            self._specs[said] = {**TEXTS, **self.kinds}.get(said) or self._composed(said)
+        return self._specs[said]
+
+    def _composed(self, said: str) -> Spec:
         for pattern, make in _COMPOSED.items():
             if match := re.fullmatch(pattern, said):
                 return make(self, **match.groupdict())
         return _measured(said)
+
+    def name(self, spec: Any) -> str:
+        """How the text calls a spec; empty where it has no word for it."""
+        return next((name for name, known in self._specs.items() if known == spec), "")
 
     def keys_of(self, cls: Any) -> dict[str, Field]:
         """The keys of the part, or of all forms, that a class stands for."""

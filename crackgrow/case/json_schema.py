@@ -8,12 +8,13 @@ from __future__ import annotations
 
 import json
 import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, Final
 
 from crackgrow.case.drawings import File
-from crackgrow.case.format import CASE
+from crackgrow.case.format import CASE, FORMAT
 from crackgrow.case.formula import ALPHABET, ONE_VALUE, OrFormula
 from crackgrow.case.overrides import BESIDE, OfFile
 from crackgrow.case.regions import PlaceOnEdge
@@ -26,83 +27,109 @@ Schema = dict[str, Any]
 
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 LIMITS: Final = {">": "exclusiveMinimum", ">=": "minimum", "<": "exclusiveMaximum", "<=": "maximum"}
-IN_NAMES: Final = {">": "above", ">=": "from", "<": "below", "<=": "to"}  # of definitions
+IN_NAMES: Final = {">=": "from", "<=": "to", ">": "above", "<": "below"}  # of definitions
 
 _NUMBER: Final = r"[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?"
 _NOT_ZERO: Final = "[^a-zA-Z]*[1-9]"  # ahead of a number: it has a digit, before its exponent, that is not 0
 _NO_LETTERS: Final = r"\x00-,./:-@\[-^`{-\x7f\u0300-\u036f\u2000-\u206f"  # _ and - are some; letters are of any script
 _NO_FORMULA: Final = rf"(?!.*\.[0-9]*\.)(?!.*({'|'.join(ONE_VALUE)})\s*\([^()]*,\s*[^)\s])"  # 1.2.3, sin(x, y)
 
-_NEAR_ZERO: Final = SMALLEST / float(max(one for units in UNITS.values() for one in units.values()))
-_BARE: Final[Schema] = {
-    "title": "number",
-    "type": "number",
-    "minimum": -LARGEST,
-    "maximum": LARGEST,
-    "not": {"exclusiveMinimum": -_NEAR_ZERO, "exclusiveMaximum": _NEAR_ZERO, "not": {"const": 0}},
-}
-"""A number that is physical in some unit: not .nan, which no bound refuses, and 0 or far from it."""
+_POSITIVE: Final[Schema] = {"exclusiveMinimum": 0, "pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
+_NOT_NEGATIVE: Final[Schema] = {"minimum": 0, "pattern": rf"^(?!\s*-{_NOT_ZERO})"}
+SIGNS: Final = {">": ("positive", lambda: _POSITIVE), ">=": ("not negative", lambda: _NOT_NEGATIVE)}
+"""Bounds by 0, which a pattern can tell of a number with a unit."""
+
+
+def _no_number(smallest: float) -> Schema:
+    """Numbers that are not physical, neither 0 nor at least so large; .nan, too, which no bound refuses."""
+    wrong = [{"exclusiveMaximum": -LARGEST}, {"exclusiveMinimum": LARGEST}]
+    wrong += [{"exclusiveMinimum": low, "exclusiveMaximum": low + smallest} for low in (-smallest, 0)]
+    return {"type": "number", "anyOf": wrong}
+
+
+def _no_quantity() -> Schema:
+    """The same in the largest unit that a case may choose, and texts that are no number with a word behind it."""
+    text = rf"\s*{_NUMBER}\s*[a-zA-Z][a-zA-Z/]*(\^\d)?( sqrt\(\w+\))?\s*"
+    largest_unit = float(max(one for units in UNITS.values() for one in units.values()))
+    return {"anyOf": [_no_number(SMALLEST / largest_unit), {"type": "string", "pattern": f"^(?!{text}$)"}]}
 
 
 def case_schema() -> str:
-    """The JSON Schema of a case file as text, a line for each key of the case and for each definition."""
-    head: Schema = {"$schema": DRAFT, "title": "crackgrow case", "description": "One scene of frictional crack growth."}
-    body = schema_of(replace(CASE, part=""))
+    """The JSON Schema of a case file as text, a line for each key and for each definition."""
+    head: Schema = {"$schema": DRAFT, "description": "A case of crackgrow: one scene of frictional crack growth."}
+    body = schema_of(CASE)
     own: Schema = {"required": body.pop("required"), "not": {"required": ["base"]}}
     based: Schema = {"required": ["base"], "propertyNames": {"enum": ["base", "set", *BESIDE]}}
-    parts = []
-    for key, value in (head | body | {"anyOf": [own, based]}).items():
-        long = key in ("properties", "definitions")
-        inner = [f"  {_json(name)}: {_json(its)}" for name, its in value.items()] if long else []
-        parts.append(f" {_json(key)}: " + ("{\n" + ",\n".join(inner) + "\n }" if long else _json(value)))
-    return "{\n" + ",\n".join(parts) + "\n}\n"
+    return _text(head | body | {"anyOf": [own, based]}) + "\n"
 
 
-def _json(value: object) -> str:
-    return json.dumps(value, ensure_ascii=False, separators=(",", ":"))
+def _text(value: Any, depth: int = 1, lines: bool = False) -> str:
+    """The text of a schema, or of what keys and definitions hold, which each begin a line."""
+    if isinstance(value, list):
+        return f"[{','.join(_text(item, depth) for item in value)}]"
+    if not isinstance(value, dict):
+        return json.dumps(value, ensure_ascii=False)
+    before = "\n" + " " * depth if lines else ""
+    listed = {key: key in ("properties", "$defs") and not lines for key in value}
+    parts = (f"{before}{json.dumps(key)}:{_text(its, depth + lines, listed[key])}" for key, its in value.items())
+    return f"{{{','.join(parts)}}}"
 
 
 def schema_of(spec: Any) -> Schema:
-    """What a spec accepts, with the definitions that it refers to."""
-    schemas = _Schemas()
+    """What a spec accepts; what is met more than once is a definition that it refers to."""
+    every = _Schemas(set())
+    every.of(spec)
+    schemas = _Schemas({name for name, times in every.times.items() if times == 1})
     body = schemas.of(spec)
-    return {**body, **({"definitions": schemas.definitions} if schemas.definitions else {})}
+    return {**body, **({"$defs": schemas.definitions} if schemas.definitions else {})}
 
 
 class _Schemas:
-    """Schemas of specs; what several keys take is a definition that they refer to."""
+    """Schemas of specs; what has a name is a definition that others refer to, but for the names in `once`."""
 
-    def __init__(self) -> None:
+    def __init__(self, once: set[str]) -> None:
+        self.once = once
         self.definitions: dict[str, Schema] = {}
+        self.times: Counter[str] = Counter()  # that each of them is referred to
 
-    def named(self, name: str, make: Callable[[], Schema]) -> Schema:
-        """A reference to a definition, made where it is not known yet."""
+    def shared(self, name: str, make: Callable[[], Schema]) -> Schema:
+        """A reference to a definition."""
         name = re.sub(r"\W+", "_", name)
+        if name in self.once:
+            return make()
         if name not in self.definitions:
             self.definitions[name] = {}  # its place, before those inside of it
             self.definitions[name] = make()
-        return {"$ref": f"#/definitions/{name}"}
+        self.times[name] += 1
+        return {"$ref": f"#/$defs/{name}"}
 
     def of(self, spec: Any) -> Schema:
         """What a spec accepts, as far as JSON Schema can say it."""
+        name = "_".join(spec.words) if isinstance(spec, Words) and spec.docs else FORMAT.name(spec)
+        if not name or isinstance(spec, Switch):
+            return self._made(spec)
+        for sign, word in IN_NAMES.items():
+            name = name.replace(sign, word)
+        return self.shared(name, lambda: self._made(spec))
+
+    def _made(self, spec: Any) -> Schema:
         match spec:
-            case Mapping() | OneOf() if spec.part:
-                return self.named(spec.part, lambda: self._forms(spec))
             case Mapping() | OneOf():
                 return self._forms(spec)
             case ListOf(spec=inner, alone=True):
                 return {"anyOf": [self.of(inner), self.of(replace(spec, alone=False))]}
-            case ListOf(Measured("length", ()), 2):
-                return self.named("point", lambda: self._list(spec))
             case ListOf():
-                return self._list(spec)
+                sized = (
+                    {"minItems": spec.length, "maxItems": spec.length} if spec.length else {"maxItems": spec.at_most}
+                )
+                return {"type": "array", "items": self.of(spec.spec), **sized}
             case Named(spec=inner):
-                names = {} if spec.any_name else {"propertyNames": self._name()}
+                names = {} if spec.any_name else {"propertyNames": self._any_name()}
                 inside = self.of(inner)
                 return {"type": "object", **names, "maxProperties": spec.at_most, "additionalProperties": inside}
             case Reference(where, inner):
-                name = {"title": f"reference (to {where})", "type": ["string", "number"], "allOf": [self._name()]}
-                return {"anyOf": [self.of(inner), self.named(f"from {where}", lambda: name)]}
+                name = {"title": f"reference (to {where})", "type": ["string", "number"], "allOf": [self._any_name()]}
+                return {"anyOf": [self.of(inner), self.shared(f"from {where}", lambda: name)]}
             case Words(words, docs, other):
                 chosen = {"enum": list(words), **({"enumDescriptions": list(docs)} if docs else {})}
                 return {"anyOf": [chosen, self.of(other)]} if other else chosen
@@ -111,29 +138,23 @@ class _Schemas:
             case OrFormula(kind):
                 pattern = rf"^(?!\s*{_NUMBER}\s*$){_NO_FORMULA}({ALPHABET})+$"
                 formula = {"title": "formula (in x and y, such as 0.09*x - 0.1)", "type": "string", "pattern": pattern}
-                return {"anyOf": [self.of(Measured(kind)), self.named("formula", lambda: formula)]}
+                return {"anyOf": [self.of(FORMAT.spec(kind)), self.shared("formula", lambda: formula)]}
             case PlaceOnEdge():
-                return {"anyOf": [self.of(Measured(kind)) for kind in ("length", "angle")]}
+                return {"anyOf": [self.of(FORMAT.spec(kind)) for kind in ("length", "angle")]}
             case File():
                 endings = ["".join(f"[{c}{c.upper()}]" for c in ending.removeprefix(".")) for ending in spec.endings]
-                file = {"title": spec.describe(), "type": "string", "pattern": rf"\.({'|'.join(endings)})$"}
-                return self.named("file of cracks" if spec.of_cracks else "file", lambda: file)
+                return {"title": spec.describe(), "type": "string", "pattern": rf"\.({'|'.join(endings)})$"}
             case OfFile(kind):
                 return {"type": "object" if kind == "a mapping" else "string"}
             case Switch():
                 return {"type": "boolean"}
             case Text():  # an editor takes 2017 and true for no texts, the reader does
-                text = {"type": ["string", "number", "boolean"], **({} if spec.may_be_empty else {"pattern": r"\S"})}
-                return self.named("text or empty" if spec.may_be_empty else "text", lambda: text)
+                return {"type": ["string", "number", "boolean"], **({} if spec.may_be_empty else {"pattern": r"\S"})}
         raise TypeError(f"{type(spec).__name__} has no JSON Schema")
 
-    def _name(self) -> Schema:
+    def _any_name(self) -> Schema:
         pattern = rf"^[^{_NO_LETTERS}-][^{_NO_LETTERS}]{{0,63}}$"
-        return self.named("name", lambda: {"title": "name", "pattern": pattern})
-
-    def _list(self, spec: ListOf) -> Schema:
-        sized = {"minItems": spec.length, "maxItems": spec.length} if spec.length else {"maxItems": spec.at_most}
-        return {"type": "array", "items": self.of(spec.spec), **sized}
+        return self.shared("name", lambda: {"title": "name", "pattern": pattern})
 
     def _forms(self, spec: Mapping | OneOf) -> Schema:
         """A mapping, or one of several forms of it with the keys of all of them; or what stands in place of it."""
@@ -147,11 +168,13 @@ class _Schemas:
                 for name in spelt:
                     fields.setdefault(name, []).append(form.fields[key])
             needed = [names[key] for key in form.fields if key in form.required()]
+            own_keys = [name for spelt in names.values() for name in spelt]
             rule = {
                 "required": [spelt[0] for spelt in needed if len(spelt) == 1],
                 "anyOf": [{"required": [name]} for spelt in needed if len(spelt) > 1 for name in spelt],
                 "minProperties": int(form.read_as is dict),
-                "propertyNames": {"enum": [name for spelt in names.values() for name in spelt]} if forms[1:] else {},
+                "maxProperties": len(own_keys) * bool(forms[1:] and len(needed) == len(own_keys)),
+                "propertyNames": {"enum": own_keys} if forms[1:] and len(needed) < len(own_keys) else {},
             }
             rules.append({key: its for key, its in rule.items() if its})
         properties = {name: self._property(same) for name, same in fields.items()}
@@ -161,43 +184,41 @@ class _Schemas:
         return {"anyOf": [*map(self.of, others), found]} if others else found
 
     def _property(self, fields: list[Field]) -> Schema:
-        """What a key of one or several forms accepts; beside a reference draft 7 heeds no other key."""
-        found: Schema = {"description": " / ".join(dict.fromkeys(field.doc for field in fields))}
+        """What a key of one or several forms accepts; beside a reference draft 7 takes what is told, but no bounds."""
+        told: Schema = {"description": " / ".join(dict.fromkeys(field.doc for field in fields))}
         default = fields[0].default
-        if default not in (REQUIRED, OPTIONAL) and not isinstance(default, Same):
-            found["default"] = default
-        schemas = [self.of(field.spec) for field in fields]
-        different = [its for k, its in enumerate(schemas) if its not in schemas[:k]]
-        accepted = different[0] if len(different) == 1 else {"anyOf": different}
-        return {**found, "allOf": [accepted]} if "$ref" in accepted else {**accepted, **found}
+        if default not in (REQUIRED, OPTIONAL, {}) and not isinstance(default, Same):  # {} is what its keys have
+            told["default"] = default
+        specs = [field.spec for field in fields]
+        different = [self.of(spec) for k, spec in enumerate(specs) if spec not in specs[:k]]
+        return {**(different[0] if len(different) == 1 else {"anyOf": different}), **told}
 
     def _measured(self, spec: Measured) -> Schema:
         limits: Schema = {LIMITS[sign]: limit for sign, limit in spec.bounds}  # a text heeds none of them
-        if spec.kind in (PLAIN, WHOLE, SHARE):
-            told = {"title": spec.describe(), **limits} if limits else {}
-            if spec.kind == WHOLE:
-                return {"type": "integer", **told}
-            number = self.named("number", lambda: _BARE)
-            if spec.kind == PLAIN:
-                return {"allOf": [number], **told} if told else number
+        title = {"title": spec.describe()}
+        if spec.kind == WHOLE:
+            return {"type": "integer", **title, **limits}
+        if spec.kind == PLAIN:
+            return {"type": "number", **title, **limits, "not": self.shared("no number", lambda: _no_number(SMALLEST))}
+        if spec.kind == SHARE:
             percent = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*%\s*$"}
-            return {"anyOf": [{"type": "number"}, percent], **told}
-        whole = self.named(spec.kind, lambda: self._quantity(spec.kind))
+            return {"anyOf": [{"type": "number"}, percent], **title, **limits}
         if not limits:
-            return whole
-        sign = {}  # what a pattern can tell of the bounds of a number with a unit
-        if (">", 0) in spec.bounds:
-            sign = {"pattern": rf"^(?!\s*-)(?={_NOT_ZERO})"}
-        elif (">=", 0) in spec.bounds:
-            sign = {"pattern": rf"^(?!\s*-{_NOT_ZERO})"}
-        bounded = {"title": f"{spec.kind} {spec.limits}", "allOf": [whole], **limits, **sign}
-        name = " ".join([spec.kind, *(f"{IN_NAMES[sign]} {limit:g}" for sign, limit in spec.bounds)])
-        return self.named(name, lambda: bounded)
+            return self._quantity(spec.kind)
+        found: Schema = {"allOf": [self.of(FORMAT.spec(spec.kind))]}
+        for sign, limit in spec.bounds:
+            if limit == 0 and sign in SIGNS:
+                found["allOf"].append(self.shared(*SIGNS[sign]))
+            else:
+                found[LIMITS[sign]] = limit
+        return found
 
     def _quantity(self, kind: str) -> Schema:
         """A bare number, whose unit is another key's business, or a text of a number and a unit."""
-        units = "|".join(re.escape(unit) for unit in UNITS[kind])
         bare = Units("units.length", "units.stress").of(kind) + ", in m" * (kind == "toughness")
-        text = {"type": "string", "pattern": rf"^\s*{_NUMBER}\s*({units})\s*$"}
         title = f"{kind} ({listed(UNITS[kind])}; a bare number is in {bare})"
-        return {"title": title, "anyOf": [self.named("number", lambda: _BARE), text]}
+        parts = ("stress", "length") if kind == "stiffness" else (kind,)  # each unit of the one over each of the other
+        units = "/".join(f"({'|'.join(map(re.escape, UNITS[part]))})" for part in parts)
+        pattern = rf"[\d.]\s*{units}\s*$"
+        wrong = self.shared("no quantity", _no_quantity)
+        return {"title": title, "type": ["number", "string"], "pattern": pattern, "not": wrong}

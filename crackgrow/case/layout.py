@@ -219,7 +219,7 @@ def _place(scene: Scene, shapes: list[BodyShape]) -> None:
         if place is not None:
             message = f"overlaps body '{first.name}', such as at {scene.units.place(place)}"
             scene.report.fault(("bodies", second.name, "shape"), message)
-        elif lines := shared_lines(first, second, scene.tolerance):
+        elif lines := shared_lines(first, second):
             scene.shared[first.name, second.name] = lines
 
 
@@ -231,18 +231,12 @@ def _hosts(cracks: dict[str, Floats], bodies: list[BodyShape]) -> dict[str, str]
     names = [name for name, points in cracks.items() if len(points) > 1]
     if not names or not bodies:
         return {}
-    if len(bodies) == 1:
-        return dict.fromkeys(names, bodies[0].name)
-    segments = segments_of([cracks[name] for name in names])
-    lines = np.array([LineString(cracks[name]) for name in names], dtype=object)
+    segments = segments_of([cracks[name] for name in names])  # one by one: a line that crosses itself often takes long
     polygons = np.array([body.polygon for body in bodies], dtype=object)
-    tree = shapely.STRtree(polygons)
-    hosts = tree.nearest(lines)
-    line_ids, body_ids = tree.query(lines, predicate="intersects")
-    inside = [  # segment by segment: a line that crosses itself often takes very long
-        float(shapely.length(shapely.intersection(segments.shapes[segments.lines == line], polygons[body])).sum())
-        for line, body in zip(line_ids.tolist(), body_ids.tolist(), strict=True)
-    ]
-    longest_last = np.lexsort((-body_ids, inside))
-    hosts[line_ids[longest_last]] = body_ids[longest_last]  # of several values for one crack the last one stays
+    tree, inside = shapely.STRtree(polygons), np.zeros((len(names), len(bodies)))
+    segment, body = tree.query(segments.shapes, predicate="intersects")
+    lengths = shapely.length(shapely.intersection(segments.shapes[segment], polygons[body]))
+    np.add.at(inside, (segments.lines[segment], body), lengths)
+    nearest = tree.nearest([LineString(cracks[name]) for name in names])
+    hosts = np.where(inside.any(axis=1), inside.argmax(axis=1), nearest)
     return {name: bodies[host].name for name, host in zip(names, hosts.tolist(), strict=True)}

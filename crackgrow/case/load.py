@@ -24,7 +24,7 @@ from crackgrow.case.reader import Node, Table, has_half_pair, parse, read_file
 from crackgrow.case.report import Faults, Path, Place, Report
 from crackgrow.case.scalars import Context
 from crackgrow.case.segments import opened, parted
-from crackgrow.case.shapes import BodyShape, Resolved
+from crackgrow.case.shapes import BodyShape, Resolved, Ring
 from crackgrow.case.shorthand import settle_outlines, settle_supports
 from crackgrow.case.sizing import settle_spacing
 from crackgrow.case.surface import SurfaceName, crack_name
@@ -143,7 +143,7 @@ def _built(name: str, scene: Scene) -> model.Case:
 
 
 def _body(shape: BodyShape, body: Resolved) -> model.Body:
-    rings = tuple(model.Ring(ring.points, ring.edge_names) for ring in shape.rings)
+    rings = tuple(Ring(ring.points, ring.edge_names) for ring in shape.rings)
     return FORMAT.made(model.Body, body, name=shape.name, rings=rings)
 
 
@@ -164,7 +164,7 @@ def _crack(scene: Scene, name: str, crack: Resolved) -> model.Crack:
 def _interface(scene: Scene, interface: Resolved) -> Iterator[model.Interface]:
     """An interface; of one that is cracked, or may be, this part, then what is bonded."""
     first, second = (scene.bodies[name] for name in interface["between"])
-    lines = shared_lines(first, second, scene.tolerance)
+    lines = shared_lines(first, second)
     if "cracked" not in interface and "toughness" not in interface:
         yield FORMAT.made(model.Interface, interface, lines=lines)
         return

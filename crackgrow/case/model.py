@@ -11,12 +11,12 @@ from itertools import pairwise
 from typing import Any, Final, Literal
 
 import numpy as np
-import yaml
 
 from crackgrow.arrays import Floats
 from crackgrow.case.accuracy import STANDARD, target_of
 from crackgrow.case.formula import Component, Formula, component_at
 from crackgrow.case.regions import EdgeRegion
+from crackgrow.case.shapes import Ring, Ringed
 from crackgrow.case.surface import SurfaceName, crack_name
 from crackgrow.vectors import across
 
@@ -80,26 +80,13 @@ class Drawn:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Ring:
-    """A closed line round rock, which lies on its left: an outline runs counter-clockwise, a hole clockwise."""
-
-    points: Floats  # (n, 2) m, corners, not closed
-    edge_names: tuple[str, ...]  # (n,): name of the edge that the side from corner i to corner i + 1 belongs to
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Body(Drawn):
+class Body(Drawn, Ringed):
     """One piece of rock. Its sides are numbered ring by ring."""
 
     name: str
-    rings: tuple[Ring, ...]  # the outline, then the holes
+    rings: tuple[Ring, ...]
     material: Material
     strength: Strength | None
-
-    @property
-    def outline(self) -> Floats:
-        """Corners (n, 2) m of the outline."""
-        return self.rings[0].points
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -583,10 +570,9 @@ class Case:
 
     def to_dict(self) -> dict[str, Any]:
         """The case as a mapping in the case format, as `case.yaml` of a run: SI, every default filled in."""
-        from crackgrow.case.dump import dump_case  # it stands on the classes of this module
+        from crackgrow.case.dump import mapping_of  # it stands on the classes of this module
 
-        found: dict[str, Any] = yaml.safe_load(dump_case(self))
-        return found
+        return mapping_of(self)
 
     def with_(self, *settings: str) -> Case:
         """The case with settings such as "numerics.spacing=1 mm"; bare numbers are in SI."""

@@ -28,15 +28,11 @@ REPEATED_VERTEX: Final = 1e-9  # vertices nearer than this part of the line's ex
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class DrawnRing:
-    """A ring with rock on its left, and how it was drawn."""
+class Ring:
+    """A closed line round rock, which lies on its left: an outline runs counter-clockwise, a hole clockwise."""
 
-    points: Floats  # (n, 2) m, not closed
-    edge_names: tuple[str, ...]  # (n,): name of the edge that the side after each corner belongs to
-    given: Floats  # (m, 2) m, the corners before neighbours moved them or gave it more
-    drawn: NDArray[np.int64]  # (n,) number of the given corner that each side begins at, or at whose side it lies
-    backwards: bool  # whether it runs against the direction in which it was drawn
-    is_arc: bool  # whether it is a circle, on which places are angles
+    points: Floats  # (n, 2) m, corners, not closed
+    edge_names: tuple[str, ...]  # (n,): name of the edge that the side from corner i to corner i + 1 belongs to
 
     @property
     def sides(self) -> Floats:
@@ -44,12 +40,39 @@ class DrawnRing:
         return np.stack([self.points, np.roll(self.points, -1, axis=0)], axis=1)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DrawnRing(Ring):
+    """A ring, and how it was drawn."""
+
+    given: Floats  # (m, 2) m, the corners before neighbours moved them or gave it more
+    drawn: NDArray[np.int64]  # (n,) number of the given corner that each side begins at, or at whose side it lies
+    backwards: bool  # whether it runs against the direction in which it was drawn
+    is_arc: bool  # whether it is a circle, on which places are angles
+
+
+class Ringed:
+    """What rings bound: the outline, then the holes."""
+
+    __slots__ = ()
+    rings: tuple[Ring, ...]
+
+    @property
+    def outline(self) -> Floats:
+        """Corners `(n, 2) float` of the outline in m."""
+        return self.rings[0].points
+
+    @property
+    def sides(self) -> Floats:
+        """Ends `(n, 2, 2) float` of all sides in m, ring by ring."""
+        return np.concatenate([ring.sides for ring in self.rings])
+
+
 @dataclass(frozen=True, eq=False)
-class BodyShape:
+class BodyShape(Ringed):
     """Geometry of a body whose shape has no fault."""
 
     name: str
-    rings: tuple[DrawnRing, ...]  # the outline, then the holes
+    rings: tuple[DrawnRing, ...]
 
     @cached_property
     def polygon(self) -> Polygon:
@@ -62,11 +85,6 @@ class BodyShape:
     def side_tree(self) -> shapely.STRtree:
         """Its sides in their order."""
         return shapely.STRtree(shapely.linestrings(self.sides))
-
-    @property
-    def outline(self) -> Floats:
-        """Corners `(n, 2) float` of the outline in m."""
-        return self.rings[0].points
 
     @property
     def extent(self) -> Floats:
@@ -87,11 +105,6 @@ class BodyShape:
     def corners(self) -> Floats:
         """Corners `(n, 2) float` of all rings in m."""
         return np.concatenate([ring.points for ring in self.rings])
-
-    @property
-    def sides(self) -> Floats:
-        """Ends `(n, 2, 2) float` of all sides in m, ring by ring."""
-        return np.concatenate([ring.sides for ring in self.rings])
 
     @property
     def edge_names(self) -> tuple[str, ...]:

@@ -7,7 +7,6 @@ The outline of all rock is held or loaded as a whole: outer rings of bodies, as 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
@@ -21,7 +20,7 @@ from crackgrow.case.model import EdgeLoad, EdgePressure, EdgeTraction, FarField
 from crackgrow.case.regions import Edge, EdgeRegion, edge_of, ends_of
 from crackgrow.case.report import Faults, Path
 from crackgrow.case.shapes import BodyShape, Resolved
-from crackgrow.case.touching import divided, lies_on
+from crackgrow.case.touching import sides_on
 from crackgrow.errors import CaseError
 from crackgrow.vectors import cross, outward_normals
 
@@ -50,37 +49,29 @@ def settle_outlines(scene: Scene) -> Faults:
             if not any(outer.values()):
                 yield (key, index), f"other bodies lie all round {', '.join(names)}: there is no outline"
             number = index
-            for name, parts in outer.items():
+            for name, sides in outer.items():
                 body = scene.bodies[name]
-                loaded = [{"body": name, **item}] if parts else []
-                for each in _held(scene, (key, index), item, body, parts) if word == "outline" else loaded:
+                loaded = [{"body": name, **item}] if sides else []
+                for each in _held(scene, (key, index), item, body, sides) if word == "outline" else loaded:
                     scene.resolved[key][number : number + 1] = [each]
                     if word == "far_field":
-                        sides, limits = np.array([p[0] for p in parts]), np.array([p[1:] for p in parts])
-                        scene.regions[key, number, "on"] = EdgeRegion(name, "outline", sides, limits)
+                        limits = np.tile([0.0, 1.0], (len(sides), 1))
+                        scene.regions[key, number, "on"] = EdgeRegion(name, "outline", np.array(sides), limits)
                     number = len(scene.resolved[key])
 
 
-def _outer_sides(scene: Scene, body: BodyShape) -> list[tuple[int, float, float]]:
-    """Sides of the outline of a body, each between two fractions of it, where no other body lies."""
-    lines = [line for pair, lines in scene.shared.items() if body.name in pair for line in lines]
-    boundary, corners = shapely.MultiLineString(lines), np.concatenate([np.empty((0, 2)), *lines])
-    return [
-        (number, low, high)
-        for number, side in enumerate(body.rings[0].sides)
-        for (low, start), (high, end) in pairwise(divided(side, corners, scene.tolerance))
-        if not lies_on(boundary, start, end, scene.tolerance)
-    ]
+def _outer_sides(scene: Scene, body: BodyShape) -> list[int]:
+    """Sides of the outline of a body where no other body lies."""
+    shared = sides_on(body, [line for pair, lines in scene.shared.items() if body.name in pair for line in lines])
+    return [side for side in range(len(body.outline)) if side not in shared]
 
 
-def _held(
-    scene: Scene, key: Path, item: Resolved, body: BodyShape, parts: list[tuple[int, float, float]]
-) -> Iterator[Resolved]:
-    """Supports of the edges that these parts of sides belong to; reports parts that can't be held so."""
+def _held(scene: Scene, key: Path, item: Resolved, body: BodyShape, sides: list[int]) -> Iterator[Resolved]:
+    """Supports of the edges that these sides belong to; reports parts of them that can't be held so."""
     for name in dict.fromkeys(body.rings[0].edge_names):
         edge = edge_of(body, name, scene.tolerance)
         total = float(edge.lengths.sum())
-        for held, start, end in _runs(scene, edge, parts, item["outline"] == "fixed"):
+        for held, start, end in _runs(scene, edge, sides, item["outline"] == "fixed"):
             whole = start <= scene.tolerance and end >= total - scene.tolerance
             what = f"edge '{name}' of body '{body.name}'"
             if not held:
@@ -95,21 +86,18 @@ def _held(
             yield {"on": {"body": body.name, "edge": name, **part}, "displacement": held}
 
 
-def _runs(scene: Scene, edge: Edge, parts: list[tuple[int, float, float]], fixed: bool) -> list[Run]:
-    """Parts of an edge, as it was drawn, that are held alike; rollers hold nothing of an inclined side."""
+def _runs(scene: Scene, edge: Edge, sides: list[int], fixed: bool) -> list[Run]:
+    """Parts of an edge, as it was drawn, whose sides are among these and held alike; rollers hold no inclined side."""
     runs: list[Run] = []
-    passed = 0.0
+    begin = 0.0
     for side, (first, last) in zip(edge.sides, edge.ends, strict=True):
         step = last - first
-        length, flat = float(np.hypot(*step)), np.abs(step) <= scene.tolerance
+        end, flat = begin + float(np.hypot(*step)), np.abs(step) <= scene.tolerance
         held = {axis: 0.0 for axis, along in zip("xy", flat, strict=True) if fixed or (along and flat.sum() == 1)}
-        for limits in [part[1:] for part in parts if part[0] == side]:
-            low, high = (1.0 - limits[1], 1.0 - limits[0]) if edge.backwards else limits
-            start, end = passed + low * length, passed + high * length
-            if runs and runs[-1][0] == held and start - runs[-1][2] <= scene.tolerance:
-                start = runs.pop()[1]
-            runs.append((held, start, end))
-        passed += length
+        if side in sides:
+            goes_on = runs and runs[-1][0] == held and runs[-1][2] == begin
+            runs.append((held, runs.pop()[1] if goes_on else begin, end))
+        begin = end
     return runs
 
 

@@ -43,7 +43,7 @@ def snapped_bodies(bodies: list[BodyShape], reach: float) -> tuple[list[BodyShap
     """The bodies with common corners where they touch, and the corners that moved.
 
     A corner moves onto one of an earlier body within `reach` (m). A side gets a corner where one of another body lies
-    within the reach of it: it moves there, and two bodies share their corners to the last bit.
+    on it or within the reach of it: it moves there, and two bodies share their corners and sides to the last bit.
     """
     done: list[BodyShape] = []
     moves: list[Move] = []
@@ -92,7 +92,7 @@ def _with_corners_of(body: BodyShape, bodies: list[BodyShape], reach: float, mov
         distance = shapely.distance(lines[which], shapely.points(known[corner]))
         step = sides[which, 1] - sides[which, 0]
         along, length = np.sum((known[corner] - sides[which, 0]) * step, axis=1), np.hypot(*step.T)
-        beside = (along > 0.0) & (along < length**2) & (distance > same) & (distance < ITS_OWN * length)
+        beside = (along > 0.0) & (along < length**2) & (distance < ITS_OWN * length)
         order = np.lexsort((along, which))
         order = order[beside[order]]
         rings.append(_with_corners(ring, which[order], known[corner[order]]))
@@ -124,55 +124,35 @@ def overlap(first: BodyShape, second: BodyShape, tolerance: float) -> Floats | N
     return None
 
 
-def shared_lines(first: BodyShape, second: BodyShape, tolerance: float) -> tuple[Floats, ...]:
+def shared_lines(first: BodyShape, second: BodyShape) -> tuple[Floats, ...]:
     """Return the boundary that two bodies share: open polylines `(n, 2) float`, the first body on their left.
 
-    They have a vertex at every corner of both; a closed one comes as two. Parts of sides count as shared where they lie
-    within the tolerance of a side of the other body.
+    It is made of the sides that both have; a closed one comes as two.
     """
-    boundary = second.polygon.boundary
-    shapely.prepare(boundary)
-    lines: list[list[Floats]] = []
-    for ring in first.rings:
-        near = shapely.dwithin(shapely.linestrings(ring.sides), boundary, tolerance)
-        parts = [part for side in ring.sides[near] for part in pairwise(divided(side, second.corners, tolerance))]
-        pieces = [(start, end) for (_, start), (_, end) in parts if lies_on(boundary, start, end, tolerance)]
-        lines += _chained(pieces, tolerance)
-    return tuple(frozen(line) for line in lines)
+    theirs = {(*end, *start) for start, end in second.sides.tolist()}
+    shared = [[side for side in ring.sides.tolist() if (*side[0], *side[1]) in theirs] for ring in first.rings]
+    return tuple(frozen(line) for sides in shared for line in _chained(sides))
 
 
-def divided(side: Floats, corners: Floats, tolerance: float) -> list[tuple[float, Floats]]:
-    """The ends of a side (2, 2) and the corners (n, 2) that lie on it, in order, with their shares of its length."""
-    step = side[1] - side[0]
-    length = float(np.hypot(*step))
-    along = (corners - side[0]) @ step / (step @ step)
-    off = np.hypot(*(corners - side[0] - np.clip(along, 0.0, 1.0)[:, None] * step).T)
-    found = [(0.0, side[0])]
-    on_it = np.flatnonzero(off <= tolerance)
-    for k in on_it[np.argsort(along[on_it], kind="stable")].tolist():
-        if (along[k] - found[-1][0]) * length > tolerance and (1.0 - along[k]) * length > tolerance:
-            found.append((float(along[k]), corners[k]))
-    return [*found, (1.0, side[1])]
+def sides_on(body: BodyShape, lines: Sequence[Floats]) -> list[int]:
+    """The numbers of the sides of a body that it shares along such lines."""
+    shared = {frozenset(map(tuple, side)) for line in lines for side in pairwise(line.tolist())}
+    return [number for number, side in enumerate(body.sides.tolist()) if frozenset(map(tuple, side)) in shared]
 
 
-def lies_on(boundary: shapely.Geometry, start: Floats, end: Floats, tolerance: float) -> bool:
-    """Whether a part of a side that no corner divides lies on a boundary, and does not only end on it."""
-    return bool(shapely.dwithin(boundary, shapely.Point(0.5 * (start + end)), tolerance))
-
-
-def _chained(pieces: list[tuple[Floats, Floats]], tolerance: float) -> list[list[Floats]]:
-    """Join the pieces along one ring, in its order, to polylines; a closed one is halved."""
-    chains: list[list[Floats]] = []
-    for start, end in pieces:
-        if chains and np.hypot(*(start - chains[-1][-1])) <= tolerance:
+def _chained(sides: list[list[list[float]]]) -> list[list[list[float]]]:
+    """Join sides of one ring, in its order, to polylines; a closed one is halved."""
+    chains: list[list[list[float]]] = []
+    for start, end in sides:
+        if chains and start == chains[-1][-1]:
             chains[-1].append(end)
         else:
             chains.append([start, end])
-    if not chains or np.hypot(*(chains[-1][-1] - chains[0][0])) > tolerance:
+    if not chains or chains[-1][-1] != chains[0][0]:
         return chains
     if len(chains) > 1:  # the ring begins inside of a shared line
         return [chains[-1] + chains[0][1:], *chains[1:-1]]
-    closed = [*chains[0][:-1], chains[0][0]]
-    lengths = np.cumsum([0.0, *(float(np.hypot(*(b - a))) for a, b in pairwise(closed))])
+    closed = chains[0]
+    lengths = np.append(0.0, np.cumsum(np.hypot(*np.diff(np.array(closed), axis=0).T)))
     middle = int(np.argmin(np.abs(lengths - lengths[-1] / 2)))
     return [closed[: middle + 1], closed[middle:]]

@@ -70,21 +70,32 @@ class QuantityError(ValueError):
 
 
 class Coordinate(float):
-    """A coordinate in m from the origin of a case on a map; in case files it stands as on the map."""
+    """A number that stands in case files as the exact sum of itself and another one.
 
-    def __new__(cls, value: float, origin: float = 0.0) -> Coordinate:
-        """A coordinate `value` (m) from an origin (m)."""
+    So stand coordinates in m from the origin of a case on a map, as on the map; and those of the map, of which a float
+    has not all digits.
+    """
+
+    def __new__(cls, value: float, other: float = 0.0) -> Coordinate:
+        """A coordinate `value` with the one that it is written with (m)."""
         found = super().__new__(cls, value)
-        found.origin = origin
+        found.other = other
         return found
 
-    origin: float  # m
+    other: float  # m
+
+    @classmethod
+    def of_text(cls, text: str) -> float:
+        """The number of a decimal, from which it is written again with all its digits."""
+        value = float(text)
+        rest = float(Decimal(text) - Decimal(repr(value)))
+        return cls(value, rest) if rest else value
 
     @property
     def text(self) -> str:
-        """The sum of origin and coordinate (m) as an exact decimal, from which the same coordinate is read back."""
+        """The sum as an exact decimal, from which the same coordinate is read back."""
         with localcontext(prec=LONGEST_EXACT):
-            return f"{Decimal(repr(float(self))) + Decimal(repr(self.origin)):f}"
+            return f"{Decimal(repr(float(self))) + Decimal(repr(self.other)):f}"
 
 
 @dataclass(frozen=True, slots=True)

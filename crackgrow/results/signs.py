@@ -242,7 +242,7 @@ class Sheet:
 
         Sides of an arc or another smooth edge are taken together until they are no shorter than `shortest`.
         """
-        sides, found, waiting = _sides(self._body(region.body)), [], np.empty((0, 2))
+        sides, found, waiting = self._body(region.body).sides, [], np.empty((0, 2))
         for side, limits in zip(region.sides, region.limits, strict=True):
             a, b = sides[side]
             waiting = np.vstack([waiting[:1], [a + share * (b - a) for share in limits]])
@@ -298,13 +298,8 @@ def _outside(body: Body, point: Floats) -> Floats:
 
     At a corner the side that is nearest to horizontal counts: supports stand below or above rather than beside.
     """
-    sides = _sides(body)
+    sides = body.sides
     along = (sides[:, 1] - sides[:, 0]) / np.hypot(*(sides[:, 1] - sides[:, 0]).T)[:, None]
     distance = shapely.distance(shapely.linestrings(sides), shapely.Point(point)) / np.ptp(body.outline, axis=0).max()
     first = np.lexsort([np.round(np.abs(along[:, 1]), 6), np.round(distance, 6)])[0]
     return np.array([along[first, 1], -along[first, 0]])
-
-
-def _sides(body: Body) -> Floats:
-    """Ends (n, 2, 2) m of the sides of all rings of a body, rock on their left."""
-    return np.concatenate([np.stack([r.points, np.roll(r.points, -1, axis=0)], axis=1) for r in body.rings])

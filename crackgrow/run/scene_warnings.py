@@ -195,7 +195,7 @@ def free_edges(scene: Scene) -> Iterator[StepWarning]:
     """
     case = scene.at_start.case
     for body in case.bodies:
-        ends = np.stack([body.outline, np.roll(body.outline, -1, axis=0)], axis=1)
+        ends = body.rings[0].sides
         places = (ends[:, :1] + gauss(POINTS)[0][:, None] * (ends[:, 1:] - ends[:, :1])).reshape(-1, 2)
         outward = np.repeat(outward_normals(ends[:, 1] - ends[:, 0]), POINTS, axis=0)
         size, left = _left_over(case, body, places, outward)

@@ -269,10 +269,8 @@ class _Runs:
     def _run(self, values: tuple[str, ...]) -> Run:
         """The next run."""
         name = " ".join(f"{name}={value}" for name, value in zip(self.plan.names, values, strict=True))
-        file, number = self.plan.file.case_file(values), len(self.runs)
-        case, faults = file.tried()
-        refusal = "; ".join(map(str, faults))
-        return Run(number, name, self.plan.folder / folder_names([name])[0], values, file, case, refusal)
+        file, folder = self.plan.file.case_file(values), self.plan.folder / folder_names([name])[0]
+        return Run(len(self.runs), name, folder, values, file, *file.tried())
 
 
 def run_line(folder: Path, measured: Measured) -> Floats:

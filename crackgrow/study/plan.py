@@ -46,8 +46,13 @@ class Run:
     values: tuple[str, ...]  # of the parameters
     file: CaseFile  # with all settings of the run
     case: Case | None  # None where these make no case
-    refusal: str = ""  # why not
+    faults: tuple[Fault, ...] = ()  # why not
     reference: int | None = None  # number of the run that it is held against
+
+    @property
+    def refusal(self) -> str:
+        """Why its settings make no case, in words."""
+        return "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in self.faults)
 
     @property
     def command(self) -> tuple[str, ...]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import re
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -55,30 +56,30 @@ def plan_sweep(path: str | Path, folder: str | Path | None = None) -> Study:
     path = Path(path)
     folder = Path("outputs") / path.stem if folder is None else Path(folder)
     file = read_sweep_file(path)
-    names = short_names(tuple(file.parameters))
-    asked = [dict(zip(file.parameters, values, strict=True)) for values in combinations(file)]
-    tried = [file.case_file(given).tried() for given in asked]
-    _refuse_all(file, [faults for _, faults in tried])
-    pairs = zip(asked, tried, strict=True)
-    held = [{**given, **file.reference} if file.reference and case else None for given, (case, _) in pairs]
-    finer = {tuple(given.values()): given for given in held if given}  # what others are held against, each once
-    numbers = {values: number for number, values in enumerate(finer, len(asked))}
-    against = [numbers[tuple(given.values())] if given else None for given in held] + [None] * len(finer)
-    settings = [*asked, *finer.values()]
-    tried += [file.case_file(given).tried() for given in finer.values()]
-    _refuse_all(file, [faults for _, faults in tried[len(asked) :]])
-    values = [tuple(given[key] for key in file.parameters) for given in settings]
-    titles = [_name(names, texts) for texts in values]
-    titles[len(asked) :] = [f"{REFERENCE} {title}" for title in titles[len(asked) :]]
-    runs = []
-    for number, words in enumerate(folder_names(titles)):
-        case, faults = tried[number]
-        refusal = "; ".join(f"{fault.key}: {fault.message}" if fault.key else fault.message for fault in faults)
-        one = file.case_file(settings[number])
-        runs.append(Run(number, titles[number], folder / words, values[number], one, case, refusal, against[number]))
+    settings = [dict(zip(file.parameters, values, strict=True)) for values in combinations(file)]
+    runs = _runs(file, folder, settings)
+    if file.reference:
+        held = [{**given, **file.reference} for given in settings]  # what each is held against
+        finer = {tuple(its.values()): its for its, run in zip(held, runs, strict=True) if run.case}  # each once
+        numbers = {values: number for number, values in enumerate(finer, len(runs))}
+        runs = [replace(run, reference=numbers.get(tuple(its.values()))) for its, run in zip(held, runs, strict=True)]
+        runs += _runs(file, folder, [*finer.values()], len(runs))
     cases = [run.case for run in runs if run.case is not None]
     _check_responses(file, cases)
+    names = short_names(tuple(file.parameters))
     return Study("sweep", path.stem, cases[0].title, folder, names, tuple(runs), file.responses)
+
+
+def _runs(file: SweepFile, folder: Path, settings: Sequence[dict[str, str]], first: int = 0) -> list[Run]:
+    """Runs with these values of keys; of references, which come behind others, with the number of the first one."""
+    names, runs = short_names(tuple(file.parameters)), []
+    values = [tuple(given[key] for key in file.parameters) for given in settings]
+    titles = [f"{REFERENCE} {_name(names, texts)}" if first else _name(names, texts) for texts in values]
+    for n, words in enumerate(folder_names(titles)):
+        case_file = file.case_file(settings[n])
+        runs.append(Run(first + n, titles[n], folder / words, values[n], case_file, *case_file.tried()))
+    _refuse_all(file, [run.faults for run in runs])
+    return runs
 
 
 def _refuse_all(file: SweepFile, refused: list[tuple[Fault, ...]]) -> None:

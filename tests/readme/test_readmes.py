@@ -40,7 +40,7 @@ def schema_keys(schema: dict[str, Any], before: str = "") -> Iterator[str]:
     for form in (*schema.get("anyOf", ()), *schema.get("allOf", ())):
         yield from schema_keys(form, before)
     if "$ref" in schema:
-        yield from schema_keys(SCHEMA["definitions"][schema["$ref"].rpartition("/")[2]], before)
+        yield from schema_keys(SCHEMA["$defs"][schema["$ref"].rpartition("/")[2]], before)
 
 
 def test_every_key_of_the_format_has_its_line() -> None:

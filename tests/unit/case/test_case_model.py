@@ -125,6 +125,15 @@ def test_a_mapping_is_the_case_that_its_file_is(tmp_path: Path):
     assert dump_case(Case.from_dict(read)) == dump_case(load(tmp_path, scene))
 
 
+def test_a_mapping_keeps_all_digits_of_coordinates_on_a_map():
+    """Where ends were joined they have more of them than a float on the map."""
+    case = load_case(CASES / "joint_map.yaml")
+    mapping = case.to_dict()
+    assert mapping == yaml.safe_load(dump_case(case))
+    for copied in (mapping, copy.deepcopy(mapping), pickle.loads(pickle.dumps(mapping))):
+        assert dump_case(Case.from_dict(copied, case.name)) == dump_case(case)
+
+
 def test_settings_are_those_of_the_command_line(tmp_path: Path):
     settings = ["bodies.rock.shape.rectangle.width=200 cm", "plane=stress"]
     case = load(tmp_path, PLATE)
