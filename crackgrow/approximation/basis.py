@@ -16,7 +16,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.mls import mls
-from crackgrow.approximation.tip_functions import tip_functions, tip_table
+from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
@@ -61,9 +61,9 @@ class Basis:
 
 def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:
     """Values and derivatives at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
-    on = cover.functions_on(elements)
+    on = cover.functions.taken(elements)
     values = np.empty((3 if derivatives else 1, len(on.values)))
-    _values(arrays_of(cover), cover.lattice.spacing, points, elements, on.start, values)
+    _values(cover.arrays, cover.lattice.spacing, points, elements, on.start, values)
     return Basis(cover.n_functions, on.start, on.values, values)
 
 
@@ -95,25 +95,6 @@ def _add_sums(start: Ints, row: Ints, values: Floats, weights: Floats, total: Fl
         for q in range(start[i], start[i + 1]):
             for c in range(total.shape[1]):
                 total[row[q], c] += values[1, q] * weights[0, i, c] + values[2, q] * weights[1, i, c]
-
-
-def arrays_of(cover: Cover) -> tuple[Any, ...]:
-    """What kernels need to evaluate the functions of elements, as `gathered` and `functions_at` take it."""
-    patches, enrichment = cover.patches, cover.enrichment
-    return (
-        np.ascontiguousarray(patches.nodes),
-        1.0 / patches.weight_half,
-        patches.of_element.start,
-        patches.of_element.values,
-        enrichment.tips.start,
-        enrichment.tips.values,
-        enrichment.side,
-        enrichment.first.start,
-        enrichment.place.start,
-        enrichment.place.values,
-        enrichment.share,
-        tip_table(cover.tips, [cover.bodies[tip.body].roots for tip in cover.tips]),
-    )
 
 
 @kernel

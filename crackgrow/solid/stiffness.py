@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
+from crackgrow.approximation.basis import functions_at, gathered, workspace
 from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
@@ -26,13 +26,13 @@ from crackgrow.solid.elasticity import PlaneElasticity
 def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> SymmetricMatrix:
     """The stiffness (n_dofs, n_dofs) Pa, per metre of thickness, with `n` Gauss points per direction."""
     spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
-    inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
+    inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions
     moduli = np.array([m.matrix for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
     start, column = _pattern(on.start, on.values, cover.n_functions)
     block = np.zeros((len(column), 2, 2))
-    _integrate(arrays_of(cover), (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
+    _integrate(cover.arrays, (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
     return SymmetricMatrix(start, column, block)
 
 

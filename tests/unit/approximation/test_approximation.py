@@ -9,10 +9,10 @@ import pytest
 
 from crackgrow.approximation.basis import basis_at, values_at
 from crackgrow.approximation.mls import mls
-from crackgrow.approximation.tip_functions import tip_functions, tip_table
+from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import Roots
-from crackgrow.cover.tips import TipView, seen_from_tip
+from crackgrow.cover.tips import TipView, seen_from_tip, tip_table
 from tests.conftest import Sample
 from tests.unit.exact_fields import PAPER, gradient_rows
 
