@@ -176,9 +176,10 @@ def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: In
     """
     weights, turn = weights_of(material, rule), disc.tip.rotation
     at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
-    turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
-    functions, sums = basis.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))
-    of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
+    turned = np.kron(turn, turn).T @ at_points.reshape(FIELDS * len(rule.radii), 4, -1)  # [M, c and d, n]
+    of_c = turned.reshape(len(turned), 2, 2, -1).transpose(2, 3, 1, 0)
+    functions, sums = basis.summed(of_c.reshape(2, -1, 2 * len(turned)))
+    of_uniform = turned.sum(axis=-1)
     of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors, of_uniform_stress(material))
     return Functional(functions, np.ascontiguousarray(sums.T), more)
