@@ -1,4 +1,4 @@
-"""The basis at points of elements, and what is made of it: sparse rows, derivatives by function, and fields.
+"""The basis at points of elements, and what is made of it: sparse rows, fields, and sums of derivatives.
 
     u(x) = sum_i phi_i(x) u_i + sum_tk F_tk(x) sum_c X_c(x) a_ctk,    paper eqs. (2), (3),
 
@@ -40,23 +40,10 @@ class Basis:
         """The values (n, n_functions)."""
         return csr_array((self.values[0], self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
 
-    def fields(self, u: Floats) -> Floats:
-        """The displacement, and its derivatives by x and by y if they are there (1 or 3, n, 2), of `u` (n_dofs,) m."""
-        found = np.zeros((len(self.values), len(self.start) - 1, 2))
-        _add_fields(self.start, self.functions, self.values, u, found)
-        return found
-
     @property
     def columns(self) -> tuple[Ints, Ints]:
         """The functions (k,) that there are, ascending, and which of them each value (q,) is of."""
         return numbered(self.functions, self.n_functions)
-
-    def summed(self, weights: Floats) -> tuple[Ints, Floats]:
-        """These functions (k,), and sums (k, c) over points and both derivatives of these times `weights` (2, n, c)."""
-        functions, column = self.columns
-        total = np.zeros((len(functions), weights.shape[2]))
-        _add_sums(self.start, column, self.values, np.ascontiguousarray(weights), total)
-        return functions, total
 
 
 def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:
@@ -72,6 +59,28 @@ def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
     return basis_at(cover, points, elements, derivatives=False)
 
 
+def fields_at(cover: Cover, points: Floats, elements: Ints, u: Floats, *, derivatives: bool = True) -> Floats:
+    """The displacement, then its derivatives by x and by y (3, n, 2) of `u` (n_dofs,) m, at points as of `basis_at`.
+
+    Without derivatives it is (1, n, 2).
+    """
+    on, found = cover.functions, np.empty((3 if derivatives else 1, len(points), 2))
+    _put_fields(cover.arrays, cover.lattice.spacing, points, elements, on.start, on.values, u, found)
+    return found
+
+
+def gradient_sums(cover: Cover, points: Floats, elements: Ints, weights: Floats) -> tuple[Ints, Floats]:
+    """Functions (k,), ascending, and sums (k, c) over points, as of `basis_at`, and both derivatives of these times
+    `weights` (2, n, c)."""
+    on, (first, _) = cover.functions, numbered(elements, cover.elements.n)
+    functions, _ = numbered(on.taken(first).values, cover.n_functions)
+    row = np.empty(cover.n_functions, dtype=np.int64)
+    row[functions] = np.arange(len(functions))
+    total = np.zeros((len(functions), weights.shape[2]))
+    _add_sums(cover.arrays, cover.lattice.spacing, points, elements, on.start, row[on.values], weights, total)
+    return functions, total
+
+
 def of_component(rows: csr_array, component: int) -> csr_array:
     """Rows (m, n_dofs) that give of one displacement component what `rows` (m, n_functions) give of a scalar field."""
     m, n = rows.shape
@@ -79,37 +88,12 @@ def of_component(rows: csr_array, component: int) -> csr_array:
 
 
 @kernel
-def _add_fields(start: Ints, function: Ints, values: Floats, u: Floats, total: Floats) -> None:
-    """Add the fields (., n, 2) of `u` (n_dofs,) at points whose functions begin at `start` (n + 1,)."""
-    for k in range(len(values)):
-        for i in range(len(start) - 1):
-            for q in range(start[i], start[i + 1]):
-                total[k, i, 0] += values[k, q] * u[2 * function[q]]
-                total[k, i, 1] += values[k, q] * u[2 * function[q] + 1]
-
-
-@kernel
-def _add_sums(start: Ints, row: Ints, values: Floats, weights: Floats, total: Floats) -> None:
-    """Add the sums of `Basis.summed` to the rows of `total` (k, c) that are those of the functions."""
-    for i in range(len(start) - 1):
-        for q in range(start[i], start[i + 1]):
-            for c in range(total.shape[1]):
-                total[row[q], c] += values[1, q] * weights[0, i, c] + values[2, q] * weights[1, i, c]
-
-
-@kernel
-def most_functions(patch_at: Ints, pair_at: Ints, carrier_at: Ints) -> int:
-    """The largest number of functions on an element."""
-    most = 0
+def workspace(arrays: Any) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """What `gathered` and `functions_at` work in: room for the largest number of functions on an element."""
+    patch_at, pair_at, carrier_at, most = arrays[2], arrays[4], arrays[7], 1
     for e in range(len(patch_at) - 1):
         carriers = carrier_at[pair_at[e + 1]] - carrier_at[pair_at[e]]
         most = max(most, patch_at[e + 1] - patch_at[e] + 4 * carriers)
-    return most
-
-
-@kernel
-def workspace(most: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """What `gathered` and `functions_at` work in, where at most so many functions are on an element."""
     return np.empty((2, most)), np.empty(most), np.empty((5, most)), np.empty((3, 4)), np.empty((3, most))
 
 
@@ -151,19 +135,62 @@ def functions_at(x: float, y: float, element: int, derivatives: bool, k: int, ar
 
 
 @kernel
+def at_point(i: int, points: Floats, elements: Ints, derivatives: bool, k: int, arrays: Any, work: Any) -> int:
+    """As `functions_at`, at the i-th of some points: of an element that the one before has, too, k patches are there.
+
+    Returns the number of patches.
+    """
+    e = elements[i]
+    if i == 0 or e != elements[i - 1]:
+        k = gathered(e, work[0], work[1], arrays[0], arrays[1], arrays[2], arrays[3])
+    functions_at(points[i, 0], points[i, 1], e, derivatives, k, arrays, work)
+    return k
+
+
+@kernel
 def _values(arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
     """Put all functions at points into `found` (components, q), those of a point from its start (n + 1,) on."""
-    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
-    work, derivatives, k = workspace(most_functions(patch_at, pair_at, carrier_at)), len(found) == 3, 0
-    at, per, _, _, f = work
-    scale = 1.0 / spacing
+    work, k = workspace(arrays), 0
+    f, scale = work[4], 1.0 / spacing
     for i in range(len(points)):
-        e = elements[i]
-        if i == 0 or e != elements[i - 1]:
-            k = gathered(e, at, per, nodes, half, patch_at, patch)
-        functions_at(points[i, 0], points[i, 1], e, derivatives, k, arrays, work)
+        k = at_point(i, points, elements, len(found) == 3, k, arrays, work)
         for n in range(start[i + 1] - start[i]):
             found[0, start[i] + n] = f[0, n]
-            if derivatives:
+            if len(found) == 3:
                 found[1, start[i] + n] = scale * f[1, n]
                 found[2, start[i] + n] = scale * f[2, n]
+
+
+@kernel
+def _put_fields(
+    arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, function: Ints, u: Floats, found: Floats
+) -> None:
+    """Put the fields of `fields_at` into `found`; the functions (q,) of elements begin at `start`."""
+    work, k = workspace(arrays), 0
+    f = work[4]
+    for i in range(len(points)):
+        k = at_point(i, points, elements, len(found) == 3, k, arrays, work)
+        first, last = start[elements[i]], start[elements[i] + 1]
+        for c in range(len(found)):
+            x = y = 0.0
+            for n in range(first, last):
+                x += f[c, n - first] * u[2 * function[n]]
+                y += f[c, n - first] * u[2 * function[n] + 1]
+            scale = 1.0 / spacing if c else 1.0
+            found[c, i, 0], found[c, i, 1] = scale * x, scale * y
+
+
+@kernel
+def _add_sums(
+    arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, row: Ints, weights: Floats, total: Floats
+) -> None:
+    """Add the sums of `gradient_sums` to the rows (q,) of `total` that are those of the functions of elements."""
+    work, k = workspace(arrays), 0
+    f, scale = work[4], 1.0 / spacing
+    for i in range(len(points)):
+        k = at_point(i, points, elements, True, k, arrays, work)
+        first, last = start[elements[i]], start[elements[i] + 1]
+        for n in range(first, last):
+            by_x, by_y, to = scale * f[1, n - first], scale * f[2, n - first], row[n]
+            for c in range(total.shape[1]):
+                total[to, c] += by_x * weights[0, i, c] + by_y * weights[1, i, c]

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import fields_at
 from crackgrow.arrays import Floats
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -146,7 +146,7 @@ def _of_half(
     elements = locate(cover.lattice, cover.elements, places, tip.bodies[half])
     if (elements < 0).any():  # the interface bends at the tip, by less than what counts as a corner
         return np.full(len(radii), np.nan)
-    gradient = _turned(basis_at(cover, places, elements).fields(u)[1:], tip)
+    gradient = _turned(fields_at(cover, places, elements, u)[1:], tip)
     strain = np.stack([gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]], axis=1)
     x_, y_ = tip.rotation
     xx, yy, xy = material.initial.uniform

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.approximation.basis import Basis, basis_at
+from crackgrow.approximation.basis import gradient_sums
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
@@ -163,13 +163,14 @@ def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequ
         on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
         at = np.concatenate([own, on_faces, on_faces])
         left_right = [faces.plus, faces.minus] if disc.tip.at_end else [faces.minus, faces.plus]
-        basis = basis_at(cover, at, np.concatenate([there, *left_right]))
-        found.append(_functional(rock, disc, rule, beyond, basis))
+        found.append(_functional(cover, rock, disc, rule, beyond, (at, np.concatenate([there, *left_right]))))
     return found
 
 
-def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis) -> Functional:
-    """What the integrals of a disc read off, of the `basis` at its points, for a material in the axes of its tip.
+def _functional(
+    cover: Cover, material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, at: tuple[Floats, Ints]
+) -> Functional:
+    """What the integrals of a disc read off at its points and elements, for a material in the axes of its tip.
 
     These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
     derivative along the faces does not matter.
@@ -178,7 +179,7 @@ def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: In
     at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
     turned = np.kron(turn, turn).T @ at_points.reshape(FIELDS * len(rule.radii), 4, -1)  # [M, c and d, n]
     of_c = turned.reshape(len(turned), 2, 2, -1).transpose(2, 3, 1, 0)
-    functions, sums = basis.summed(of_c.reshape(2, -1, 2 * len(turned)))
+    functions, sums = gradient_sums(cover, *at, of_c.reshape(2, -1, 2 * len(turned)))
     of_uniform = turned.sum(axis=-1)
     of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
     more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors, of_uniform_stress(material))

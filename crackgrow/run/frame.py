@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.accuracy.energy_norm import ErrorEstimate
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import fields_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
@@ -42,7 +42,7 @@ def make_frame(
     n, middles = len(mesh.points), [mesh.points[cells].mean(axis=1) for cells in (mesh.triangles, mesh.quads)]
     _, first = np.unique(mesh.place_node, return_index=True)  # all elements that meet at a node say the same
     at, element = np.concatenate([mesh.points, *middles]), np.append(mesh.place_element[first], mesh.element)
-    value, *slopes = basis_at(cover, at, element).fields(u)
+    value, *slopes = fields_at(cover, at, element, u)
     places, bodies = cover.lattice.to_metres(at), elements.body[element]
     stress = stress_of(materials, np.stack(slopes, axis=2), bodies, places)
     _away_from_tips(cover, mesh, stress[:n])

@@ -84,10 +84,9 @@ def _integrate(
     """
     (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
     start, column, block = matrix
-    most, most_points = 1, 1
-    for e in range(len(at) - 1):
-        most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
-    work, shift, g, s = workspace(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    work, most_points = workspace(arrays), int(np.max(np.diff(inside_at)))
+    most = work[4].shape[1]
+    shift, g, s = np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
     (nodes, half, patch_at, patch), (by, per, _, _, f) = arrays[:4], work
     for e in range(len(at) - 1):
         k, m = gathered(e, by, per, nodes, half, patch_at, patch), at[e + 1] - at[e]

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.basis import basis_at, fields_at, values_at
 from crackgrow.approximation.mls import mls
 from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.elements import locate
@@ -108,7 +108,8 @@ def test_plain_functions_reproduce_linear_fields_and_all_have_the_slopes_of_thei
     u = np.random.default_rng(6).normal(size=(cover.n_functions, 2))
     expected = [matrix @ u for matrix in (basis.rows, *gradient_rows(basis))]
     for n in (0, 1, len(points)):
-        found, alone = (make(cover, points[:n], elements[:n]).fields(u.ravel()) for make in (basis_at, values_at))
+        at = points[:n], elements[:n], u.ravel()
+        found, alone = fields_at(cover, *at), fields_at(cover, *at, derivatives=False)
         for field, exact in zip([*found, *alone], [*expected, expected[0]], strict=True):
             np.testing.assert_allclose(field, exact[:n], atol=1e-12 * np.abs(exact).max())
 
