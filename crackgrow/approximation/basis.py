@@ -1,4 +1,4 @@
-"""The basis at points of elements, and what is made of it: sparse rows, fields, and sums of derivatives.
+"""The basis at points of elements, and what is made of it: sparse rows of values, and fields.
 
     u(x) = sum_i phi_i(x) u_i + sum_tk F_tk(x) sum_c X_c(x) a_ctk,    paper eqs. (2), (3),
 
@@ -9,7 +9,6 @@ the tip.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -21,64 +20,26 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-from crackgrow.ragged import numbered
 
 assert N_TIP_FUNCTIONS == 4  # the kernels count by it
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Basis:
-    """All functions at n points: those at point i are the places start[i] to start[i + 1], patches first."""
-
-    n_functions: int
-    start: Ints  # (n + 1,)
-    functions: Ints  # (q,)
-    values: Floats  # (1, q), or (3, q) with the derivatives by x and by y, per metre
-
-    @property
-    def rows(self) -> csr_array:
-        """The values (n, n_functions)."""
-        return csr_array((self.values[0], self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
-
-    @property
-    def columns(self) -> tuple[Ints, Ints]:
-        """The functions (k,) that there are, ascending, and which of them each value (q,) is of."""
-        return numbered(self.functions, self.n_functions)
-
-
-def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:
-    """Values and derivatives at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
+def values_at(cover: Cover, points: Floats, elements: Ints) -> csr_array:
+    """Values (n, n_functions) at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
     on = cover.functions.taken(elements)
-    values = np.empty((3 if derivatives else 1, len(on.values)))
-    _values(cover.arrays, cover.lattice.spacing, points, elements, on.start, values)
-    return Basis(cover.n_functions, on.start, on.values, values)
-
-
-def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
-    """The values of `basis_at` alone."""
-    return basis_at(cover, points, elements, derivatives=False)
+    values = np.empty(len(on.values))
+    _put_values(cover.arrays, points, elements, on.start, values)
+    return csr_array((values, on.values, on.start), shape=(on.n, cover.n_functions))
 
 
 def fields_at(cover: Cover, points: Floats, elements: Ints, u: Floats, *, derivatives: bool = True) -> Floats:
-    """The displacement, then its derivatives by x and by y (3, n, 2) of `u` (n_dofs,) m, at points as of `basis_at`.
+    """The displacement, then its derivatives by x and by y (3, n, 2) of `u` (n_dofs,) m, at points as of `values_at`.
 
     Without derivatives it is (1, n, 2).
     """
     on, found = cover.functions, np.empty((3 if derivatives else 1, len(points), 2))
     _put_fields(cover.arrays, cover.lattice.spacing, points, elements, on.start, on.values, u, found)
     return found
-
-
-def gradient_sums(cover: Cover, points: Floats, elements: Ints, weights: Floats) -> tuple[Ints, Floats]:
-    """Functions (k,), ascending, and sums (k, c) over points, as of `basis_at`, and both derivatives of these times
-    `weights` (2, n, c)."""
-    on, (first, _) = cover.functions, numbered(elements, cover.elements.n)
-    functions, _ = numbered(on.taken(first).values, cover.n_functions)
-    row = np.empty(cover.n_functions, dtype=np.int64)
-    row[functions] = np.arange(len(functions))
-    total = np.zeros((len(functions), weights.shape[2]))
-    _add_sums(cover.arrays, cover.lattice.spacing, points, elements, on.start, row[on.values], weights, total)
-    return functions, total
 
 
 def of_component(rows: csr_array, component: int) -> csr_array:
@@ -148,17 +109,13 @@ def at_point(i: int, points: Floats, elements: Ints, derivatives: bool, k: int, 
 
 
 @kernel
-def _values(arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
-    """Put all functions at points into `found` (components, q), those of a point from its start (n + 1,) on."""
+def _put_values(arrays: Any, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
+    """Put the values of all functions at points into `found` (q,), those of a point from its start (n + 1,) on."""
     work, k = workspace(arrays), 0
-    f, scale = work[4], 1.0 / spacing
     for i in range(len(points)):
-        k = at_point(i, points, elements, len(found) == 3, k, arrays, work)
+        k = at_point(i, points, elements, False, k, arrays, work)
         for n in range(start[i + 1] - start[i]):
-            found[0, start[i] + n] = f[0, n]
-            if len(found) == 3:
-                found[1, start[i] + n] = scale * f[1, n]
-                found[2, start[i] + n] = scale * f[2, n]
+            found[start[i] + n] = work[4][0, n]
 
 
 @kernel
@@ -178,19 +135,3 @@ def _put_fields(
                 y += f[c, n - first] * u[2 * function[n] + 1]
             scale = 1.0 / spacing if c else 1.0
             found[c, i, 0], found[c, i, 1] = scale * x, scale * y
-
-
-@kernel
-def _add_sums(
-    arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, row: Ints, weights: Floats, total: Floats
-) -> None:
-    """Add the sums of `gradient_sums` to the rows (q,) of `total` that are those of the functions of elements."""
-    work, k = workspace(arrays), 0
-    f, scale = work[4], 1.0 / spacing
-    for i in range(len(points)):
-        k = at_point(i, points, elements, True, k, arrays, work)
-        first, last = start[elements[i]], start[elements[i] + 1]
-        for n in range(first, last):
-            by_x, by_y, to = scale * f[1, n - first], scale * f[2, n - first], row[n]
-            for c in range(total.shape[1]):
-                total[to, c] += by_x * weights[0, i, c] + by_y * weights[1, i, c]

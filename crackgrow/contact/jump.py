@@ -18,7 +18,7 @@ def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
     n, (rock, places, elements) = len(points.s), _both_faces(points)
     sides = np.concatenate([np.ones(n), -np.ones(len(rock))])
     both = csr_array((sides, (np.append(np.arange(n), rock), np.arange(len(sides)))), shape=(n, len(sides)))
-    return csr_array(both @ values_at(cover, places, elements).rows)
+    return csr_array(both @ values_at(cover, places, elements))
 
 
 def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:

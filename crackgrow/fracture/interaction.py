@@ -40,12 +40,20 @@ FIELDS = len(RIGHT_FACE)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """What M (radii, FIELDS) of a rule, field by field, takes of the body's own field, in the tip's axes."""
+    """What M of a rule, field by field, takes of the body's own field, in the tip's axes."""
 
-    around: Floats  # (radii, FIELDS, 2, 2, n) of elastic gradients [radius, field, c, d] at the points of the circles
-    left: Floats  # (radii, FIELDS, 2, 2, m) of those at the points of the left face
-    right: Floats  # of the right one
-    vectors: Floats  # (radii, FIELDS, 2, m) of the stress vectors on the left face; those on the right are opposite
+    around: Floats  # (FIELDS, 2, 2, n) of elastic gradients [field, c, d] at the points of the circles
+    fall: Floats  # (radii, n) of these points
+    left: Floats  # (FIELDS, 2, 2, m) of those at the points of the left face
+    vectors: Floats  # (FIELDS, 2, m) of the stress vectors there; those on the right are opposite
+    step: Floats  # (radii, m) of points of the faces
+
+    def M(self, around: Floats, left: Floats, right: Floats, vectors: Floats) -> Floats:
+        """M (radii, FIELDS) of gradients (2, 2, n) on the circles, (2, 2, m) on both faces, and vectors (2, m)."""
+        of_left, of_right = (np.einsum("mcdn,cdn->nm", self.left, face) for face in (left, right))
+        # on the right face the outward normal is opposite, and so may be the auxiliary field
+        of_faces = of_left - RIGHT_FACE * of_right + np.einsum("mcn,cn->nm", self.vectors, vectors)
+        return np.asarray(self.fall @ np.einsum("mcdn,cdn->nm", self.around, around) + self.step @ of_faces)
 
 
 def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
@@ -53,19 +61,15 @@ def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
     circles, faces, radii = rule.circles, rule.faces, rule.radii
     around, beside = _auxiliary(material, rule)
     fall = fall_weights(circles.r, circles.weight * circles.r, radii)[:, :, None] * circles.angle_weight
-    step = step_weights(faces.r, faces.weight, radii)
     (a_11, _), (a_21, _) = beside
     _, yy, xy = _stress(material, beside)
     tx, ty = faces.toward_tip.T
-    left = step[:, None, None, None] * np.stack([np.stack([xy * tx, xy * ty]), np.stack([yy * tx, yy * ty])]).transpose(
-        2, 0, 1, 3
-    )
-    opposite = -RIGHT_FACE[:, None, None]  # the outward normal is, and what the field is besides
     return Weights(
-        -fall.reshape(len(radii), 1, 1, 1, -1) * _radial_flux(material, circles.t.ravel(), around),
-        left,
-        opposite[..., None] * left,
-        step[:, None, None] * (1.0 + opposite) * np.stack([a_11, a_21], axis=1),
+        _radial_flux(material, circles.t.ravel(), around),
+        -fall.reshape(len(radii), -1),
+        np.array([[xy * tx, xy * ty], [yy * tx, yy * ty]]).transpose(2, 0, 1, 3),
+        (1.0 - RIGHT_FACE)[:, None, None] * np.stack([a_11, a_21], axis=1),
+        step_weights(faces.r, faces.weight, radii),
     )
 
 

@@ -33,7 +33,7 @@ def load_vector(cover: Cover, bodies: Sequence[model.Body], loads: Sequence[mode
     points, elements, forces = point_forces(cover, bodies, loads, n)
     if not len(points):
         return np.zeros(cover.n_dofs)
-    return np.asarray(values_at(cover, points, elements).rows.T @ forces).ravel()
+    return np.asarray(values_at(cover, points, elements).T @ forces).ravel()
 
 
 Forces = tuple[Floats, Ints, Floats]
