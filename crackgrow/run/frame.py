@@ -21,7 +21,7 @@ from crackgrow.cover.tips import Tip
 from crackgrow.geometry.arrangement import connected, vertex_ids
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.quadrature.elements import triangulate
-from crackgrow.ragged import starts_of
+from crackgrow.ragged import distinct, found_in, spans, starts_of
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_of
@@ -63,9 +63,11 @@ def make_frame(
 
 def _away_from_tips(cover: Cover, mesh: OutputMesh, stress: Floats) -> None:
     """Put the means of the neighbours into the stress (n, 3) at nodes at tips, where it is infinite."""
+    tips, order = np.array([tip.point for tip in cover.tips]).reshape(-1, 2), np.argsort(mesh.points[:, 0])
+    first, last = (np.searchsorted(mesh.points[order, 0], tips[:, 0] + off) for off in (-ON_LINE, ON_LINE))
+    near, y = order[spans(first, last - first)], np.repeat(tips[:, 1], last - first)
     at_tip = np.zeros(len(mesh.points), dtype=bool)
-    for tip in cover.tips:
-        at_tip |= (np.abs(mesh.points - tip.point) < ON_LINE).all(axis=1)
+    at_tip[near[np.abs(mesh.points[near, 1] - y) < ON_LINE]] = True
     ends = np.concatenate([mesh.sides, mesh.sides[:, ::-1]])
     ends = np.unique(ends[at_tip[ends[:, 0]] & ~at_tip[ends[:, 1]]], axis=0)
     nodes, index = np.unique(ends[:, 0], return_inverse=True)
@@ -172,7 +174,7 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
         of_triangle = side[np.arange(len(side)), longest]
         while (more := halved[side].any(axis=1) & ~halved[of_triangle]).any():
             halved[of_triangle[more]] = True
-        touched = np.isin(cells.keys(_sides_of(cells.quads)), keys[halved]).any(axis=1)
+        touched = (found_in(keys[halved], cells.keys(_sides_of(cells.quads))) >= 0).any(axis=1)
         if touched.any():
             cells = _fanned(elements, cells, cells.whole[touched])
         else:
@@ -202,8 +204,9 @@ def _halved(cells: _Cells, ends: Ints, middle: Ints, longest: Ints) -> _Cells:
         np.stack([on_side, second, apex], axis=1)[again],
     ]
     keys, closed = cells.keys(ends), cells.closed
-    there = np.isin(cells.keys(closed), keys)
-    between = len(cells.vertices) + np.searchsorted(keys, cells.keys(closed[there]))
+    place = found_in(keys, cells.keys(closed))
+    there = place >= 0
+    between = len(cells.vertices) + place[there]
     halves = [np.stack([closed[there, 0], between], axis=1), np.stack([between, closed[there, 1]], axis=1)]
     return replace(
         cells,
@@ -230,7 +233,7 @@ def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
     sides[turned] = sides[turned, ::-1]
     keys = cells.keys(vertex[sides])
     sides, keys = sides[order := np.argsort(keys, kind="stable")], keys[order]
-    joined = np.flatnonzero((keys[1:] == keys[:-1]) & ~np.isin(keys[1:], cells.keys(cells.closed)))
+    joined = np.flatnonzero((keys[1:] == keys[:-1]) & (found_in(distinct(cells.keys(cells.closed)), keys[1:]) < 0))
     node = connected(len(places), sides[joined].ravel(), sides[joined + 1].ravel())
     _, first = np.unique(node, return_index=True)
     return OutputMesh(
