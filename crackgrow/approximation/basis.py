@@ -128,10 +128,17 @@ def _put_fields(
     for i in range(len(points)):
         k = at_point(i, points, elements, len(found) == 3, k, arrays, work)
         first, last = start[elements[i]], start[elements[i] + 1]
-        for c in range(len(found)):
-            x = y = 0.0
-            for n in range(first, last):
-                x += f[c, n - first] * u[2 * function[n]]
-                y += f[c, n - first] * u[2 * function[n] + 1]
-            scale = 1.0 / spacing if c else 1.0
-            found[c, i, 0], found[c, i, 1] = scale * x, scale * y
+        x = y = x_x = y_x = x_y = y_y = 0.0
+        for n in range(first, last):
+            of_x, of_y = u[2 * function[n]], u[2 * function[n] + 1]
+            x += f[0, n - first] * of_x
+            y += f[0, n - first] * of_y
+            if len(found) == 3:
+                x_x += f[1, n - first] * of_x
+                y_x += f[1, n - first] * of_y
+                x_y += f[2, n - first] * of_x
+                y_y += f[2, n - first] * of_y
+        found[0, i, 0], found[0, i, 1] = x, y
+        if len(found) == 3:
+            found[1, i, 0], found[1, i, 1] = x_x / spacing, y_x / spacing
+            found[2, i, 0], found[2, i, 1] = x_y / spacing, y_y / spacing

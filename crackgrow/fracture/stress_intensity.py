@@ -49,6 +49,7 @@ class _Integral:
 
     rule: TipRule
     weights: Weights
+    of_stress: Floats  # (3,) 1/Pa: what M of the third field has of a uniform stress xx, yy, xy
     beyond: Ints  # (b,) points of the faces that are beyond the last segment; nearer their gradients do not matter
     points: Floats  # (n + 2 b, 2) of the circles, then those `beyond` on the left face and on the right one
     elements: Ints  # (n + 2 b,)
@@ -140,8 +141,8 @@ def _in_disc(
         M = M + of_body_force(in_tip_axes, rule, force)
     pressing, shearing = traction(tip.from_start(np.zeros(1)))
     K_II, K_I = 0.5 * np.sqrt(spacing) * np.linalg.solve(in_tip_axes.release, M[:, 1::-1].T)
-    along, across, shear = of_uniform_stress(in_tip_axes)
-    of_T = (M[:, 2] - across * float(pressing[0]) - shear * float(shearing[0])) / along
+    of_xx, of_yy, of_xy = integral.of_stress
+    of_T = (M[:, 2] - of_yy * float(pressing[0]) - of_xy * float(shearing[0])) / of_xx
     found = np.stack([K_I, K_II, of_T], axis=1)
     (K_I, K_II, T), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
@@ -168,7 +169,7 @@ def _integrals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequen
         on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
         left_right = [faces.plus, faces.minus] if disc.tip.at_end else [faces.minus, faces.plus]
         points, at = np.concatenate([own, on_faces, on_faces]), np.concatenate([there, *left_right])
-        found.append(_Integral(rule, weights_of(rock, rule), beyond, points, at))
+        found.append(_Integral(rule, weights_of(rock, rule), of_uniform_stress(rock), beyond, points, at))
     return found
 
 
