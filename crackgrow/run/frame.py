@@ -162,12 +162,14 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
     So triangles stay about as slender as they are (Rivara 1984).
     """
     near = _too_long(cells.vertices[_sides_of(cells.quads)], tips).any(axis=1)
-    cells = _fanned(elements, cells, cells.whole[near])
+    cells, n_looked = _fanned(elements, cells, cells.whole[near]), 0
     while True:
         ends = _sides_of(cells.triangles)
         keys, first, side = np.unique(cells.keys(ends), return_index=True, return_inverse=True)
         ends, side = ends.reshape(-1, 2)[first], side.reshape(-1, 3)
-        halved = _too_long(cells.vertices[ends], tips)
+        new = (ends >= n_looked).any(axis=1)  # others are short enough
+        halved = np.zeros(len(ends), dtype=bool)
+        halved[new] = _too_long(cells.vertices[ends[new]], tips)
         if not halved.any():
             return cells
         longest = np.argmax(_lengths(cells.vertices[ends])[side], axis=1)
@@ -179,7 +181,8 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
             cells = _fanned(elements, cells, cells.whole[touched])
         else:
             middle = np.full(len(ends), -1)
-            middle[halved] = len(cells.vertices) + np.arange(int(halved.sum()))
+            n_looked = len(cells.vertices)
+            middle[halved] = n_looked + np.arange(int(halved.sum()))
             cells = _halved(cells, ends[halved], middle[side], longest)
 
 
