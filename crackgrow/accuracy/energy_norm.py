@@ -18,13 +18,13 @@ from typing import Any
 
 import numpy as np
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import at_point, fields_at, workspace
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.fracture.singular_stress import SingularStress
 from crackgrow.quadrature.elements import ElementPoints, element_points
-from crackgrow.ragged import starts_of
+from crackgrow.ragged import by_row, distinct, starts_of
 from crackgrow.solid.elasticity import PlaneElasticity, energy_components
 from crackgrow.solid.recovery import stress_of
 
@@ -61,23 +61,18 @@ def error_estimate(
 ) -> ErrorEstimate:
     """Estimate for displacements `u` (n_dofs,) m in bodies of `materials`, in-situ stress included."""
     at, patches = element_points(cover, N_POINTS), cover.patches
-    basis, body = basis_at(cover, at.points, at.element), cover.elements.body[at.element]
-    gradient = basis.fields(u)[1:].transpose(1, 2, 0)
-    phi = np.maximum(basis.values[0, basis.functions < len(patches.nodes)], 0.0)
-    del basis  # a quarter of the memory that a solved step takes
+    body = cover.elements.body[at.element]
+    gradient = fields_at(cover, at.points, at.element, u)[1:].transpose(1, 2, 0)
     stress = stress_of(materials, gradient, body, cover.lattice.to_metres(at.points))
     stress = energy_components(materials, stress, body)
     norm = float(at.weights @ np.sum(stress**2, axis=1))
-    pairs = patches.of_element.taken(at.element)  # of a point and a patch over it
-    point = pairs.row
-    # no fits on crumbs, whose stress is uniform
-    weights = phi * np.where(patches.in_crumb[at.element], 0.0, at.weights)[point]
+    weights = np.where(patches.in_crumb[at.element], 0.0, at.weights)  # no fits on crumbs, whose stress is uniform
     scale = cover.lattice.support / patches.half  # of the polynomials' arguments, which are of order 1
     near = _singular_stress(cover, materials, at, singular)
-    samples = point, pairs.values, weights, at.points, patches.nodes, scale, stress, *near
+    samples = at.points, at.element, weights, scale, stress, *near
     sums, elements = np.zeros((len(patches.nodes), N_MONOMIALS, N_MONOMIALS + 3)), np.zeros(cover.elements.n)
-    _add_moments(samples, sums)
-    _add_squares(samples, at.element, _solved(sums), elements)
+    _add_moments(cover.arrays, samples, sums)
+    _add_squares(cover.arrays, samples, _solved(sums), elements)
     area = cover.lattice.spacing**2
     return ErrorEstimate(area * elements, math.sqrt(area * norm))
 
@@ -90,13 +85,14 @@ def _singular_stress(
     Returns the patches in which each tip's is told apart (n_tips, n_patches), start (n + 1,), tips (q,), and stresses
     (q, 3) in the components of the energy.
     """
-    patch, element_of = cover.patches.of_element.values, cover.patches.of_element.row
-    acts = np.array([tip.patches for tip in singular], dtype=bool).reshape(-1, len(cover.patches.nodes))
+    over, n_patches = cover.patches.of_element, len(cover.patches.nodes)
+    order = np.argsort(over.values, kind="stable")
+    under = by_row(over.values[order], over.row[order], n_patches)  # patches -> elements
+    of_element = by_row(at.element, np.arange(len(at.element)), cover.elements.n)
+    acts = np.array([tip.patches for tip in singular], dtype=bool).reshape(-1, n_patches)
     point, number, values = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)], [np.zeros((0, 3))]
     for n, tip in enumerate(singular):
-        sees = np.zeros(cover.elements.n, dtype=bool)
-        sees[element_of[acts[n][patch]]] = True
-        mine = np.flatnonzero(sees[at.element])
+        mine = of_element.taken(distinct(under.taken(np.flatnonzero(acts[n])).values)).values
         element = at.element[mine]
         stress = tip.at(at.points[mine], element)
         point.append(mine)
@@ -109,10 +105,9 @@ def _singular_stress(
 
 
 @kernel
-def _at_pair(pair: int, samples: Any, m: Floats, s: Floats) -> None:
-    """Put the monomials of a pair into m (6,), and its stress less what is told apart in its patch into s (3,)."""
-    point, patch, _, points, nodes, scale, stress, acts, start, tip, singular = samples
-    i, p = point[pair], patch[pair]
+def _at_patch(i: int, p: int, nodes: Floats, samples: Any, m: Floats, s: Floats) -> None:
+    """Put the monomials at a point into m (6,), and its stress less what is told apart in a patch into s (3,)."""
+    points, _, _, scale, stress, acts, start, tip, singular = samples
     x, y = (points[i, 0] - nodes[p, 0]) * scale[p], (points[i, 1] - nodes[p, 1]) * scale[p]
     m[0], m[1], m[2], m[3], m[4], m[5] = 1.0, x, y, x * x, x * y, y * y
     for component in range(3):
@@ -124,32 +119,37 @@ def _at_pair(pair: int, samples: Any, m: Floats, s: Floats) -> None:
 
 
 @kernel
-def _add_moments(samples: Any, sums: Floats) -> None:
+def _add_moments(arrays: Any, samples: Any, sums: Floats) -> None:
     """Add integrals of phi_i, times monomials round the node, times these and the stress, to `sums` (patches, 6, 9)."""
-    patch, weights, m, s = samples[1], samples[2], np.empty(6), np.empty(3)
-    for pair in range(len(patch)):
-        _at_pair(pair, samples, m, s)
-        for row in range(6):
-            part = weights[pair] * m[row]
-            for column in range(6):
-                sums[patch[pair], row, column] += part * m[column]
-            for column in range(3):
-                sums[patch[pair], row, 6 + column] += part * s[column]
+    (nodes, _, patch_at, patch), (points, elements, weights) = arrays[:4], samples[:3]
+    work, k, m, s = workspace(arrays), 0, np.empty(6), np.empty(3)
+    for i in range(len(points)):
+        k = at_point(i, points, elements, False, k, arrays, work)
+        for n in range(k):
+            p, weight = patch[patch_at[elements[i]] + n], weights[i] * max(work[4][0, n], 0.0)
+            _at_patch(i, p, nodes, samples, m, s)
+            for row in range(6):
+                part = weight * m[row]
+                for column in range(6):
+                    sums[p, row, column] += part * m[column]
+                for column in range(3):
+                    sums[p, row, 6 + column] += part * s[column]
 
 
 @kernel
-def _add_squares(samples: Any, elements: Ints, fits: Floats, found: Floats) -> None:
-    """Add the integrals of sum_i phi_i |P_i - s|^2 over each element to `found` (elements,), in squared spacings.
-
-    elements: of the points (n,)
-    """
-    point, patch, weights, m, s = samples[0], samples[1], samples[2], np.empty(6), np.empty(3)
-    for pair in range(len(patch)):
-        _at_pair(pair, samples, m, s)
-        for row in range(6):
-            for component in range(3):
-                s[component] -= m[row] * fits[patch[pair], row, component]
-        found[elements[point[pair]]] += weights[pair] * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+def _add_squares(arrays: Any, samples: Any, fits: Floats, found: Floats) -> None:
+    """Add the integrals of sum_i phi_i |P_i - s|^2 over each element to `found` (elements,), in squared spacings."""
+    (nodes, _, patch_at, patch), (points, elements, weights) = arrays[:4], samples[:3]
+    work, k, m, s = workspace(arrays), 0, np.empty(6), np.empty(3)
+    for i in range(len(points)):
+        k = at_point(i, points, elements, False, k, arrays, work)
+        for n in range(k):
+            p, weight = patch[patch_at[elements[i]] + n], weights[i] * max(work[4][0, n], 0.0)
+            _at_patch(i, p, nodes, samples, m, s)
+            for row in range(6):
+                for component in range(3):
+                    s[component] -= m[row] * fits[p, row, component]
+            found[elements[i]] += weight * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
 
 
 def _solved(sums: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The basis at points of elements, and what is made of it: sparse rows, derivatives by function, and fields.
+"""The basis at points of elements, and what is made of it: sparse rows of values, and fields.
 
     u(x) = sum_i phi_i(x) u_i + sum_tk F_tk(x) sum_c X_c(x) a_ctk,    paper eqs. (2), (3),
 
@@ -9,67 +9,37 @@ the tip.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.mls import mls
-from crackgrow.approximation.tip_functions import tip_functions, tip_table
+from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.tips import N_TIP_FUNCTIONS
-from crackgrow.ragged import numbered
 
 assert N_TIP_FUNCTIONS == 4  # the kernels count by it
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Basis:
-    """All functions at n points: those at point i are the places start[i] to start[i + 1], patches first."""
-
-    n_functions: int
-    start: Ints  # (n + 1,)
-    functions: Ints  # (q,)
-    values: Floats  # (1, q), or (3, q) with the derivatives by x and by y, per metre
-
-    @property
-    def rows(self) -> csr_array:
-        """The values (n, n_functions)."""
-        return csr_array((self.values[0], self.functions, self.start), shape=(len(self.start) - 1, self.n_functions))
-
-    def fields(self, u: Floats) -> Floats:
-        """The displacement, and its derivatives by x and by y if they are there (1 or 3, n, 2), of `u` (n_dofs,) m."""
-        found = np.zeros((len(self.values), len(self.start) - 1, 2))
-        _add_fields(self.start, self.functions, self.values, u, found)
-        return found
-
-    @property
-    def columns(self) -> tuple[Ints, Ints]:
-        """The functions (k,) that there are, ascending, and which of them each value (q,) is of."""
-        return numbered(self.functions, self.n_functions)
-
-    def summed(self, weights: Floats) -> tuple[Ints, Floats]:
-        """These functions (k,), and sums (k, c) over points and both derivatives of these times `weights` (2, n, c)."""
-        functions, column = self.columns
-        total = np.zeros((len(functions), weights.shape[2]))
-        _add_sums(self.start, column, self.values, np.ascontiguousarray(weights), total)
-        return functions, total
+def values_at(cover: Cover, points: Floats, elements: Ints) -> csr_array:
+    """Values (n, n_functions) at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
+    on = cover.functions.taken(elements)
+    values = np.empty(len(on.values))
+    _put_values(cover.arrays, points, elements, on.start, values)
+    return csr_array((values, on.values, on.start), shape=(on.n, cover.n_functions))
 
 
-def basis_at(cover: Cover, points: Floats, elements: Ints, *, derivatives: bool = True) -> Basis:
-    """Values and derivatives at points (n, 2), lattice coordinates, each inside or on the rim of its element (n,)."""
-    on = cover.functions_on(elements)
-    values = np.empty((3 if derivatives else 1, len(on.values)))
-    _values(arrays_of(cover), cover.lattice.spacing, points, elements, on.start, values)
-    return Basis(cover.n_functions, on.start, on.values, values)
+def fields_at(cover: Cover, points: Floats, elements: Ints, u: Floats, *, derivatives: bool = True) -> Floats:
+    """The displacement, then its derivatives by x and by y (3, n, 2) of `u` (n_dofs,) m, at points as of `values_at`.
 
-
-def values_at(cover: Cover, points: Floats, elements: Ints) -> Basis:
-    """The values of `basis_at` alone."""
-    return basis_at(cover, points, elements, derivatives=False)
+    Without derivatives it is (1, n, 2).
+    """
+    on, found = cover.functions, np.empty((3 if derivatives else 1, len(points), 2))
+    _put_fields(cover.arrays, cover.lattice.spacing, points, elements, on.start, on.values, u, found)
+    return found
 
 
 def of_component(rows: csr_array, component: int) -> csr_array:
@@ -79,56 +49,12 @@ def of_component(rows: csr_array, component: int) -> csr_array:
 
 
 @kernel
-def _add_fields(start: Ints, function: Ints, values: Floats, u: Floats, total: Floats) -> None:
-    """Add the fields (., n, 2) of `u` (n_dofs,) at points whose functions begin at `start` (n + 1,)."""
-    for k in range(len(values)):
-        for i in range(len(start) - 1):
-            for q in range(start[i], start[i + 1]):
-                total[k, i, 0] += values[k, q] * u[2 * function[q]]
-                total[k, i, 1] += values[k, q] * u[2 * function[q] + 1]
-
-
-@kernel
-def _add_sums(start: Ints, row: Ints, values: Floats, weights: Floats, total: Floats) -> None:
-    """Add the sums of `Basis.summed` to the rows of `total` (k, c) that are those of the functions."""
-    for i in range(len(start) - 1):
-        for q in range(start[i], start[i + 1]):
-            for c in range(total.shape[1]):
-                total[row[q], c] += values[1, q] * weights[0, i, c] + values[2, q] * weights[1, i, c]
-
-
-def arrays_of(cover: Cover) -> tuple[Any, ...]:
-    """What kernels need to evaluate the functions of elements, as `gathered` and `functions_at` take it."""
-    patches, enrichment = cover.patches, cover.enrichment
-    return (
-        np.ascontiguousarray(patches.nodes),
-        1.0 / patches.weight_half,
-        patches.of_element.start,
-        patches.of_element.values,
-        enrichment.tips.start,
-        enrichment.tips.values,
-        enrichment.side,
-        enrichment.first.start,
-        enrichment.place.start,
-        enrichment.place.values,
-        enrichment.share,
-        tip_table(cover.tips, [cover.bodies[tip.body].roots for tip in cover.tips]),
-    )
-
-
-@kernel
-def most_functions(patch_at: Ints, pair_at: Ints, carrier_at: Ints) -> int:
-    """The largest number of functions on an element."""
-    most = 0
+def workspace(arrays: Any) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+    """What `gathered` and `functions_at` work in: room for the largest number of functions on an element."""
+    patch_at, pair_at, carrier_at, most = arrays[2], arrays[4], arrays[7], 1
     for e in range(len(patch_at) - 1):
         carriers = carrier_at[pair_at[e + 1]] - carrier_at[pair_at[e]]
         most = max(most, patch_at[e + 1] - patch_at[e] + 4 * carriers)
-    return most
-
-
-@kernel
-def workspace(most: int) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-    """What `gathered` and `functions_at` work in, where at most so many functions are on an element."""
     return np.empty((2, most)), np.empty(most), np.empty((5, most)), np.empty((3, 4)), np.empty((3, most))
 
 
@@ -170,19 +96,49 @@ def functions_at(x: float, y: float, element: int, derivatives: bool, k: int, ar
 
 
 @kernel
-def _values(arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
-    """Put all functions at points into `found` (components, q), those of a point from its start (n + 1,) on."""
-    nodes, half, patch_at, patch, pair_at, _, _, carrier_at = arrays[:8]
-    work, derivatives, k = workspace(most_functions(patch_at, pair_at, carrier_at)), len(found) == 3, 0
-    at, per, _, _, f = work
-    scale = 1.0 / spacing
+def at_point(i: int, points: Floats, elements: Ints, derivatives: bool, k: int, arrays: Any, work: Any) -> int:
+    """As `functions_at`, at the i-th of some points: of an element that the one before has, too, k patches are there.
+
+    Returns the number of patches.
+    """
+    e = elements[i]
+    if i == 0 or e != elements[i - 1]:
+        k = gathered(e, work[0], work[1], arrays[0], arrays[1], arrays[2], arrays[3])
+    functions_at(points[i, 0], points[i, 1], e, derivatives, k, arrays, work)
+    return k
+
+
+@kernel
+def _put_values(arrays: Any, points: Floats, elements: Ints, start: Ints, found: Floats) -> None:
+    """Put the values of all functions at points into `found` (q,), those of a point from its start (n + 1,) on."""
+    work, k = workspace(arrays), 0
     for i in range(len(points)):
-        e = elements[i]
-        if i == 0 or e != elements[i - 1]:
-            k = gathered(e, at, per, nodes, half, patch_at, patch)
-        functions_at(points[i, 0], points[i, 1], e, derivatives, k, arrays, work)
+        k = at_point(i, points, elements, False, k, arrays, work)
         for n in range(start[i + 1] - start[i]):
-            found[0, start[i] + n] = f[0, n]
-            if derivatives:
-                found[1, start[i] + n] = scale * f[1, n]
-                found[2, start[i] + n] = scale * f[2, n]
+            found[start[i] + n] = work[4][0, n]
+
+
+@kernel
+def _put_fields(
+    arrays: Any, spacing: float, points: Floats, elements: Ints, start: Ints, function: Ints, u: Floats, found: Floats
+) -> None:
+    """Put the fields of `fields_at` into `found`; the functions (q,) of elements begin at `start`."""
+    work, k = workspace(arrays), 0
+    f = work[4]
+    for i in range(len(points)):
+        k = at_point(i, points, elements, len(found) == 3, k, arrays, work)
+        first, last = start[elements[i]], start[elements[i] + 1]
+        x = y = x_x = y_x = x_y = y_y = 0.0
+        for n in range(first, last):
+            of_x, of_y = u[2 * function[n]], u[2 * function[n] + 1]
+            x += f[0, n - first] * of_x
+            y += f[0, n - first] * of_y
+            if len(found) == 3:
+                x_x += f[1, n - first] * of_x
+                y_x += f[1, n - first] * of_y
+                x_y += f[2, n - first] * of_x
+                y_y += f[2, n - first] * of_y
+        found[0, i, 0], found[0, i, 1] = x, y
+        if len(found) == 3:
+            found[1, i, 0], found[1, i, 1] = x_x / spacing, y_x / spacing
+            found[2, i, 0], found[2, i, 1] = x_y / spacing, y_y / spacing

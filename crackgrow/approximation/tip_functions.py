@@ -12,26 +12,11 @@ seen from the tip they fade out with chi = (1 - (r/L)^2)^2, L = `TipView.fade`.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.compiled import kernel
-from crackgrow.cover.shapes import Roots, turned_roots
-from crackgrow.cover.tips import TipView
-
-
-def tip_table(tips: Sequence[TipView], roots: Sequence[Roots]) -> Floats:
-    """What the kernels need of tips (t, 11): the point, the rotation row by row, the length L, and the two roots.
-
-    `roots` are, tip by tip, in the axes of the lattice.
-    """
-    rows = []
-    for tip, of_rock in zip(tips, roots, strict=True):
-        first, last = turned_roots(of_rock, tip.rotation)
-        rows.append([*tip.point, *tip.rotation.ravel(), tip.fade, first.real, first.imag, last.real, last.imag])
-    return np.array(rows).reshape(-1, 11)
 
 
 @kernel

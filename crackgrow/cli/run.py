@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import gc
 import os
 import shutil
 import signal
@@ -68,6 +69,7 @@ def _run(writer: RunWriter, found: Resumption | None, quiet: bool, again: str) -
         expected=expected.words if expected else "",
     )
     before_compiling(lambda: complain("compiling the kernels: once after installation, less than a minute"))
+    gc.freeze()  # what modules hold is not looked through for garbage again and again
     try:
         end = _write_steps(steps, writer, progress)
     except OutputError as error:
@@ -86,6 +88,7 @@ def _run(writer: RunWriter, found: Resumption | None, quiet: bool, again: str) -
         _break_off(writer, error)
         raise
     finally:
+        gc.unfreeze()
         progress.close()
     if writer.error_line and not quiet:
         say(writer.error_line)

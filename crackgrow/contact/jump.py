@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.sparse import csr_array
 
-from crackgrow.approximation.basis import of_component, values_at
+from crackgrow.approximation.basis import fields_at, of_component, values_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import EPSILON, SLIP, STICK, ContactLaw
 from crackgrow.contact.faces import ContactFaces, FacePoints, points_at
@@ -18,13 +18,13 @@ def jump_matrix(cover: Cover, points: FacePoints) -> csr_array:
     n, (rock, places, elements) = len(points.s), _both_faces(points)
     sides = np.concatenate([np.ones(n), -np.ones(len(rock))])
     both = csr_array((sides, (np.append(np.arange(n), rock), np.arange(len(sides)))), shape=(n, len(sides)))
-    return csr_array(both @ values_at(cover, places, elements).rows)
+    return csr_array(both @ values_at(cover, places, elements))
 
 
 def gap_and_slip(cover: Cover, points: FacePoints, u: Floats) -> tuple[Floats, Floats]:
     """Gap (n,) and slip (n,), m, at points: the jump along the normal and along the surface; `u` (n_dofs,)."""
     n, (rock, places, elements) = len(points.s), _both_faces(points)
-    both = values_at(cover, places, elements).fields(u)[0]
+    both = fields_at(cover, places, elements, u, derivatives=False)[0]
     jump = both[:n].copy()
     jump[rock] -= both[n:]
     return across_and_along(points, jump)

@@ -60,8 +60,9 @@ def nodes_of(cells: Squares, support: float) -> Nodes:
 def tiles_of(cells: Squares, nodes: Nodes, support: float) -> Tiles:
     """The tiles of cells with these nodes."""
     parts = np.full(cells.n, QUANTA // math.gcd(round(QUANTA * support), QUANTA), dtype=np.int64)
+    squares = _squares_of_patches(nodes)
     if len(np.unique(cells.size)) > 1:
-        cell, off = _crossings(cells, nodes)
+        cell, off = _crossings(cells, nodes, *squares)
         np.maximum.at(parts, cell, cells.size[cell] // np.gcd(off, cells.size[cell]))
     low, size, number = cells.low, cells.size, np.arange(cells.n)
     done = []
@@ -74,51 +75,43 @@ def tiles_of(cells: Squares, nodes: Nodes, support: float) -> Tiles:
     tiles = squares_of(low, size)
     corners = tiles.corners
     ring, following = _rings(tiles, corners)
-    return Tiles(tiles, number[order], _covering(tiles, nodes), as_complex(corners / QUANTA), ring, following)
+    return Tiles(tiles, number[order], _covering(tiles, *squares), as_complex(corners / QUANTA), ring, following)
 
 
-def _covering(tiles: Squares, nodes: Nodes) -> Ragged:
-    """The nodes, ascending, whose patches hold each tile.
-
-    A patch is made of squares as large as fit to the tree; of these the tiles are found, or the one they lie in.
-    """
+def _squares_of_patches(nodes: Nodes) -> tuple[Ints, Ints, Ints]:
+    """The squares that patches are made of, as large as the tree has: of each node (k,), corner (k, 2), side (k,)."""
     low, width = nodes.places - nodes.half[:, None], 2 * nodes.half
     side = np.gcd(np.gcd(low[:, 0], low[:, 1]), width)
     side &= -side
     across = width // side
-    owner = np.repeat(np.arange(len(width)), across**2)
-    steps = np.stack(np.divmod(spans(np.zeros_like(across), across**2), across[owner]), axis=1)
-    corners, size = low[owner] + side[owner, None] * steps, side[owner]
-    inside = tiles.within(corners, size)
+    node = np.repeat(np.arange(len(width)), across**2)
+    steps = np.stack(np.divmod(spans(np.zeros_like(across), across**2), across[node]), axis=1)
+    return node, low[node] + side[node, None] * steps, side[node]
+
+
+def _covering(tiles: Squares, node: Ints, low: Ints, side: Ints) -> Ragged:
+    """The nodes, ascending, whose patches hold each tile: those inside of the squares of patches, and round these."""
+    inside = tiles.within(low, side)
     none = np.flatnonzero(inside.counts == 0)
-    holding = tiles.at(corners[none])
+    holding = tiles.at(low[none])
     there = holding >= 0
-    tile, node = (
-        np.concatenate(pair) for pair in ((inside.values, holding[there]), (owner[inside.row], owner[none[there]]))
+    tile, over = (
+        np.concatenate(pair) for pair in ((inside.values, holding[there]), (node[inside.row], node[none[there]]))
     )
-    of_tile, of_node = np.divmod(distinct(tile * len(width) + node), len(width))
+    n = int(node[-1]) + 1
+    of_tile, of_node = np.divmod(distinct(tile * n + over), n)
     return by_row(of_tile, of_node, tiles.n)
 
 
-def _crossings(cells: Squares, nodes: Nodes) -> tuple[Ints, Ints]:
-    """Cells (m,) that edges of patches cross, and how far (m,) from their lower left corners, quanta."""
-    step = np.gcd(nodes.half, nodes.largest // 2)
-    counts = 2 * nodes.half // step
-    node = np.repeat(np.arange(len(step)), counts)
-    low, width = nodes.places[node] - nodes.half[node, None], 2 * nodes.half[node]
-    along = step[node] * spans(np.zeros_like(counts), counts)
-    found = []
-    for axis in range(2):
-        for off in (0, width):
-            places = low.copy()
-            places[:, axis] += off
-            places[:, 1 - axis] += along
-            cell = cells.at(places)
-            inside = places[:, axis] - cells.low[cell, axis]
-            crossed = (cell >= 0) & (inside > 0)
-            found.append((cell[crossed], inside[crossed]))
-    cell, off = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
-    return cell, off
+def _crossings(cells: Squares, nodes: Nodes, node: Ints, low: Ints, side: Ints) -> tuple[Ints, Ints]:
+    """Cells (m,) that edges of patches cross, larger than squares of these, and how far (m,) from their low corners."""
+    cell = cells.at(low)
+    larger = np.flatnonzero((cell >= 0) & (cells.size[cell] > side))
+    cell, node = cell[larger], node[larger]
+    begin = nodes.places[node] - nodes.half[node, None] - cells.low[cell]
+    off = np.concatenate([begin, begin + 2 * nodes.half[node, None]], axis=1)
+    which, edge = np.nonzero((off > 0) & (off < cells.size[cell, None]))
+    return cell[which], off[which, edge]
 
 
 def _rings(tiles: Squares, corners: Ints) -> tuple[Ragged, Ints]:

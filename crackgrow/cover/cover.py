@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Bools, Floats
 from crackgrow.case.regions import EdgeRegion
 from crackgrow.case.surface import SurfaceName
 from crackgrow.cover.cell_lengths import CellLengths, cell_lengths, sizes_beside
@@ -20,7 +22,7 @@ from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import Lattice
 from crackgrow.cover.patches import Patches, physical_patches
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry, body_index
-from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip
+from crackgrow.cover.tips import N_TIP_FUNCTIONS, Tip, tip_table
 from crackgrow.geometry.arrangement import on_grid
 from crackgrow.geometry.polyline import arc_lengths
 from crackgrow.ragged import Ragged, starts_of
@@ -54,7 +56,7 @@ class Surface:
         return cell_lengths(arc_lengths(self.line.points)[-1], self.edges, self.sizes)
 
 
-@dataclass(frozen=True, slots=True, eq=False, weakref_slot=True)
+@dataclass(frozen=True, eq=False)
 class Cover:
     """Everything that depends on where the bodies and cracks lie, and on nothing else.
 
@@ -96,17 +98,35 @@ class Cover:
         """The edges along a part of a rim."""
         return edges_of_region(self.elements.outlines, self.bodies, region)
 
-    def functions_on(self, elements: Ints) -> Ragged:
-        """All functions of elements (n,): their physical patches, then four for each carrier, tip by tip."""
-        plain, enrichment = self.patches.of_element.taken(elements), self.enrichment
-        which, pair = enrichment.tips.places(elements)
-        of_pair, carrier = enrichment.first.places(pair)
-        numbers = enrichment.first.values[carrier, None] + np.arange(N_TIP_FUNCTIONS)
-        n_tip = N_TIP_FUNCTIONS * np.bincount(which[of_pair], minlength=len(elements))
-        is_tip = np.repeat(np.arange(2 * len(elements)) % 2 == 1, np.stack([plain.counts, n_tip], axis=1).ravel())
+    @cached_property
+    def functions(self) -> Ragged:
+        """All functions of each element: its physical patches, then four for each carrier, tip by tip."""
+        plain, enrichment = self.patches.of_element, self.enrichment
+        numbers = enrichment.first.values[:, None] + np.arange(N_TIP_FUNCTIONS)
+        n_tip = N_TIP_FUNCTIONS * np.diff(enrichment.first.start[enrichment.tips.start])
+        is_tip = np.repeat(np.arange(2 * plain.n) % 2 == 1, np.stack([plain.counts, n_tip], axis=1).ravel())
         values = np.empty(len(is_tip), dtype=np.int64)
         values[~is_tip], values[is_tip] = plain.values, numbers.ravel()
         return Ragged(starts_of(plain.counts + n_tip), values)
+
+    @cached_property
+    def arrays(self) -> tuple[NDArray[Any], ...]:
+        """What kernels evaluate the functions of elements by (`approximation.basis`)."""
+        patches, enrichment = self.patches, self.enrichment
+        return (
+            np.ascontiguousarray(patches.nodes),
+            1.0 / patches.weight_half,
+            patches.of_element.start,
+            patches.of_element.values,
+            enrichment.tips.start,
+            enrichment.tips.values,
+            enrichment.side,
+            enrichment.first.start,
+            enrichment.place.start,
+            enrichment.place.values,
+            enrichment.share,
+            tip_table(self.tips, [self.bodies[tip.body].roots for tip in self.tips]),
+        )
 
 
 def build_cover(

@@ -64,10 +64,10 @@ class Squares:
 
     def at(self, places: Ints) -> Ints:
         """The square (m,) that holds the quantum right above each of `places` (m, 2); -1 for none."""
-        last = np.searchsorted(self.codes, _codes(np.maximum(places, 0)), side="right") - 1
-        found = self.curve[np.maximum(last, 0)]
-        (x, y), side = (places - self.low[found]).T, self.size[found]
-        return np.where((x >= 0) & (x < side) & (y >= 0) & (y < side), found, -1)
+        codes, (x, y) = _codes(np.maximum(places, 0)), places.T
+        last = np.maximum(np.searchsorted(self.codes, codes, side="right") - 1, 0)
+        found, off = self.curve[last], codes - self.codes[last]
+        return np.where((off >= 0) & (off < self.size[found] ** 2) & (x >= 0) & (y >= 0), found, -1)
 
     def around(self, points: Floats) -> Ints:
         """The squares (n, 4) that touch points (n, 2), lattice coordinates: below left, above left, below, above right.

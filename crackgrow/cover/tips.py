@@ -8,12 +8,14 @@ one sees the tip) the tip functions fade out.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.lattice import Lattice
+from crackgrow.cover.shapes import Roots, turned_roots
 from crackgrow.cover.squares import QUANTA
 from crackgrow.geometry.polyline import arc_lengths
 
@@ -128,6 +130,18 @@ def seen_from_tip(points_from_tip: Floats, reach: float, ends_inside: bool) -> T
         radii=radii[: n_good + 1],
         fade=float(ends) if ends < reach else np.inf,
     )
+
+
+def tip_table(tips: Sequence[TipView], roots: Sequence[Roots]) -> Floats:
+    """What the kernels need of tips (t, 11): the point, the rotation row by row, the length L, and the two roots.
+
+    `roots` are, tip by tip, in the axes of the lattice.
+    """
+    rows = []
+    for tip, of_rock in zip(tips, roots, strict=True):
+        first, last = turned_roots(of_rock, tip.rotation)
+        rows.append([*tip.point, *tip.rotation.ravel(), tip.fade, first.real, first.imag, last.real, last.imag])
+    return np.array(rows).reshape(-1, 11)
 
 
 def carrying_nodes(tip: TipView, nodes: Floats, size: float) -> Bools:

@@ -29,12 +29,8 @@ import numpy as np
 
 from crackgrow.arrays import Floats
 from crackgrow.fracture.near_tip import EVERY_ANGLE, near_tip_gradient, point_force_gradient
-from crackgrow.fracture.tip_rule import TipRule, weighted_by_fall, weighted_by_step
+from crackgrow.fracture.tip_rule import TipRule, fall_weights, step_weights
 from crackgrow.solid.elasticity import PlaneElasticity
-
-UNIT_GRADIENTS = np.eye(4).reshape(2, 2, 2, 2, 1)
-"""[c, d]: the gradient (2, 2, 1) whose component du_c/dx_d is one."""
-
 
 RIGHT_FACE = np.array([-1.0, -1.0, 1.0])
 """The gradients of the auxiliary fields on the right face over those on the left one."""
@@ -44,36 +40,36 @@ FIELDS = len(RIGHT_FACE)
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Weights:
-    """What M (radii, FIELDS) of a rule, field by field, takes of the body's own field, in the tip's axes."""
+    """What M of a rule, field by field, takes of the body's own field, in the tip's axes."""
 
-    around: Floats  # (radii, FIELDS, 2, 2, n) of elastic gradients [radius, field, c, d] at the points of the circles
-    left: Floats  # (radii, FIELDS, 2, 2, m) of those at the points of the left face
-    right: Floats  # of the right one
-    vectors: Floats  # (radii, FIELDS, 2, m) of the stress vectors on the left face; those on the right are opposite
+    around: Floats  # (FIELDS, 2, 2, n) of elastic gradients [field, c, d] at the points of the circles
+    fall: Floats  # (radii, n) of these points
+    left: Floats  # (FIELDS, 2, 2, m) of those at the points of the left face
+    vectors: Floats  # (FIELDS, 2, m) of the stress vectors there; those on the right are opposite
+    step: Floats  # (radii, m) of points of the faces
+
+    def M(self, around: Floats, left: Floats, right: Floats, vectors: Floats) -> Floats:
+        """M (radii, FIELDS) of gradients (2, 2, n) on the circles, (2, 2, m) on both faces, and vectors (2, m)."""
+        of_left, of_right = (np.einsum("mcdn,cdn->nm", self.left, face) for face in (left, right))
+        # on the right face the outward normal is opposite, and so may be the auxiliary field
+        of_faces = of_left - RIGHT_FACE * of_right + np.einsum("mcn,cn->nm", self.vectors, vectors)
+        return np.asarray(self.fall @ np.einsum("mcdn,cdn->nm", self.around, around) + self.step @ of_faces)
 
 
 def weights_of(material: PlaneElasticity, rule: TipRule) -> Weights:
     """The weights of a rule, for a material in the axes of the tip."""
     circles, faces, radii = rule.circles, rule.faces, rule.radii
     around, beside = _auxiliary(material, rule)
-    _, t = circles.polar
-    away = np.stack([np.cos(t), np.sin(t)])
-    fall = weighted_by_fall(circles.r, circles.weight, np.eye(len(circles.r)), radii) * circles.r
-    step = weighted_by_step(faces.r, faces.weight, np.eye(len(faces.r)), radii)
-    through = -(fall[:, :, None] * circles.angle_weight).reshape(len(radii), -1)
-    of_circles, of_faces, of_vectors = [], [], []
-    for c in (0, 1):
-        for d in (0, 1):
-            of_circles.append(_radial_flux(material, away, around, UNIT_GRADIENTS[c, d]))
-            of_faces.append(_face_flux(material, rule, beside, np.zeros((2, 1)), UNIT_GRADIENTS[c, d]))
-        of_vectors.append(_face_flux(material, rule, beside, np.eye(2)[c, :, None], np.zeros((2, 2, 1))))
-    left = step[:, None, None, None] * np.stack(of_faces, axis=1).reshape(FIELDS, 2, 2, -1)
-    opposite = -RIGHT_FACE[:, None, None]  # the outward normal is, and what the field is besides
+    fall = fall_weights(circles.r, circles.weight * circles.r, radii)[:, :, None] * circles.angle_weight
+    (a_11, _), (a_21, _) = beside
+    _, yy, xy = _stress(material, beside)
+    tx, ty = faces.toward_tip.T
     return Weights(
-        through[:, None, None, None] * np.stack(of_circles, axis=1).reshape(FIELDS, 2, 2, -1),
-        left,
-        opposite[..., None] * left,
-        step[:, None, None] * (1.0 + opposite) * np.stack(of_vectors, axis=1),
+        _radial_flux(material, circles.t.ravel(), around),
+        -fall.reshape(len(radii), -1),
+        np.array([[xy * tx, xy * ty], [yy * tx, yy * ty]]).transpose(2, 0, 1, 3),
+        (1.0 - RIGHT_FACE)[:, None, None] * np.stack([a_11, a_21], axis=1),
+        step_weights(faces.r, faces.weight, radii),
     )
 
 
@@ -81,51 +77,39 @@ def of_body_force(material: PlaneElasticity, rule: TipRule, body_force: Floats) 
     """What M (radii, FIELDS) has of a body force (2, n) at the points of the circles."""
     circles = rule.circles
     around, _ = _auxiliary(material, rule)
-    work = np.einsum("in,min->mn", body_force, around[:, :, 0]).reshape(FIELDS, *circles.t.shape) @ circles.angle_weight
-    return -weighted_by_step(circles.r, circles.weight * circles.r, work, rule.radii)
+    work = np.einsum("in,imn->mn", body_force, around[:, 0]).reshape(FIELDS, *circles.t.shape) @ circles.angle_weight
+    return np.asarray(-step_weights(circles.r, circles.weight * circles.r, rule.radii) @ work.T)
 
 
 def of_uniform_stress(material: PlaneElasticity) -> Floats:
     """What M of the third field has (3,) 1/Pa of a uniform stress xx, yy, xy."""
-    t = EVERY_ANGLE
-    auxiliary = point_force_gradient(material, np.ones_like(t), t).transpose(1, 2, 0)[None]
-    away, found = np.stack([np.cos(t), np.sin(t)]), np.empty(3)
-    for n, (xx, yy, xy) in enumerate(np.linalg.inv(material.matrix)):
-        uniform = np.array([[[xx], [0.5 * xy]], [[0.5 * xy], [yy]]])
-        found[n] = -2.0 * np.pi * _radial_flux(material, away, auxiliary, uniform).mean()
-    return found
+    auxiliary = point_force_gradient(material, np.ones_like(EVERY_ANGLE), EVERY_ANGLE).transpose(1, 2, 0)[:, :, None]
+    xx, xy, yx, yy = -2.0 * np.pi * _radial_flux(material, EVERY_ANGLE, auxiliary).mean(axis=-1).ravel()
+    return np.asarray(np.linalg.inv(material.matrix) @ (xx, yy, 0.5 * (xy + yx)))
 
 
 def _auxiliary(material: PlaneElasticity, rule: TipRule) -> tuple[Floats, Floats]:
-    """Gradients (FIELDS, 2, 2, points) of the auxiliary fields on the circles, and on the left face."""
+    """Gradients (2, 2, FIELDS, points) of the auxiliary fields on the circles, and on the left face."""
     r, t = rule.circles.polar
     points = (np.append(r, rule.faces.r), np.append(t, rule.faces.alpha))
     fields = [near_tip_gradient(material, *points), point_force_gradient(material, *points)[:, None]]
-    auxiliary = np.concatenate(fields, axis=1).transpose(1, 2, 3, 0)
+    auxiliary = np.concatenate(fields, axis=1).transpose(2, 3, 1, 0)
     return auxiliary[..., : len(r)], auxiliary[..., len(r) :]
 
 
-def _radial_flux(material: PlaneElasticity, away: Floats, auxiliary: Floats, gradient: Floats) -> Floats:
-    """P_j r_j (FIELDS, n) of the auxiliary fields, r_j the unit vectors (2, n) away from the tip."""
-    c, s = away
-    xx, yy, xy = _stress(material, gradient)
-    of_mode = auxiliary.transpose(1, 2, 0, 3)
-    xx_a, yy_a, xy_a = _stress(material, of_mode)
-    own = (xx * c + xy * s) * of_mode[0, 0] + (xy * c + yy * s) * of_mode[1, 0]
-    other = (xx_a * c + xy_a * s) * gradient[0, 0] + (xy_a * c + yy_a * s) * gradient[1, 0]
-    energy = xx * of_mode[0, 0] + yy * of_mode[1, 1] + xy * (of_mode[0, 1] + of_mode[1, 0])
-    return np.asarray(own + other - energy * c)
+def _radial_flux(material: PlaneElasticity, t: Floats, auxiliary: Floats) -> Floats:
+    """What P_j r_j of auxiliary fields (2, 2, m, n), r_j away from the tip at angles t (n,), takes of gradients.
 
-
-def _face_flux(
-    material: PlaneElasticity, rule: TipRule, auxiliary: Floats, vectors: Floats, gradients: Floats
-) -> Floats:
-    """-P_j n_j (FIELDS, m) on the left face."""
-    tx, ty = rule.faces.toward_tip.T
-    along = gradients[:, 0] * tx + gradients[:, 1] * ty
-    of_mode = auxiliary.transpose(1, 2, 0, 3)
-    _, yy, xy = _stress(material, of_mode)
-    return np.asarray(vectors[0] * of_mode[0, 0] + vectors[1] * of_mode[1, 0] + xy * along[0] + yy * along[1])
+    Returns (m, 2, 2, n) [field, c, d] of du_c/dx_d. With r = (c, s) the stress of the body's own field counts in
+    sigma_ij (u^a_i,1 r_j - u^a_i,j r_1), in which that along x falls out.
+    """
+    c, s = np.cos(t), np.sin(t)
+    (a_11, a_12), (a_21, a_22) = auxiliary
+    xx, yy, xy = _stress(material, auxiliary)
+    of_yy, of_xy = s * a_21 - c * a_22, s * a_11 - c * a_12
+    e_xx, e_yy, e_xy = (across * of_yy + shear * of_xy for _, across, shear in material.matrix.T.tolist())
+    found = np.array([[e_xx + xx * c + xy * s, e_xy], [e_xy + xy * c + yy * s, e_yy]])
+    return np.asarray(found.transpose(2, 0, 1, 3))
 
 
 def _stress(material: PlaneElasticity, gradient: Floats) -> tuple[Floats, Floats, Floats]:

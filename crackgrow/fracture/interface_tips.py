@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import shapely
 
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import fields_at
 from crackgrow.arrays import Floats
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
@@ -35,11 +35,11 @@ from crackgrow.fracture.tip_rule import (
     GROWTH,
     N_RADIAL,
     PANEL,
+    fall_weights,
     n_angular,
     panel_ends,
     panels_from_tip,
-    weighted_by_fall,
-    weighted_by_step,
+    step_weights,
 )
 from crackgrow.geometry.polyline import tip_direction
 from crackgrow.geometry.tolerance import SAME_PLACE
@@ -146,7 +146,7 @@ def _of_half(
     elements = locate(cover.lattice, cover.elements, places, tip.bodies[half])
     if (elements < 0).any():  # the interface bends at the tip, by less than what counts as a corner
         return np.full(len(radii), np.nan)
-    gradient = _turned(basis_at(cover, places, elements).fields(u)[1:], tip)
+    gradient = _turned(fields_at(cover, places, elements, u)[1:], tip)
     strain = np.stack([gradient[0, 0], gradient[1, 1], gradient[0, 1] + gradient[1, 0]], axis=1)
     x_, y_ = tip.rotation
     xx, yy, xy = material.initial.uniform
@@ -157,11 +157,11 @@ def _of_half(
     vectors = across(stress, np.stack([c, s], axis=1))
     flux = energy * c - vectors[:, 0] * gradient[0, 0] - vectors[:, 1] * gradient[1, 0]
     angular, spacing = np.pi * w, cover.lattice.spacing
-    total = spacing * weighted_by_fall(r, weight, (flux.reshape(len(r), -1) @ angular * r)[None], radii)[:, 0]
+    total = spacing * fall_weights(r, weight * r, radii) @ (flux.reshape(len(r), -1) @ angular)
     if body_force is not None:
         force = body_force(cover.lattice.to_metres(places)) @ tip.rotation.T
         work = np.sum(force * gradient[:, 0].T, axis=1).reshape(len(r), -1) @ angular
-        total -= spacing**2 * weighted_by_step(r, weight * r, work[None], radii)[:, 0]
+        total -= spacing**2 * step_weights(r, weight * r, radii) @ work
     return np.asarray(total)
 
 
@@ -178,7 +178,7 @@ def _of_faces(cover: Cover, u: Floats, tip: InterfaceTip, radii: Floats, tractio
     jump = np.stack(gap_and_slip(cover, points_at(cover, tip.surface, tip.from_start(cover, r)), u))
     jump[:, 0] = 0.0
     work = -np.sum(tractions * np.diff(jump, axis=1), axis=0)
-    return weighted_by_step(middle, np.ones(len(middle)), work[None], radii)[:, 0]
+    return np.asarray(step_weights(middle, np.ones(len(middle)), radii) @ work)
 
 
 def _turned(gradient: Floats, tip: InterfaceTip) -> Floats:

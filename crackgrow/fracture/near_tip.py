@@ -73,8 +73,9 @@ def _along(t: Floats) -> tuple[Floats, Floats]:
 def _roots_of_z(roots: Roots, r: Floats, t: Floats) -> tuple[Complex, Complex]:
     """sqrt(z_j) (n,) at r, t: the angle of z_j is within pi of t, on whatever turn that is."""
     c, s, half = np.cos(t), np.sin(t), np.exp(-0.5j * t)
-    first, last = (np.sqrt(r * (c + root * s)) for root in roots)
-    return np.where((first * half).real < 0.0, -first, first), np.where((last * half).real < 0.0, -last, last)
+    found = [np.sqrt(r * (c + root * s)) for root in dict.fromkeys(roots)]  # in isotropic rock they are one
+    found = [np.where((w * half).real < 0.0, -w, w) for w in found]
+    return found[0], found[-1]
 
 
 def _inverse_difference(w: tuple[Complex, Complex], y: Floats) -> Complex:

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from crackgrow.approximation.basis import Basis, basis_at
+from crackgrow.approximation.basis import fields_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.faces import points_at
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
 from crackgrow.cover.tips import Tip
-from crackgrow.fracture.functionals import Functional
-from crackgrow.fracture.interaction import FIELDS, of_body_force, of_uniform_stress, weights_of
+from crackgrow.fracture.interaction import Weights, of_body_force, of_uniform_stress, weights_of
 from crackgrow.fracture.tip_disc import NOWHERE, Disc, disc_round, first_corner
 from crackgrow.fracture.tip_rule import TipRule, n_angular, tip_rule
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -45,20 +44,24 @@ class StressIntensity:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class InteractionFunctional:
-    """The integrals of a tip, as what they take of the displacement and of what acts on the faces."""
+class _Integral:
+    """The integrals over the discs round a tip: rule and weights, and where the displacement is read."""
 
-    disc: Disc
-    functional: Functional | None  # None: no disc fits
+    rule: TipRule
+    weights: Weights
+    of_stress: Floats  # (3,) 1/Pa: what M of the third field has of a uniform stress xx, yy, xy
+    beyond: Ints  # (b,) points of the faces that are beyond the last segment; nearer their gradients do not matter
+    points: Floats  # (n + 2 b, 2) of the circles, then those `beyond` on the left face and on the right one
+    elements: Ints  # (n + 2 b,)
 
 
 class Integrals:
-    """The integrals of K of the tips of a cover: what each disc reads off is found once."""
+    """The integrals of K of the tips of a cover: their points and weights are found once."""
 
     def __init__(self, cover: Cover, singular: Floats = NOWHERE) -> None:
         """`singular` (k, 2) are points at which forces act."""
         self._cover, self._singular = cover, singular
-        self._known: dict[tuple[int, bool], InteractionFunctional] = {}
+        self._known: dict[tuple[int, bool], tuple[Disc, _Integral | None]] = {}  # None: no disc fits
 
     def intensities(
         self,
@@ -77,19 +80,23 @@ class Integrals:
         cover = self._cover
         forces = [None] * len(tips) if body_forces is None else body_forces
         pressed = [_pressed(cover.tips[tip], traction) for tip, traction in zip(tips, tractions, strict=True)]
-        known = self.functionals_of(materials, list(zip(tips, pressed, strict=True)))
-        return [_in_disc(materials, cover, u, *each) for each in zip(known, tractions, forces, strict=True)]
+        wanted = list(zip(tips, pressed, strict=True))
+        self._find(materials, [each for each in dict.fromkeys(wanted) if each not in self._known])
+        return [
+            _no_room(disc) if integral is None else _in_disc(materials, cover, u, disc, integral, traction, force)
+            for (disc, integral), traction, force in zip(
+                map(self._known.__getitem__, wanted), tractions, forces, strict=True
+            )
+        ]
 
-    def functionals_of(
-        self, materials: Sequence[PlaneElasticity], wanted: Sequence[tuple[int, bool]]
-    ) -> list[InteractionFunctional]:
-        """What the integrals of some tips read off, whose faces are pressed or not."""
-        cover, new = self._cover, [each for each in dict.fromkeys(wanted) if each not in self._known]
+    def _find(self, materials: Sequence[PlaneElasticity], new: Sequence[tuple[int, bool]]) -> None:
+        """Find the integrals of some tips, whose faces are pressed or not."""
+        cover = self._cover
         discs = [disc_round(cover, cover.tips[tip], self._singular, pressed=pressed) for tip, pressed in new]
-        found = iter(_functionals(cover, materials, [disc for disc in discs if not np.isnan(disc.radius)]))
-        for each, disc in zip(new, discs, strict=True):
-            self._known[each] = InteractionFunctional(disc, None if np.isnan(disc.radius) else next(found))
-        return [self._known[each] for each in wanted]
+        found = iter(_integrals(cover, materials, [disc for disc in discs if not np.isnan(disc.radius)]))
+        self._known |= {
+            each: (disc, None if np.isnan(disc.radius) else next(found)) for each, disc in zip(new, discs, strict=True)
+        }
 
 
 def _pressed(tip: Tip, traction: FaceTraction) -> bool:
@@ -111,30 +118,31 @@ def _in_disc(
     materials: Sequence[PlaneElasticity],
     cover: Cover,
     u: Floats,
-    known: InteractionFunctional,
+    disc: Disc,
+    integral: _Integral,
     traction: FaceTraction,
     body_force: BodyForce | None,
 ) -> StressIntensity:
     """K of a tip."""
-    disc, tip, spacing = known.disc, known.disc.tip, cover.lattice.spacing
-    if known.functional is None:
-        return _no_room(disc)
+    tip, spacing, rule = disc.tip, cover.lattice.spacing, integral.rule
     material, in_tip_axes = materials[tip.body], materials[tip.body].turned(tip.rotation)
-    arc, toward_tip, of_uniform, of_vectors, of_stress = known.functional.more
-    normal, tangential = _less_varying(material, cover, tip, arc, traction)
-    along_x, along_y = toward_tip.T
+    by_x, by_y = fields_at(cover, integral.points, integral.elements, u)[1:]
+    gradient = np.stack([by_x, by_y], axis=2) + _initial_gradient(material, cover.lattice.to_metres(tip.point))
+    turned = (np.kron(tip.rotation, tip.rotation) @ gradient.reshape(-1, 4).T).reshape(2, 2, -1)
+    n, b = integral.weights.fall.shape[1], len(integral.beyond)
+    left, right = np.zeros((2, 2, 2, len(rule.faces.arc)))
+    left[..., integral.beyond], right[..., integral.beyond] = turned[..., n : n + b], turned[..., n + b :]
+    normal, tangential = _less_varying(material, cover, tip, rule.faces.arc, traction)
+    along_x, along_y = rule.faces.toward_tip.T
     vectors = np.stack([tangential * along_x - normal * along_y, tangential * along_y + normal * along_x])
-    by_component = known.functional.of(u).reshape(2, -1, 2)  # [c of its weights, M, c]
-    M = by_component[0, :, 0] + by_component[1, :, 1] + of_vectors @ vectors.ravel()
-    M += of_uniform @ _initial_gradient(material, cover.lattice.to_metres(tip.point)).ravel()
-    M = M.reshape(-1, FIELDS)
+    M = integral.weights.M(turned[..., :n], left, right, vectors)
     if body_force is not None:
-        rule = tip_rule(tip, tip.size, disc.radii, n_angular(in_tip_axes.roots))
         force = spacing * tip.rotation @ body_force(cover.lattice.to_metres(rule.circles.points(tip))).T
         M = M + of_body_force(in_tip_axes, rule, force)
     pressing, shearing = traction(tip.from_start(np.zeros(1)))
     K_II, K_I = 0.5 * np.sqrt(spacing) * np.linalg.solve(in_tip_axes.release, M[:, 1::-1].T)
-    of_T = (M[:, 2] - of_stress[1] * float(pressing[0]) - of_stress[2] * float(shearing[0])) / of_stress[0]
+    of_xx, of_yy, of_xy = integral.of_stress
+    of_T = (M[:, 2] - of_yy * float(pressing[0]) - of_xy * float(shearing[0])) / of_xx
     found = np.stack([K_I, K_II, of_T], axis=1)
     (K_I, K_II, T), (spread_I, spread_II, spread_T) = found[-1].tolist(), np.ptp(found, axis=0).tolist()
     note = f"{disc.obstacle} makes the disc of the integral small" if disc.small else ""
@@ -143,8 +151,8 @@ def _in_disc(
     return StressIntensity(K_I, K_II, spread_I, spread_II, T, spread_T, radius, disc.small, note, K_opening)
 
 
-def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[Functional]:
-    """What the integrals of some discs read off."""
+def _integrals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequence[Disc]) -> list[_Integral]:
+    """The integrals over some discs."""
     if not discs:
         return []
     rocks = [materials[disc.tip.body].turned(disc.tip.rotation) for disc in discs]
@@ -154,42 +162,23 @@ def _functionals(cover: Cover, materials: Sequence[PlaneElasticity], discs: Sequ
     ]
     around = [rule.circles.points(disc.tip) for disc, rule in zip(discs, rules, strict=True)]
     elements = locate(cover.lattice, cover.elements, np.concatenate(around))
-    found = []
-    for disc, rock, rule, own, there in zip(
-        discs, rocks, rules, around, np.split(elements, np.cumsum([len(p) for p in around])[:-1]), strict=True
-    ):
+    found, parts = [], np.split(elements, np.cumsum([len(p) for p in around])[:-1])
+    for disc, rock, rule, own, there in zip(discs, rocks, rules, around, parts, strict=True):
         beyond = np.flatnonzero(rule.faces.arc > disc.tip.radii[1])
         faces = points_at(cover, disc.tip.crack, disc.tip.from_start(rule.faces.arc[beyond]))
         on_faces = disc.tip.point + rule.faces.place[beyond] @ disc.tip.rotation  # to the bits that the tip tells
-        at = np.concatenate([own, on_faces, on_faces])
         left_right = [faces.plus, faces.minus] if disc.tip.at_end else [faces.minus, faces.plus]
-        basis = basis_at(cover, at, np.concatenate([there, *left_right]))
-        found.append(_functional(rock, disc, rule, beyond, basis))
+        points, at = np.concatenate([own, on_faces, on_faces]), np.concatenate([there, *left_right])
+        found.append(_Integral(rule, weights_of(rock, rule), of_uniform_stress(rock), beyond, points, at))
     return found
 
 
-def _functional(material: PlaneElasticity, disc: Disc, rule: TipRule, beyond: Ints, basis: Basis) -> Functional:
-    """What the integrals of a disc read off, of the `basis` at its points, for a material in the axes of its tip.
-
-    These n points are those of the circles, and those `beyond` the last segment on both faces; nearer to the tip the
-    derivative along the faces does not matter.
-    """
-    weights, turn = weights_of(material, rule), disc.tip.rotation
-    at_points = np.concatenate([weights.around, weights.left[..., beyond], weights.right[..., beyond]], axis=-1)
-    turned = np.einsum("rmabn,ac,bd->dncrm", at_points, turn, turn)
-    functions, sums = basis.summed(turned.reshape(2, -1, 2 * FIELDS * len(rule.radii)))
-    of_uniform = turned.sum(axis=1).transpose(2, 3, 1, 0).reshape(-1, 4)
-    of_vectors = weights.vectors.reshape(FIELDS * len(rule.radii), -1)
-    more = (rule.faces.arc, rule.faces.toward_tip, of_uniform, of_vectors, of_uniform_stress(material))
-    return Functional(functions, np.ascontiguousarray(sums.T), more)
-
-
 def _initial_gradient(material: PlaneElasticity, tip: Floats) -> Floats:
-    """The symmetric gradient (2, 2, 1) whose stress is the in-situ stress at a tip (2,) m."""
+    """The symmetric gradient (2, 2) whose stress is the in-situ stress at a tip (2,) m."""
     if not any(material.initial.uniform) and not material.initial.varying:
-        return np.zeros((2, 2, 1))
+        return np.zeros((2, 2))
     xx, yy, xy2 = np.linalg.solve(material.matrix, material.initial.at(tip[None])[0])
-    return np.array([[[xx], [0.5 * xy2]], [[0.5 * xy2], [yy]]])
+    return np.array([[xx, 0.5 * xy2], [0.5 * xy2, yy]])
 
 
 def _less_varying(

@@ -96,16 +96,16 @@ def n_angular(roots: Roots) -> int:
     return max(N_ANGULAR, int(np.ceil(-0.5 * np.pi * np.log(ANGULAR_ERROR) / distance)))
 
 
-def weighted_by_fall(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
-    """Averages (radii, m) of values (m, n) over 0 < r < R by -dq/dr = 12 x (1 - x)^2 / R, x = r / R."""
+def fall_weights(r: Floats, weight: Floats, radii: Floats) -> Floats:
+    """Weights (radii, n) of points for averages over 0 < r < R by -dq/dr = 12 x (1 - x)^2 / R, x = r / R."""
     x = np.minimum(r / radii[:, None], 1.0)
-    return np.asarray((weight * 12.0 * x * (1.0 - x) ** 2 / radii[:, None]) @ values.T)
+    return np.asarray(weight * 12.0 * x * (1.0 - x) ** 2 / radii[:, None])
 
 
-def weighted_by_step(r: Floats, weight: Floats, values: Floats, radii: Floats) -> Floats:
-    """Integrals (radii, m) of q times values (m, n), with q = (1 - x)^3 (1 + 3 x)."""
+def step_weights(r: Floats, weight: Floats, radii: Floats) -> Floats:
+    """Weights (radii, n) of points for integrals of q, which is (1 - x)^3 (1 + 3 x)."""
     x = np.minimum(r / radii[:, None], 1.0)
-    return np.asarray((weight * (1.0 - x) ** 3 * (1.0 + 3.0 * x)) @ values.T)
+    return np.asarray(weight * (1.0 - x) ** 3 * (1.0 + 3.0 * x))
 
 
 def _circles(tip: TipView, size: float, radii: Floats, n: int) -> Circles:

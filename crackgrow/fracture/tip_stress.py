@@ -23,15 +23,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 import shapely
 
-from crackgrow.approximation.basis import Basis, basis_at
-from crackgrow.arrays import Bools, Floats, Ints
+from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import locate
-from crackgrow.fracture.functionals import Functional
 from crackgrow.fracture.sites import LARGEST_KINK, Site
 from crackgrow.geometry.tolerance import ROUND_OFF, SAME_PLACE
 from crackgrow.quadrature.rules import gauss
 from crackgrow.solid.elasticity import PlaneElasticity
+from crackgrow.solid.recovery import stress_at
 
 N_RAYS = 72
 """Rays of the polar rule, 5 degrees apart."""
@@ -80,29 +79,16 @@ class _Points:
     weight: Floats  # (n,) area / distance, of which each ray would have 1 if nothing ended it
     averaged: Floats  # (n,) the same of points that the average on the ray is of, 0 of others
 
-    def taken(self, some: Bools) -> _Points:
-        """Some (n,) of them."""
-        return _Points(self.places[some], self.ray[some], self.weight[some], self.averaged[some])
-
-    @property
-    def sums(self) -> Floats:
-        """The part of each ray that is averaged over, and all of the disc (rays + 1,)."""
-        return np.append(np.bincount(self.ray, self.averaged, N_RAYS), self.weight.sum())
-
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StressFunctional:
-    """The averages round a site, as what they take of the displacement gradients."""
+    """The averages round a site: what they are taken over."""
 
     site: Site
     rule: Rule
-    functional: Functional
+    points: _Points  # inside of the body
+    elements: Ints  # (n,) of the points
     shear: StressFunctional | None = None  # the same over the length of the toughness in shear
-
-    @property
-    def points(self) -> _Points:
-        """That the averages are taken over."""
-        return _Points(*self.functional.more)
 
 
 def stress_functionals(cover: Cover, sites: Sequence[Site], radius: float | Sequence[float]) -> list[StressFunctional]:
@@ -116,10 +102,9 @@ def stress_functionals(cover: Cover, sites: Sequence[Site], radius: float | Sequ
     elements = locate(cover.lattice, cover.elements, places, np.repeat([site.body for site in sites], counts))
     found = []
     for site, rule, points, own in zip(sites, rules, on_rays, np.split(elements, np.cumsum(counts)[:-1]), strict=True):
-        inside = points.taken(own >= 0)
-        functions, sums = _sums(inside, basis_at(cover, inside.places, own[own >= 0]))
-        more = (inside.places, inside.ray, inside.weight, inside.averaged)
-        found.append(StressFunctional(site, rule, Functional(functions, sums, more)))
+        some = own >= 0
+        inside = _Points(points.places[some], points.ray[some], points.weight[some], points.averaged[some])
+        found.append(StressFunctional(site, rule, inside, own[some]))
     return found
 
 
@@ -197,46 +182,30 @@ def _crossings(segments: Floats, rule: Rule) -> Floats:
     return np.where(meets, distance, np.inf)
 
 
-def _sums(points: _Points, basis: Basis) -> tuple[Ints, Floats]:
-    """Functions (k,), and sums (2 (rays + 1), k) of their derivatives by x, on each ray, then in the disc, and by y."""
-    functions, column = basis.columns
-    counts, k = np.diff(basis.start), len(functions)
-    on_ray, averaged, weight = (each.repeat(counts) for each in (points.ray, points.averaged, points.weight))
-    rows = []
-    for values in basis.values[1:]:
-        rows.append(np.bincount(on_ray * k + column, averaged * values, N_RAYS * k).reshape(N_RAYS, k))
-        rows.append(np.bincount(column, weight * values, k)[None])
-    return functions, np.concatenate(rows)
-
-
 def _averaged(
     cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, functionals: Sequence[StressFunctional]
 ) -> list[TipField]:
     """The fields of sites over one length each, of what is read off the displacement `u` (n_dofs,) m."""
     if not functionals:
         return []
-    by = np.stack([known.functional.of(u) for known in functionals])
-    by_x, by_y = by.reshape(len(functionals), 2, N_RAYS + 1, 2).swapaxes(0, 1)
-    strain = np.stack([by_x[..., 0], by_y[..., 1], by_y[..., 0] + by_x[..., 1]], axis=2)
-    on_rays = [known.points for known in functionals]
-    seen = np.stack([points.sums for points in on_rays])
-    sums, found = np.empty(strain.shape), []
-    for number, (known, points) in enumerate(zip(functionals, on_rays, strict=True)):
-        material = materials[known.site.body]
-        sums[number] = strain[number] @ material.matrix
-        sums[number] += seen[number, :, None] * np.array(material.initial.uniform)
-        if material.initial.varying:
-            more = material.initial.more_at(cover.lattice.to_metres(points.places))
-            for component, values in enumerate(more.T):
-                sums[number, :-1, component] += np.bincount(points.ray, points.averaged * values, N_RAYS)
-                sums[number, -1, component] += points.weight @ values
+    n, parts = len(functionals), [known.points for known in functionals]
+    places, elements = (
+        np.concatenate(each) for each in zip(*((k.points.places, k.elements) for k in functionals), strict=True)
+    )
+    site = np.repeat(np.arange(n), [len(points.ray) for points in parts])
+    ray, weight, averaged = (
+        np.concatenate([getattr(p, name) for p in parts]) for name in ("ray", "weight", "averaged")
+    )
+    of_points = [*stress_at(cover, materials, u, places, elements).T, np.ones(len(site))]
+    on_rays = np.stack([np.bincount(N_RAYS * site + ray, averaged * each, N_RAYS * n) for each in of_points], axis=1)
+    in_disc = np.stack([np.bincount(site, weight * each, n) for each in of_points], axis=1)
+    on_rays = on_rays.reshape(n, N_RAYS, 4)
     # over a part R_c of R alone a singular field is larger by sqrt(R / R_c)
-    least = np.sqrt(seen[:, :-1])[:, :, None]
-    rays = np.divide(sums[:, :-1], least, out=np.full((len(functionals), N_RAYS, 3), np.nan), where=least > 0.0)
-    opposite = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=1))
+    least = np.sqrt(on_rays[..., 3:])
+    rays = np.divide(on_rays[..., :3], least, out=np.full((n, N_RAYS, 3), np.nan), where=least > 0.0)
+    opposite, found = 0.5 * (rays + np.roll(rays, N_RAYS // 2, axis=1)), []
     for number, known in enumerate(functionals):
-        site, rule = known.site, known.rule
-        own = opposite if site.both_ways else rays  # a crack takes a ray and the one opposite
-        mean = sums[number, -1] / seen[number, -1]
-        found.append(TipField(rule.direction, rule.angles, own[number], mean, site.half_width, rule.radius))
+        rule, own = known.rule, opposite if known.site.both_ways else rays  # a crack takes a ray and the one opposite
+        mean = in_disc[number, :3] / in_disc[number, 3]
+        found.append(TipField(rule.direction, rule.angles, own[number], mean, known.site.half_width, rule.radius))
     return found

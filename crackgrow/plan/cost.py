@@ -159,7 +159,7 @@ def sizes_of(case: Case) -> Sizes:
         n_singular=sum(tip.carriers.n for tip in cover.tips),
         n_tips=len(cover.tips),
         n_elements=cover.elements.n,
-        n_products=int((cover.functions_on(np.arange(cover.elements.n)).counts ** 2).sum()),
+        n_products=int((cover.functions.counts**2).sum()),
         n_contact=len(faces.surface),
         n_multipliers=n_constraints_of(scene, cover),
         surfaces=surfaces,

@@ -83,8 +83,9 @@ def element_points(cover: Cover, n: int) -> ElementPoints:
 def triangulate(polygons: NDArray[np.object_]) -> tuple[Floats, Ints]:
     """Triangles (t, 3, 2), counter-clockwise, on all vertices of the polygons and no others; their polygon (t,)."""
     triangles, owner = shapely.get_parts(shapely.constrained_delaunay_triangles(polygons), return_index=True)
-    triangles = shapely.orient_polygons(triangles)
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
+    clockwise = cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) < 0.0
+    corners[clockwise] = corners[clockwise][:, [0, 2, 1]]
     return corners, owner.astype(np.int64)
 
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from crackgrow.accuracy.energy_norm import ErrorEstimate
-from crackgrow.approximation.basis import basis_at
+from crackgrow.approximation.basis import fields_at
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
@@ -21,7 +21,7 @@ from crackgrow.cover.tips import Tip
 from crackgrow.geometry.arrangement import connected, vertex_ids
 from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.quadrature.elements import triangulate
-from crackgrow.ragged import starts_of
+from crackgrow.ragged import distinct, found_in, spans, starts_of
 from crackgrow.run.result import Frame
 from crackgrow.solid.elasticity import PlaneElasticity
 from crackgrow.solid.recovery import stress_of
@@ -42,7 +42,7 @@ def make_frame(
     n, middles = len(mesh.points), [mesh.points[cells].mean(axis=1) for cells in (mesh.triangles, mesh.quads)]
     _, first = np.unique(mesh.place_node, return_index=True)  # all elements that meet at a node say the same
     at, element = np.concatenate([mesh.points, *middles]), np.append(mesh.place_element[first], mesh.element)
-    value, *slopes = basis_at(cover, at, element).fields(u)
+    value, *slopes = fields_at(cover, at, element, u)
     places, bodies = cover.lattice.to_metres(at), elements.body[element]
     stress = stress_of(materials, np.stack(slopes, axis=2), bodies, places)
     _away_from_tips(cover, mesh, stress[:n])
@@ -63,9 +63,11 @@ def make_frame(
 
 def _away_from_tips(cover: Cover, mesh: OutputMesh, stress: Floats) -> None:
     """Put the means of the neighbours into the stress (n, 3) at nodes at tips, where it is infinite."""
+    tips, order = np.array([tip.point for tip in cover.tips]).reshape(-1, 2), np.argsort(mesh.points[:, 0])
+    first, last = (np.searchsorted(mesh.points[order, 0], tips[:, 0] + off) for off in (-ON_LINE, ON_LINE))
+    near, y = order[spans(first, last - first)], np.repeat(tips[:, 1], last - first)
     at_tip = np.zeros(len(mesh.points), dtype=bool)
-    for tip in cover.tips:
-        at_tip |= (np.abs(mesh.points - tip.point) < ON_LINE).all(axis=1)
+    at_tip[near[np.abs(mesh.points[near, 1] - y) < ON_LINE]] = True
     ends = np.concatenate([mesh.sides, mesh.sides[:, ::-1]])
     ends = np.unique(ends[at_tip[ends[:, 0]] & ~at_tip[ends[:, 1]]], axis=0)
     nodes, index = np.unique(ends[:, 0], return_inverse=True)
@@ -160,24 +162,27 @@ def _divided(elements: Elements, cells: _Cells, tips: Sequence[Tip]) -> _Cells:
     So triangles stay about as slender as they are (Rivara 1984).
     """
     near = _too_long(cells.vertices[_sides_of(cells.quads)], tips).any(axis=1)
-    cells = _fanned(elements, cells, cells.whole[near])
+    cells, n_looked = _fanned(elements, cells, cells.whole[near]), 0
     while True:
         ends = _sides_of(cells.triangles)
         keys, first, side = np.unique(cells.keys(ends), return_index=True, return_inverse=True)
         ends, side = ends.reshape(-1, 2)[first], side.reshape(-1, 3)
-        halved = _too_long(cells.vertices[ends], tips)
+        new = (ends >= n_looked).any(axis=1)  # others are short enough
+        halved = np.zeros(len(ends), dtype=bool)
+        halved[new] = _too_long(cells.vertices[ends[new]], tips)
         if not halved.any():
             return cells
         longest = np.argmax(_lengths(cells.vertices[ends])[side], axis=1)
         of_triangle = side[np.arange(len(side)), longest]
         while (more := halved[side].any(axis=1) & ~halved[of_triangle]).any():
             halved[of_triangle[more]] = True
-        touched = np.isin(cells.keys(_sides_of(cells.quads)), keys[halved]).any(axis=1)
+        touched = (found_in(keys[halved], cells.keys(_sides_of(cells.quads))) >= 0).any(axis=1)
         if touched.any():
             cells = _fanned(elements, cells, cells.whole[touched])
         else:
             middle = np.full(len(ends), -1)
-            middle[halved] = len(cells.vertices) + np.arange(int(halved.sum()))
+            n_looked = len(cells.vertices)
+            middle[halved] = n_looked + np.arange(int(halved.sum()))
             cells = _halved(cells, ends[halved], middle[side], longest)
 
 
@@ -202,8 +207,9 @@ def _halved(cells: _Cells, ends: Ints, middle: Ints, longest: Ints) -> _Cells:
         np.stack([on_side, second, apex], axis=1)[again],
     ]
     keys, closed = cells.keys(ends), cells.closed
-    there = np.isin(cells.keys(closed), keys)
-    between = len(cells.vertices) + np.searchsorted(keys, cells.keys(closed[there]))
+    place = found_in(keys, cells.keys(closed))
+    there = place >= 0
+    between = len(cells.vertices) + place[there]
     halves = [np.stack([closed[there, 0], between], axis=1), np.stack([between, closed[there, 1]], axis=1)]
     return replace(
         cells,
@@ -230,7 +236,7 @@ def output_mesh(elements: Elements, tips: Sequence[Tip]) -> OutputMesh:
     sides[turned] = sides[turned, ::-1]
     keys = cells.keys(vertex[sides])
     sides, keys = sides[order := np.argsort(keys, kind="stable")], keys[order]
-    joined = np.flatnonzero((keys[1:] == keys[:-1]) & ~np.isin(keys[1:], cells.keys(cells.closed)))
+    joined = np.flatnonzero((keys[1:] == keys[:-1]) & (found_in(distinct(cells.keys(cells.closed)), keys[1:]) < 0))
     node = connected(len(places), sides[joined].ravel(), sides[joined + 1].ravel())
     _, first = np.unique(node, return_index=True)
     return OutputMesh(

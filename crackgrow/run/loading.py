@@ -229,7 +229,7 @@ def _same_functions(before: Cover, after: Cover) -> Ints:
     there = locate(before.lattice, before.elements, points.points[first], numbers[after.elements.body[elements]])
     same = np.full(after.n_functions, -1, dtype=np.int64)
     if (there >= 0).all():
-        mine, theirs = after.functions_on(elements), before.functions_on(there)
+        mine, theirs = after.functions.taken(elements), before.functions.taken(there)
         if np.array_equal(mine.counts, theirs.counts):
             same[mine.values] = theirs.values
             if (same >= 0).all() and np.array_equal(same[mine.values], theirs.values):

@@ -33,7 +33,7 @@ def load_vector(cover: Cover, bodies: Sequence[model.Body], loads: Sequence[mode
     points, elements, forces = point_forces(cover, bodies, loads, n)
     if not len(points):
         return np.zeros(cover.n_dofs)
-    return np.asarray(values_at(cover, points, elements).rows.T @ forces).ravel()
+    return np.asarray(values_at(cover, points, elements).T @ forces).ravel()
 
 
 Forces = tuple[Floats, Ints, Floats]
@@ -77,7 +77,7 @@ def _at_point(cover: Cover, body: int, load: model.PointForce) -> Forces:
     return at, element, np.array([load.force], dtype=float)
 
 
-def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> list[Forces]:
+def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeTraction | model.EdgePressure]) -> list[Forces]:
     """Tractions and pressures along edges, load by load."""
     edges = points_along(cover, [_fine_enough(cover, load, cover.edges_on(load.region)) for load in loads])
     found = []
@@ -87,8 +87,11 @@ def _edge_tractions(cover: Cover, loads: Sequence[model.EdgeLoad]) -> list[Force
     return found
 
 
-def _fine_enough(cover: Cover, load: model.EdgeLoad, edges: FaceEdges) -> FaceEdges:
+def _fine_enough(cover: Cover, load: model.EdgeTraction | model.EdgePressure, edges: FaceEdges) -> FaceEdges:
     """The edges along a load, cut where it varies by more than their points can tell."""
+    components = (load.pressure,) if isinstance(load, model.EdgePressure) else load.traction
+    if not any(map(callable, components)):
+        return edges
     outward = outward_normals(edges.points[:, 1] - edges.points[:, 0])
 
     def traction(places: Floats, edge: Ints) -> Floats:

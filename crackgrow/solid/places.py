@@ -15,7 +15,7 @@ def boxes_of_functions(cover: Cover) -> tuple[Ints, Ints]:
 
     A function beside a crack has its box on its own side of it.
     """
-    rings, functions = cover.elements.rings, cover.functions_on(np.arange(cover.elements.n))
+    rings, functions = cover.elements.rings, cover.functions
     first = np.searchsorted(rings.face, np.arange(cover.elements.n))
     corners = QUANTA * cover.elements.vertices[rings.start]
     low = np.floor(np.minimum.reduceat(corners, first)).astype(np.int64)  # outwards: elements may be thin

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.basis import fields_at
 from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.cover import Cover
 from crackgrow.solid.elasticity import PlaneElasticity
@@ -14,12 +14,12 @@ from crackgrow.solid.elasticity import PlaneElasticity
 
 def displacement_at(cover: Cover, u: Floats, points: Floats, elements: Ints) -> Floats:
     """Displacement (n, 2) m at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
-    return np.asarray(values_at(cover, points, elements).fields(u)[0])
+    return np.asarray(fields_at(cover, points, elements, u, derivatives=False)[0])
 
 
 def stress_at(cover: Cover, materials: Sequence[PlaneElasticity], u: Floats, points: Floats, elements: Ints) -> Floats:
     """Stress (n, 3) Pa: xx, yy, xy at points (n, 2), in lattice coordinates, of given elements (n,); `u` (n_dofs,)."""
-    gradient = basis_at(cover, points, elements).fields(u)[1:].transpose(1, 2, 0)
+    gradient = fields_at(cover, points, elements, u)[1:].transpose(1, 2, 0)
     return stress_of(materials, gradient, cover.elements.body[elements], cover.lattice.to_metres(points))
 
 

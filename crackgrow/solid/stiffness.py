@@ -12,8 +12,9 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from crackgrow.approximation.basis import arrays_of, functions_at, gathered, workspace
+from crackgrow.approximation.basis import functions_at, gathered, workspace
 from crackgrow.arrays import Floats, Ints
 from crackgrow.compiled import kernel, syrk
 from crackgrow.cover.cover import Cover
@@ -26,68 +27,77 @@ from crackgrow.solid.elasticity import PlaneElasticity
 def stiffness(cover: Cover, materials: Sequence[PlaneElasticity], n: int) -> SymmetricMatrix:
     """The stiffness (n_dofs, n_dofs) Pa, per metre of thickness, with `n` Gauss points per direction."""
     spacing, every = cover.lattice.spacing, np.arange(cover.elements.n + 1)
-    inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions_on(every[:-1])
+    inside, rim, on = element_points(cover, n), rim_points(cover), cover.functions
     moduli = np.array([m.matrix for m in materials])[cover.elements.body]
     within = (np.searchsorted(inside.element, every), inside.points, inside.weights * spacing**2)
     around = (np.searchsorted(rim.element, every), rim.points, rim.normals * spacing)
-    start, column = _pattern(on.start, on.values, cover.n_functions)
+    start, column, place = _pattern(on.start, on.values, cover.n_functions)
     block = np.zeros((len(column), 2, 2))
-    _integrate(arrays_of(cover), (on.start, on.values), within, around, moduli, 1.0 / spacing, (start, column, block))
+    _integrate(cover.arrays, on.start, within, around, moduli, 1.0 / spacing, place, block)
     return SymmetricMatrix(start, column, block)
 
 
 @kernel
-def _pattern(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints]:
+def _pattern(at: Ints, function: Ints, n: int) -> tuple[Ints, Ints, NDArray[np.int32]]:
     """Give the lower triangle of a matrix of n functions: starts (n + 1,) of its rows, and columns, ascending in each.
 
-    Functions are coupled that act on one element: element e has those of `function` from at[e] on.
+    Functions are coupled that act on one element: element e has those of `function` from at[e] on, ascending. The third
+    are the places of all couplings of an element, then of the next: row by row of its own lower triangle.
     """
-    held_start, held = np.zeros(n + 2, np.int64), np.empty(len(function), np.int64)  # elements of functions
+    held_start, held = np.zeros(n + 2, np.int64), np.empty(len(function), np.int64)  # places of functions on elements
     for f in function:
         held_start[f + 2] += 1
     held_start = np.cumsum(held_start)
+    element, first = np.empty(len(function), np.int64), np.zeros(len(at), np.int64)
     for e in range(len(at) - 1):
-        for f in function[at[e] : at[e + 1]]:
-            held[held_start[f + 1]] = e
-            held_start[f + 1] += 1
+        first[e + 1] = first[e] + (at[e + 1] - at[e]) * (at[e + 1] - at[e] + 1) // 2
+        for own in range(at[e], at[e + 1]):
+            element[own], held[held_start[function[own] + 1]] = e, own
+            held_start[function[own] + 1] += 1
     # room for some columns a row; more is made where it is short
     start, column, met = np.zeros(n + 1, np.int64), np.empty(32 * n, np.int64), np.full(n, -1)
+    place = np.empty(first[-1], np.int32)
     for row in range(n):
         end = start[row]
         if end + row + 1 > len(column):
             column = np.append(column, np.empty(len(column) + n, np.int64))
-        for e in held[held_start[row] : held_start[row + 1]]:
-            for other in function[at[e] : at[e + 1]]:
-                if other <= row and met[other] < row:
-                    met[other], column[end] = row, other
+        for own in held[held_start[row] : held_start[row + 1]]:
+            for other in function[at[element[own]] : own + 1]:
+                if met[other] < start[row]:
+                    met[other], column[end] = start[row], other
                     end += 1
         column[start[row] : end].sort()
+        for q in range(start[row], end):
+            met[column[q]] = q
+        for own in held[held_start[row] : held_start[row + 1]]:
+            e, i = element[own], own - at[element[own]]
+            for j in range(i + 1):
+                place[first[e] + i * (i + 1) // 2 + j] = met[function[at[e] + j]]
         start[row + 1] = end
-    return start, column[: start[n]].copy()
+    return start, column[: start[n]].copy(), place
 
 
 @kernel
 def _integrate(
     arrays: Any,
-    on: tuple[Ints, Ints],
+    at: Ints,
     inside: tuple[Ints, Floats, Floats],
     rim: tuple[Ints, Floats, Floats],
     moduli: Floats,
     scale: float,
-    matrix: tuple[Ints, Ints, Floats],
+    place: NDArray[np.int32],
+    block: Floats,
 ) -> None:
     """Add the integrals over elements to the blocks of a matrix.
 
-    on: starts and functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
-    times length (m); moduli: (elements, 3, 3) Pa; scale: lattice spacings in a metre; matrix: starts of rows,
-    columns, and blocks (q, 2, 2) of the lower triangle
+    at: starts of the functions of elements; inside: starts, points, weights (m^2); rim: starts, points, outward normals
+    times length (m); moduli: (elements, 3, 3) Pa; scale: lattice spacings in a metre; place: of couplings, see
+    `_pattern`, among the blocks (q, 2, 2) of the lower triangle
     """
-    (at, function), (inside_at, points, weights), (rim_at, places, normals) = on, inside, rim
-    start, column, block = matrix
-    most, most_points = 1, 1
-    for e in range(len(at) - 1):
-        most, most_points = max(most, at[e + 1] - at[e]), max(most_points, inside_at[e + 1] - inside_at[e])
-    work, shift, g, s = workspace(most), np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
+    (inside_at, points, weights), (rim_at, places, normals), coupling = inside, rim, 0
+    work, most_points = workspace(arrays), int(np.max(np.diff(inside_at)))
+    most = work[4].shape[1]
+    shift, g, s = np.empty(2 * most), np.empty(most_points * 2 * most), np.empty(4 * most * most)
     (nodes, half, patch_at, patch), (by, per, _, _, f) = arrays[:4], work
     for e in range(len(at) - 1):
         k, m = gathered(e, by, per, nodes, half, patch_at, patch), at[e + 1] - at[e]
@@ -114,10 +124,8 @@ def _integrate(
         syrk(gradients, products)
         c = moduli[e]
         for i in range(m):
-            row = start[function[at[e] + i]]
             for j in range(i + 1):
-                while column[row] < function[at[e] + j]:
-                    row += 1
+                row, coupling = place[coupling], coupling + 1
                 xx, xy, yx, yy = products[i, j], products[m + j, i], products[m + i, j], products[m + i, m + j]
                 block[row, 0, 0] += c[0, 0] * xx + c[0, 2] * (xy + yx) + c[2, 2] * yy
                 block[row, 0, 1] += c[0, 1] * xy + c[0, 2] * xx + c[1, 2] * yy + c[2, 2] * yx

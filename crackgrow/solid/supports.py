@@ -202,7 +202,7 @@ def _averaged_values(cover: Cover, averages: Sequence[_Averages]) -> csr_array:
     from crackgrow.approximation.basis import values_at
 
     points, elements = (np.concatenate([getattr(a, name) for a in averages]) for name in ("points", "elements"))
-    return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements).rows)
+    return csr_array(block_diag([a.shares for a in averages], "csr") @ values_at(cover, points, elements))
 
 
 def _at_point(cover: Cover, support: PointSupport) -> _Averages:

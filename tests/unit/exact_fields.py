@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from itertools import pairwise
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from crackgrow.approximation.basis import Basis, values_at
+from crackgrow.approximation.basis import at_point, values_at, workspace
+from crackgrow.arrays import Ints
 from crackgrow.case.model import PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
@@ -38,7 +40,7 @@ def solved_under(sample: Sample, field: Field) -> Floats:
     outward = (np.stack([step[:, 1], -step[:, 0]], axis=1) / np.hypot(*step.T)[:, None])[edge]
     xx, yy, xy = field(sample.lattice.to_metres(points)).T
     traction = np.stack([xx * outward[:, 0] + xy * outward[:, 1], xy * outward[:, 0] + yy * outward[:, 1]], axis=1)
-    values = values_at(cover, points, outlines.element[edge]).rows
+    values = values_at(cover, points, outlines.element[edge])
     loads = values.T @ (length[:, None] * sample.lattice.spacing * traction)
     corners = sample.body.outline
     held = (PointSupport("rock", corners[0], (0.0, 0.0)), PointSupport("rock", corners[1], (None, 0.0)))
@@ -106,8 +108,12 @@ def areas(lattice: Lattice, elements: Elements) -> np.ndarray:
     return np.concatenate([whole, shapely.area(elements.polygons)])
 
 
-def gradient_rows(basis: Basis) -> tuple[csr_array, csr_array]:
-    """The derivatives (n, n_functions) by x and by y of all functions at the points of a basis; zeros stay entries."""
-    shape = basis.rows.shape
-    by_x, by_y = (csr_array((values, basis.functions, basis.start), shape=shape) for values in basis.values[1:])
+def gradient_rows(cover: Cover, points: Floats, elements: Ints) -> tuple[csr_array, csr_array]:
+    """The derivatives (n, n_functions) by x and by y, per spacing, of all functions at points; zeros stay entries."""
+    work, k, on = workspace(cover.arrays), 0, cover.functions.taken(elements)
+    values = np.empty((2, len(on.values)))
+    for i, (first, last) in enumerate(pairwise(on.start.tolist())):
+        k = at_point(i, points, elements, True, k, cover.arrays, work)
+        values[:, first:last] = work[4][1:, : last - first]
+    by_x, by_y = (csr_array((each, on.values, on.start), shape=(on.n, cover.n_functions)) for each in values)
     return by_x, by_y

@@ -7,12 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from crackgrow.approximation.basis import basis_at, values_at
+from crackgrow.approximation.basis import fields_at, values_at
 from crackgrow.approximation.mls import mls
-from crackgrow.approximation.tip_functions import tip_functions, tip_table
+from crackgrow.approximation.tip_functions import tip_functions
 from crackgrow.cover.elements import locate
 from crackgrow.cover.shapes import Roots
-from crackgrow.cover.tips import TipView, seen_from_tip
+from crackgrow.cover.tips import TipView, seen_from_tip, tip_table
 from tests.conftest import Sample
 from tests.unit.exact_fields import PAPER, gradient_rows
 
@@ -90,25 +90,24 @@ def test_plain_functions_reproduce_linear_fields_and_all_have_the_slopes_of_thei
     assert len(points) > 700
     size = cover.elements.size[elements, None]
     assert size.min() == 0.5**levels
-    basis = basis_at(cover, points, elements)
-    slopes = [sample.lattice.spacing * slope for slope in gradient_rows(basis)]
-    assert (basis.rows.count_nonzero(axis=0) > 0).sum() > 0.7 * cover.n_functions
-    assert np.abs(basis.rows - values_at(cover, points, elements).rows).max() < 1e-13
-    np.testing.assert_allclose(basis.rows[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
-    np.testing.assert_allclose(basis.rows[:, :n_patches] @ cover.patches.nodes, points, rtol=0.0, atol=1e-12)
+    rows, slopes = values_at(cover, points, elements), gradient_rows(cover, points, elements)
+    assert (rows.count_nonzero(axis=0) > 0).sum() > 0.7 * cover.n_functions
+    np.testing.assert_allclose(rows[:, :n_patches].sum(axis=1), 1.0, rtol=1e-12)
+    np.testing.assert_allclose(rows[:, :n_patches] @ cover.patches.nodes, points, rtol=0.0, atol=1e-12)
     step = 1e-6 * size
     for axis, slope in enumerate(slopes):
         plain, along = slope[:, :n_patches], np.eye(2)[axis]
         assert np.abs(plain.sum(axis=1) * size[:, 0]).max() < 1e-10
         assert np.abs((plain @ cover.patches.nodes - along) * size).max() < 1e-10
-        ahead, behind = (values_at(cover, points + s * step * along, elements).rows for s in (1.0, -1.0))
+        ahead, behind = (values_at(cover, points + s * step * along, elements) for s in (1.0, -1.0))
         difference = (ahead - behind).toarray() / (2.0 * step)
         # per side of a cell: step^2 times the third derivative r^-2.5 = 2e4 at r = 0.02: 2e-8; rounding 1e-16 / step
         assert (np.abs(slope.toarray() - difference) * size).max() < 5e-8
     u = np.random.default_rng(6).normal(size=(cover.n_functions, 2))
-    expected = [matrix @ u for matrix in (basis.rows, *gradient_rows(basis))]
+    expected = [rows @ u, *(slope @ u / sample.lattice.spacing for slope in slopes)]
     for n in (0, 1, len(points)):
-        found, alone = (make(cover, points[:n], elements[:n]).fields(u.ravel()) for make in (basis_at, values_at))
+        at = points[:n], elements[:n], u.ravel()
+        found, alone = fields_at(cover, *at), fields_at(cover, *at, derivatives=False)
         for field, exact in zip([*found, *alone], [*expected, expected[0]], strict=True):
             np.testing.assert_allclose(field, exact[:n], atol=1e-12 * np.abs(exact).max())
 
@@ -124,17 +123,18 @@ def test_functions_jump_on_cracks_and_nowhere_else(build, name: str, support: fl
     for crack in (False, True):
         some = rng.permutation(np.flatnonzero(inside & (cover.elements.passable != crack)))[:1000]
         assert len(some) >= 5
-        left, right = (basis_at(cover, places[some], side[some]) for side in (edges.left, edges.right))
-        jumps = abs(left.rows - right.rows)
+        sides = [(cover, places[some], side[some]) for side in (edges.left, edges.right)]
+        left, right = (values_at(*side) for side in sides)
+        jumps = abs(left - right)
         if crack:
             assert jumps[:, n_patches:].max() > 0.1
-            squares = [(side.rows[:, :n_patches] ** 2).sum(axis=1) for side in (left, right)]
+            squares = [(side[:, :n_patches] ** 2).sum(axis=1) for side in (left, right)]
             np.testing.assert_allclose(*squares, rtol=1e-12)
             assert np.count_nonzero(jumps[:, :n_patches].max(axis=1).toarray()) > 0.3 * len(some)
         else:
             assert jumps.max() < 1e-12
-            size = cover.elements.size[edges.left[some]] * sample.lattice.spacing
-            for slope, beyond in zip(gradient_rows(left), gradient_rows(right), strict=True):
+            size = cover.elements.size[edges.left[some]]
+            for slope, beyond in zip(*(gradient_rows(*side) for side in sides), strict=True):
                 assert (abs(slope - beyond).max(axis=1).toarray().ravel() * size).max() < 1e-10
 
 

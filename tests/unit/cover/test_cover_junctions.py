@@ -163,7 +163,7 @@ def test_tip_functions_jump_on_their_own_crack_alone(build, name: str, support: 
         values = np.zeros((2, len(middle), cover.n_functions))
         seen = np.zeros((2, len(middle), len(cover.patches.nodes)), dtype=bool)
         for k, side in enumerate((edges.plus, edges.minus)):
-            values[k] = values_at(cover, middle, side).rows.toarray()
+            values[k] = values_at(cover, middle, side).toarray()
             patches = cover.patches.of_element.taken(side)
             seen[k, patches.row, patches.values] = True
         for tip, first in zip(cover.tips, function_table(cover), strict=True):
