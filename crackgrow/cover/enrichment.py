@@ -44,7 +44,7 @@ class Enrichment:
     side: Floats  # (pairs,) angle of each element as its tip sees it: which side of the crack it is on
     first: Ragged  # pairs -> the first of the four functions of each carrier
     place: Ragged  # carriers of all pairs -> places of their patches among the patches of the element
-    share: Floats  # (s,) of each of these
+    share: Floats  # (s,) of each of these, over the root of the side of the cells round the tip
 
     @property
     def acted_on(self) -> Bools:
@@ -83,11 +83,14 @@ def make_tips(
 
 
 def enrichment_of(patches: Ragged, tips: Sequence[Tip], reference: Floats) -> Enrichment:
-    """The enrichment of elements with these physical patches and reference points (elements, 2)."""
+    """The enrichment of elements with these physical patches and reference points (elements, 2).
+
+    Tip functions are of the order sqrt(r): over the side of the cells round a tip they are as stiff as all others.
+    """
     none = np.empty(0, dtype=np.int64)
     patch = np.concatenate([none, *(tip.patches for tip in tips)])
     first = np.concatenate([none, *(tip.functions for tip in tips)])
-    share = np.concatenate([np.empty(0), *(tip.carriers.shares for tip in tips)])
+    share = np.concatenate([np.empty(0), *(tip.carriers.shares / np.sqrt(tip.size) for tip in tips)])
     tip = np.repeat(np.arange(len(tips)), [len(tip.patches) for tip in tips])
     carries = np.zeros(int(patches.values.max(initial=-1)) + 1, dtype=bool)
     carries[patch] = True
