@@ -15,6 +15,9 @@ from crackgrow.arrays import Floats, Ints
 from crackgrow.cover.squares import QUANTA, Squares
 from crackgrow.geometry.arrangement import on_grid
 
+PARTS = 8
+"""Of each segment, in whose bounding boxes tiles are looked for: that of all of it holds many that it does not meet."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Pieces:
@@ -37,7 +40,11 @@ def cut_in_pieces(segments: Floats, tiles: Squares) -> Pieces:
     turned = (x0 > x1) | ((x0 == x1) & (y0 > y1))
     ends[turned] = ends[turned, ::-1]
     owner, share, points = [np.arange(len(ends))] * 2, [np.zeros(len(ends)), np.ones(len(ends))], [*ends.swapaxes(0, 1)]
-    near, tile = tiles.tree.query(shapely.linestrings(ends))
+    parts = ends[:, :1] + np.linspace(0.0, 1.0, PARTS + 1)[:, None] * (ends[:, 1:] - ends[:, :1])
+    near, tile = tiles.tree.query(
+        shapely.linestrings(np.stack([parts[:, :-1], parts[:, 1:]], axis=2).reshape(-1, 2, 2))
+    )
+    near //= PARTS
     start, step = ends[near, 0].T, (ends[near, 1] - ends[near, 0]).T
     low, high = tiles.low[tile].T / QUANTA, (tiles.low[tile].T + tiles.size[tile]) / QUANTA
     for axis, at in ((0, low), (0, high), (1, low), (1, high)):
