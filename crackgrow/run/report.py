@@ -38,12 +38,9 @@ from crackgrow.run.result import (
     TipResult,
 )
 from crackgrow.run.state_values import history, history_of, mean_stress, reactions, specimen_means
-from crackgrow.run.step_warnings import contact_violations, pressed_strain, step_warnings
+from crackgrow.run.step_warnings import STILL, contact_violations, pressed_strain, step_warnings
 
 Estimate = Callable[[], ErrorEstimate]
-
-STILL = 1e-6
-"""Of what the stress could make a crack of its length slip: faces have not moved by less, 3e-9 of it in 56 joints."""
 
 
 def step_result(state: RunState, solution: StepSolution, advances: Advances, with_frame: bool) -> StepResult:
