@@ -4,7 +4,7 @@ What is named here is its door, all that other packages use of it.
 """
 
 from crackgrow.linear.constrained import ConstrainedSystem
-from crackgrow.linear.elimination import DEPENDENT
+from crackgrow.linear.elimination import DEPENDENT, mirror
 from crackgrow.linear.matrix import SymmetricMatrix
 
-__all__ = ["DEPENDENT", "ConstrainedSystem", "SymmetricMatrix"]
+__all__ = ["DEPENDENT", "ConstrainedSystem", "SymmetricMatrix", "mirror"]

@@ -1,7 +1,7 @@
 """The linear solve K u + C' m = f, C u - B m = g: a stiffness, positive semidefinite, with linear constraints.
 
-B is a diagonal, zero for rigid constraints. Compliant ones are few and act on many unknowns: they are no part of the
-factorization, but come by Woodbury's identity (Hager 1989), with what each of their forces does alone.
+B is a diagonal, zero for the constraints that hold what K leaves free. The others, which may be compliant, are ties of
+what these hold.
 
 One factorization serves many loads. The forces that its solution leaves unbalanced are solved for in turn, until they
 are round-off.
@@ -9,8 +9,10 @@ are round-off.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Floats, Ints
 from crackgrow.errors import SolveError
@@ -28,7 +30,7 @@ INCONSISTENT = 1e-6
 
 
 class ConstrainedSystem:
-    """K with constraints C u - B m = g, factorized once for many loads."""
+    """K with constraints C u - B m = g, factorized once for many loads, when it is first solved."""
 
     def __init__(
         self,
@@ -36,26 +38,38 @@ class ConstrainedSystem:
         constraints: csr_array,
         boxes: tuple[Ints, Ints],
         compliance: Floats | None = None,
+        n_holding: int | None = None,
     ) -> None:
         """`stiffness` (n, n) Pa, `constraints` (m, n), `boxes` of its functions: see `Factorization`.
 
-        `compliance` (m,) is the diagonal of B, of which what is not zero comes last; None where all of it is.
+        `compliance` (m,) is the diagonal of B, None where all of it is zero. The first `n_holding` constraints hold
+        what K leaves free; None: all that are rigid, which come first.
         """
         self.stiffness = stiffness
         self.constraints = constraints
         self._share = abs(constraints)
         self._compliance = np.zeros(constraints.shape[0]) if compliance is None else compliance
-        self._n_rigid = int(np.sum(self._compliance == 0.0))
-        self._factorization = Factorization(stiffness, csr_array(constraints[: self._n_rigid]), boxes)
-        self._stiff = np.zeros((0, 0))
-        if n_compliant := constraints.shape[0] - self._n_rigid:
-            self._compliant = csr_array(constraints[self._n_rigid :])
-            self._alone = self._factorization.solve(self._compliant.T.toarray(), np.zeros((self._n_rigid, n_compliant)))
-            self._stiff = np.linalg.inv(self._compliant @ self._alone[0] + np.diag(self._compliance[self._n_rigid :]))
+        n = self._n_holding = int(np.sum(self._compliance == 0.0)) if n_holding is None else n_holding
+        self._parts = csr_array(constraints[:n]), boxes, csr_array(constraints[n:]), self._compliance[n:]
+
+    @cached_property
+    def _factorization(self) -> Factorization:
+        """The factors. Raises SolveError where there are none."""
+        return Factorization(self.stiffness, *self._parts)
+
+    def factorize(self) -> None:
+        """Factorize now, before anything is solved. Raises SolveError where there are no factors."""
+        _ = self._factorization
+
+    def tied(self, rows: csr_array, softness: Floats) -> ConstrainedSystem:
+        """The system with more constraints (k, n), of a compliance `softness` (k,): ties of what is held."""
+        constraints = csr_array(vstack([self.constraints, rows], format="csr"))
+        compliance = np.append(self._compliance, softness)
+        return ConstrainedSystem(self.stiffness, constraints, self._parts[1], compliance, self._n_holding)
 
     def release(self) -> None:
-        """Let go of the factors: nothing is solved any more."""
-        self._factorization.release()
+        """Let go of the factors: nothing is solved for some time."""
+        self.__dict__.pop("_factorization", None)
 
     def solve(self, loads: Floats, given: Floats | None = None) -> tuple[Floats, Floats]:
         """Displacements (n,) or (n, k) and multipliers (m,) or (m, k) for loads (n,) or (n, k).
@@ -70,9 +84,9 @@ class ConstrainedSystem:
         u, multipliers = np.empty(columns.shape), np.empty((m, columns.shape[1]))
         for start in range(0, columns.shape[1], AT_ONCE):
             block = slice(start, start + AT_ONCE)
-            found = self._solved(columns[:, block], wanted[:, block])
+            found = self._factorization.solve(columns[:, block], wanted[:, block])
             u[:, block], multipliers[:, block] = self._corrected(found, columns[:, block], wanted[:, block])
-        given_in = wanted.any(axis=0)
+        given_in = wanted[: self._n_holding].any(axis=0)  # the others contradict nothing
         if given_in.any():
             self._check_agreement(wanted[:, given_in])
         return u.reshape(loads.shape), multipliers.reshape(m, *loads.shape[1:])
@@ -80,27 +94,22 @@ class ConstrainedSystem:
     def _check_agreement(self, wanted: Floats) -> None:
         """Raise SolveError where no displacement takes the values `wanted` (m, k), whatever the loads are."""
         nothing = np.zeros((self.constraints.shape[1], wanted.shape[1]))
-        u, multipliers = self._corrected(self._solved(nothing, wanted), nothing, wanted)
+        u, multipliers = self._corrected(self._factorization.solve(nothing, wanted), nothing, wanted)
         left = np.abs(self.constraints @ u - self._compliance[:, None] * multipliers - wanted)
         if np.any(left > INCONSISTENT * (np.abs(wanted) + self._share @ np.abs(u))):
             raise SolveError(f"the supports contradict each other by {left.max():.3g} m")
 
     def compliance(self, rows: csr_array) -> Floats:
-        """G u (k, k) of `rows` G (k, n), the displacements u by the loads G', unrefined; symmetric to the last bit."""
-        found = self._factorization.compliance(rows)
-        if len(self._stiff):
-            seen = rows @ self._alone[0]
-            less = seen @ self._stiff @ seen.T
-            found -= 0.5 * (less + less.T)
-        return found
+        """G x (k, k) of `rows` G (k, n), the displacements x by the loads G', unrefined; symmetric to the last bit.
 
-    def _solved(self, loads: Floats, wanted: Floats) -> tuple[Floats, Floats]:
-        """What `solve` gives for loads (n, k) and wanted (m, k), unrefined."""
-        u, rigid = self._factorization.solve(loads, wanted[: self._n_rigid])
-        if not len(self._stiff):
-            return u, rigid
-        forces = self._stiff @ (self._compliant @ u - wanted[self._n_rigid :])
-        return u - self._alone[0] @ forces, np.concatenate([rigid - self._alone[1] @ forces, forces])
+        G may have columns of multipliers besides, of ties: x has these then, too.
+        """
+        return self._factorization.compliance(rows)
+
+    def unrefined(self, loads: Floats, given: Floats) -> tuple[Floats, Floats]:
+        """What `solve` gives for loads (n,) and `given` (m,), as the factors give it."""
+        u, multipliers = self._factorization.solve(loads[:, None], given[:, None])
+        return u[:, 0], multipliers[:, 0]
 
     def corrected(self, found: tuple[Floats, Floats], loads: Floats, given: Floats) -> tuple[Floats, Floats]:
         """What `solve` gives for loads (n,) or (n, k) and `given` (m,) or (m, k), from what was `found` otherwise.
@@ -127,7 +136,8 @@ class ConstrainedSystem:
                 break
             last = error
             residual = loads - self.stiffness @ u - self.constraints.T @ multipliers
-            du, dm = self._solved(residual, wanted - self.constraints @ u + self._compliance[:, None] * multipliers)
+            missed = wanted - self.constraints @ u + self._compliance[:, None] * multipliers
+            du, dm = self._factorization.solve(residual, missed)
             u, multipliers = u + du, multipliers + dm
         return u, multipliers
 

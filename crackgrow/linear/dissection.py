@@ -7,7 +7,9 @@ few between them, for the work of a front grows faster than it does. Where boxes
 plane would cross what is small and many.
 
 Functions on the two sides of a crack are not coupled, though their boxes overlap. Where a line and the cracks together
-leave a part in several pieces, each is a part of its own, at no cost: as one they would fill each other's rows.
+leave a part in several pieces, each is a part of its own, at no cost: as one they would fill each other's rows. Ties
+across the cracks are eliminated after both sides: where they are more than the functions that the line crosses, the
+pieces that they hold together are cut as one.
 """
 
 from __future__ import annotations
@@ -24,28 +26,29 @@ FREE = 10
 """Functions: to cut fewer saves nothing any more."""
 
 
-def dissected(low: Ints, high: Ints, start: Ints, column: Ints) -> tuple[Ints, Ints, Ints]:
+def dissected(low: Ints, high: Ints, couplings: tuple[Ints, Ints], ties: tuple[Ints, Ints]) -> tuple[Ints, Ints, Ints]:
     """The part (n,) of each box from `low` to `high` (n, 2), the parent (parts,) of each part, and an order (n,).
 
-    `column` (q,), row by row from `start` (n + 1,) on, are those that each is joined to, before it and itself: by
-    stiffness, or by a constraint.
+    `couplings` are those that each is joined to, by stiffness or by a constraint, before it and itself: where they
+    begin (n + 1,), and they (q,). `ties` are the ties that act on each, (n + 1,) and (s,).
     Children come before parents, the last part has no parent (-1). The order goes along the plane, whatever the parts.
     """
     ends = np.stack([low[:, 0], low[:, 1], high[:, 0], high[:, 1]])
     orders = np.argsort(ends, axis=1, kind="stable")
     along = np.lexsort((low[:, 1], low[:, 0]))
-    part, parent = _cut(ends, orders, start, column)
+    part, parent = _cut(ends, orders, couplings, ties)
     return part, parent, along
 
 
 @kernel
-def _cut(ends: Ints, orders: Ints, start: Ints, column: Ints) -> tuple[Ints, Ints]:
+def _cut(ends: Ints, orders: Ints, couplings: tuple[Ints, Ints], ties: tuple[Ints, Ints]) -> tuple[Ints, Ints]:
     """Parts as of `dissected`, of boxes with `ends` (4, n), low x and y, high x and y, in the order of each (4, n)."""
     n = ends.shape[1]
     side, kept, above = np.zeros(n, np.int64), np.empty(n, np.int64), np.empty(n, np.int64)
     begin, end, parent = [0], [0], [-1]  # the last part, for what is in several pieces from the beginning
     part = np.zeros(n, np.int64)
-    _add_pieces(orders, 0, n, 0, (start, column), (side, above, kept), (begin, end, parent))
+    met = np.full(ties[1].max() + 1 if len(ties[1]) else 0, -1)
+    _add_pieces(orders, 0, n, 0, 0, couplings, (*ties, met), (side, above, kept), (begin, end, parent))
     current = 1
     while current < len(begin):  # parts that are cut later have larger numbers; they are turned round at the end
         a, b = begin[current], end[current]
@@ -79,7 +82,11 @@ def _cut(ends: Ints, orders: Ints, start: Ints, column: Ints) -> tuple[Ints, Int
             for row in orders:
                 _sort(row, a, b, side, np.array([a, a + left, a + left + right]), kept)
             for first, last in ((a, a + left), (a + left, a + left + right)):
-                _add_pieces(orders, first, last, current, (start, column), (side, above, kept), (begin, end, parent))
+                n_cut = b - a - left - right
+                _add_pieces(
+                    orders, first, last, current, n_cut, couplings, (*ties, met), (side, above, kept),
+                    (begin, end, parent),
+                )  # fmt: skip
         current += 1
     # numbered so that a subtree is in one piece, children before parents
     size = np.ones(current, np.int64)
@@ -105,7 +112,9 @@ def _add_pieces(
     a: int,
     b: int,
     current: int,
+    n_cut: int,
     couplings: tuple[Ints, Ints],
+    ties: tuple[Ints, Ints, Ints],
     work: tuple[Ints, Ints, Ints],
     parts: tuple[list[int], list[int], list[int]],
 ) -> None:
@@ -121,6 +130,7 @@ def _add_pieces(
             if side[j] == -1:
                 one, other = _first(above, i), _first(above, j)
                 above[max(one, other)] = min(one, other)
+    _join_tied(orders[0, a:b], above, ties, n_cut)
     size, n = np.zeros(b - a, np.int64), 0
     for i in orders[0, a:b]:
         first = _first(above, i)
@@ -148,6 +158,41 @@ def _add_pieces(
     if m > 1:
         for row in orders:
             _sort(row, a, b, side, place.copy(), kept)
+
+
+@kernel
+def _join_tied(functions: Ints, above: Ints, ties: tuple[Ints, Ints, Ints], n_cut: int) -> None:
+    """Join pieces that more ties hold together than functions were cut.
+
+    `ties` are those of each function, where they begin and they, and for each one of them room for a number.
+    """
+    tie_start, tie, met = ties
+    if len(met) == 0:
+        return
+    n_between = 0
+    for i in functions:
+        for t in tie[tie_start[i] : tie_start[i + 1]]:
+            met[t] = -1
+    for i in functions:
+        first = _first(above, i)
+        for t in tie[tie_start[i] : tie_start[i + 1]]:
+            if met[t] == -1:
+                met[t] = first
+            elif met[t] >= 0 and met[t] != first:
+                n_between += 1
+                met[t] = -2
+    if n_between <= n_cut + FREE:
+        return
+    for i in functions:
+        for t in tie[tie_start[i] : tie_start[i + 1]]:
+            met[t] = -1
+    for i in functions:
+        for t in tie[tie_start[i] : tie_start[i + 1]]:
+            if met[t] == -1:
+                met[t] = i
+            else:
+                one, other = _first(above, i), _first(above, met[t])
+                above[max(one, other)] = min(one, other)
 
 
 @kernel

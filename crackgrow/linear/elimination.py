@@ -73,6 +73,25 @@ def hold(
 
 
 @kernel
+def tie(start: Ints, entry: Ints, column: Ints, values: Floats, softness: Floats, U: Floats, V: Floats) -> None:
+    """Add what ties act on a front's functions by, the `values` (s, 2) from start[k] on for each, and -B of its ties.
+
+    `softness` (p,) is B of the front's own multipliers, zero at its functions.
+    """
+    p = len(U)
+    for k in range(len(start) - 1):
+        for q in range(start[k], start[k + 1]):
+            c = column[q]
+            for i in range(2):
+                if c >= p:
+                    V[2 * k + i, c - p] += values[entry[q], i]
+                else:
+                    U[2 * k + i, c] += values[entry[q], i]
+    for a in range(p):
+        U[a, a] -= softness[a]
+
+
+@kernel
 def extend(left: Floats, into: Ints, U: Floats, V: Floats, C: Floats) -> None:
     """Add the Schur complement `left` (b, b) of a child to the front of its parent, in place.
 

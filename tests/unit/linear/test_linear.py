@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.sparse import block_array, csc_array, csr_array, diags_array
+from scipy.sparse import block_array, block_diag, csc_array, csr_array, diags_array
 from scipy.sparse.linalg import splu
 
 from crackgrow.arrays import Floats, Ints
@@ -15,6 +15,7 @@ from crackgrow.linear.fronts import fronts_of
 from tests.conftest import dense_system, one_front, symmetric
 
 N = 30
+NO_TIES = (np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64))
 
 
 def chain() -> csc_array:
@@ -146,11 +147,6 @@ def lattice(n: int, seed: int, reach: int = REACH) -> tuple[csc_array, Ints]:
     return csc_array(dense * np.outer(scale, scale)), nodes
 
 
-def none(n: int) -> csr_array:
-    """No constraints."""
-    return csr_array((0, n))
-
-
 def solved(factorization: Factorization, loads: Floats) -> Floats:
     return factorization.solve(loads.reshape(len(loads), -1), np.zeros((0, loads.size // len(loads))))[0]
 
@@ -161,7 +157,7 @@ def test_solutions_are_those_of_superlu(n: int, placed: bool) -> None:
     """Of one load, of many, and of many each of which acts in one place."""
     matrix, nodes = lattice(n, n)
     boxes = boxes_at(nodes) if placed else one_front(len(nodes))
-    factorization = Factorization(symmetric(matrix), none(len(nodes) * 2), boxes)
+    factorization = Factorization(symmetric(matrix), csr_array((0, 2 * len(nodes))), boxes)
     loads = np.random.default_rng(1).normal(size=(2 * n * n, 7))
     loads[:, 5:] = np.eye(len(loads), 2, -n)
     expected = splu(matrix).solve(loads)
@@ -235,6 +231,33 @@ def test_compliance_is_that_of_solutions(n: int) -> None:
     np.testing.assert_array_equal(system.compliance(parts), system.compliance(whole))
 
 
+@pytest.mark.parametrize("n", [5, 20])
+def test_ties_hold_two_lattices_together(n: int) -> None:
+    """Rigid and soft ties across a crack, one far away, of which one lattice has the only support."""
+    matrix, nodes = lattice(n, 12)
+    both, size = csc_array(block_diag([matrix, matrix])), len(nodes)
+    rng = np.random.default_rng(3)
+    ties = np.zeros((2 * n + 1, 4 * size))
+    for k, row in enumerate(ties):
+        near = 2 * np.clip(n * (k // 2) + np.arange(3), 0, size - 1) + k % 2
+        row[near], row[2 * size + near] = rng.uniform(0.5, 1.0, 3), -rng.uniform(0.5, 1.0, 3)
+    ties[-1, 2 * size - 1] = 1.0
+    softness = np.where(np.arange(2 * n + 1) % 3 == 2, 0.1, 0.0)
+    held = ConstrainedSystem(
+        symmetric(both), csr_array(([1.0], [0], [0, 1]), (1, 4 * size)), boxes_at(np.tile(nodes, (2, 1)))
+    )
+    system = held.tied(csr_array(ties), softness)
+    loads, given = rng.normal(size=4 * size), rng.normal(size=2 * n + 2)
+    u, m = system.solve(loads, given)
+    constraints, soft = np.vstack([held.constraints.toarray(), ties]), np.append(0.0, softness)
+    bordered = np.block([[both.toarray(), constraints.T], [constraints, -np.diag(soft)]])
+    known = np.linalg.solve(bordered, np.append(loads, given))
+    np.testing.assert_allclose(np.append(u, m), known, atol=1e-10 * np.abs(known).max())
+    rows = csr_array(np.eye(len(known))[4 * size + 1 :])  # of the multipliers of ties
+    expected = np.linalg.inv(bordered)[4 * size + 1 :, 4 * size + 1 :]
+    np.testing.assert_allclose(system.compliance(rows), expected, atol=1e-10 * np.abs(expected).max())
+
+
 @pytest.mark.parametrize("seed", [0, 1])
 def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     """As functions on a sliver of rock do: the matrix is semidefinite, and by round-off indefinite."""
@@ -245,7 +268,9 @@ def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
     semidefinite = csc_array(spread.T @ matrix @ spread)
     x = rng.normal(size=len(spread.T))
     loads = semidefinite @ x
-    system = ConstrainedSystem(symmetric(semidefinite), none(len(x)), boxes_at(np.vstack([nodes, nodes[twins]])))
+    system = ConstrainedSystem(
+        symmetric(semidefinite), csr_array((0, len(x))), boxes_at(np.vstack([nodes, nodes[twins]]))
+    )
     u, _ = system.solve(loads)
     assert np.abs(u).max() < 2.0 * np.abs(x).max()
     np.testing.assert_allclose(spread @ u, spread @ x, rtol=0.0, atol=1e-8 * np.abs(x).max())
@@ -256,7 +281,7 @@ def test_unknowns_that_depend_on_each_other_stay_small(seed: int) -> None:
 def test_separators_of_a_lattice_are_as_wide_as_the_couplings_reach() -> None:
     """40 x 40 nodes that reach 2 nodes far: two columns of nodes separate, 160 unknowns; L has few entries."""
     matrix, nodes = lattice(40, 17)
-    fronts = fronts_of(symmetric(matrix), csr_array((0, 3200)), *boxes_at(nodes))
+    fronts = fronts_of(symmetric(matrix), csr_array((0, 3200)), NO_TIES, boxes_at(nodes))
     own, border = np.diff(fronts.starts), np.diff(fronts.border_start)
     assert own[-2:].tolist() == [160, 0]  # the last one is for what is in several pieces from the beginning
     assert np.sum(own * (own + border)) < 0.15 * matrix.shape[0] ** 2
@@ -266,4 +291,4 @@ def test_couplings_beyond_the_boxes_are_refused() -> None:
     matrix, nodes = lattice(30, 7)
     wrong = np.random.default_rng(9).permutation(nodes)
     with pytest.raises(ValueError, match="further apart than couplings reach"):
-        fronts_of(symmetric(matrix), csr_array((0, 1800)), *boxes_at(wrong))
+        fronts_of(symmetric(matrix), csr_array((0, 1800)), NO_TIES, boxes_at(wrong))
