@@ -38,7 +38,8 @@ from numpy.typing import NDArray
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import STEEPEST
-from crackgrow.contact.problem import ContactProblem, read_only
+from crackgrow.contact.points import read_only
+from crackgrow.contact.problem import ContactProblem
 
 OPEN: Final = 0
 STICK: Final = 1
@@ -293,17 +294,17 @@ def _trial(problem: ContactProblem, p: Floats, du: Floats) -> Floats:
     return p + np.concatenate([opening(problem, du), du[n:]]) / problem.points.scale
 
 
-def complementarity_residual(problem: ContactProblem, x: Floats) -> float:
+def complementarity_residual(problem: ContactProblem, x: Floats, jump: Floats | None = None) -> float:
     """Worst relative violation of the contact law by unknowns x (2 n + l,): zero for a solution, one for a wrong one.
 
-    Jumps are measured by the largest one without tractions, or the largest diag(A) |p| where that is more; tractions by
-    the largest |p|, or the least traction that could make up that jump. Needs nothing but the problem and x.
+    Their `jump` (2 n,) m may be known. Jumps are measured by the largest one without tractions, or the largest
+    diag(A) |p| where that is more; tractions by the largest |p|, or the least traction that could make up that jump.
     Raises NotSolvedError where x is not finite.
     """
     x = read_only("traction", x)
     if problem.free.size == 0:
         return 0.0
-    n, m, du = problem.n_points, problem.free.size, problem.jump(x)
+    n, m, du = problem.n_points, problem.free.size, problem.jump(x) if jump is None else jump
     p, largest_free = x[:m], float(np.abs(problem.free + problem.points.jump @ x[m:]).max())
     length = max(largest_free, float((problem.points.scale * np.abs(p)).max()))
     traction = max(float(np.abs(p).max()), problem.least_traction)

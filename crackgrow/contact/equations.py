@@ -19,7 +19,8 @@ from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.contact.coulomb import ActiveSet
-from crackgrow.contact.problem import ContactProblem, absolute_product
+from crackgrow.contact.points import absolute_product
+from crackgrow.contact.problem import ContactProblem
 
 SINGULAR: Final = 1e-14
 """Reciprocal condition from which equations with motions have no digits: nothing that is closed sees some of them."""

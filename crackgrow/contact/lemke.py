@@ -18,7 +18,8 @@ from scipy.linalg.blas import dger
 from crackgrow.arrays import Floats, Ints
 from crackgrow.contact.coulomb import SOLVED_RESIDUAL, active_set, complementarity_residual
 from crackgrow.contact.equations import solve_active
-from crackgrow.contact.problem import UNSEEN, ContactProblem, ContactSolution
+from crackgrow.contact.points import UNSEEN
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 
 SINGULAR: Final = 1e14  # condition number of the scaled compliance from which its inverse has no digits left

@@ -18,7 +18,8 @@ import numpy as np
 from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import ActiveSet, active_set, project
 from crackgrow.contact.equations import ActiveEquations, equations_of
-from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
+from crackgrow.contact.points import CondensedPoints
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 
 ROUND_OFF: Final = 1e-12  # change of p by `project`, relative to the largest |p|, that a dense solve can leave
 REPEATED_ROUND_OFF: Final = 1e-10  # the same where the active set repeats: another step cannot lower it

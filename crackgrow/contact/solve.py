@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -27,7 +28,9 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, ContactMemor
 from crackgrow.contact.equations import ActiveEquations, solve_active
 from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution, absolute_product
+from crackgrow.contact.points import absolute_product
+from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.sparse_points import SparsePoints
 from crackgrow.contact.stuck import MANY, solve_among_stuck
 from crackgrow.contact.system import ContactSystem, ill_conditioned
 from crackgrow.errors import NotSolvedError
@@ -116,13 +119,14 @@ class PointStates:
     problem: ContactProblem | None = None  # that it is of, while it is kept: it is large
     n_unknowns: int = 0
     iterations: int = 0  # of all trials
+    rock: tuple[Floats, Floats] | None = None  # displacements and multipliers, where tractions are found with them
 
     @property
     def complementarity(self) -> float:
         """The residual of the law, relative; zero where no problem is kept."""
         if self.problem is None or self.solution is None:
             return 0.0
-        return complementarity_residual(self.problem, self.solution.unknowns)
+        return complementarity_residual(self.problem, self.solution.unknowns, self.solution.jump)
 
     @property
     def status(self) -> Literal["none", "solved"]:
@@ -175,6 +179,7 @@ class Increment:
     pull: Floats  # (l,) N/m: what the loads do on the rigid motions
     tolerance: float  # m: less overlap is none
     moved: Floats  # (2 n,) m: jumps that foundations take away by moving
+    loads: tuple[Floats, Floats]  # (n_dofs,) N/m, and what supports are given (m,) m
 
     def solved(self, start: PointStates | None = None) -> PointStates:
         """The states of all points. Raises TrialNotSolvedError where there are none.
@@ -212,7 +217,11 @@ class Increment:
         """
         here, best, rock, off, last_off = self, state, without, 0.0, np.inf
         while state.solution is not None:
-            there = known or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
+            there = (
+                known
+                or state.rock
+                or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
+            )
             known = None
             more, now_off = here._missing(state, there[0])
             if not now_off <= ILL_CONDITIONED and last_off == np.inf:
@@ -294,8 +303,12 @@ class Increment:
         if start.solution is not None:
             rows, near = np.flatnonzero(np.tile(trial.taken, 2)), start.solution.equations
             known = np.concatenate([start.tractions[rows] - self._pulled(trial)[rows], start.solution.motion])
-        solution = solve_contact_problem(problem, self.contact.solver, known, near)
-        active = active_set(problem, solution.traction, problem.jump(solution.unknowns))
+        solution = _solved_among_stuck(problem, known)
+        if solution is None and isinstance(problem.points, SparsePoints):
+            problem = self._condensed(trial)
+            solution = _solved_among_stuck(problem, known)
+        solution = solution or solve_contact_problem(problem, self.contact.solver, known, near)
+        active = active_set(problem, solution.traction, problem.jump_of(solution))
         found = self._with(trial, problem, (solution, active))
         return replace(found, iterations=start.iterations + solution.iterations)
 
@@ -318,8 +331,9 @@ class Increment:
         if like.active is None or like.solution is None:
             return self._untouched()
         problem, near = self._problem(like.trial), like.solution.equations
-        solution = solve_among_stuck(problem, None, like.active) if problem.n_points > MANY else None
+        solution = _solved_among_stuck(problem, None, like.active)
         if solution is None:
+            problem = self._condensed(like.trial) if isinstance(problem.points, SparsePoints) else problem
             x, m = solve_active(problem, like.active, near), problem.free.size
             solution = ContactSolution(x[:m], "solved", 0, like.active.states(), x[m:], near)
         found = self._with(like.trial, problem, (solution, like.active))
@@ -335,18 +349,48 @@ class Increment:
         at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (rate > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
         jumps = np.where(counts, self.free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
-        points, pull = contact.condensed(rows, resists[rows]), self.pull
+        softer, pull, by_jumps = None, self.pull, None
         if np.isfinite(law.most).any():
-            softness, k = law.compliance * law.softness(trial.pressed), np.arange(len(rows))
-            compliance = points.compliance.copy()
-            compliance[k, k] += (softness - law.compliance)[rows]
-            points = CondensedPoints(compliance, points.jump, points.force, points.weights)
+            softness = law.compliance * law.softness(trial.pressed)
+            softer = np.append(softness - law.compliance, np.zeros(n))[at]
             jumps[: len(rows)] += (law.closure(trial.pressed) + softness * trial.pressed)[rows]
+        points = contact.condensed(rows, resists[rows], softer)
         pulled = self._pulled(trial)
         if pulled.any():  # unknown are tractions less the tensile strength
             cohesion = np.maximum(cohesion - friction * pulled[:n], 0.0)
-            jumps, pull = jumps - points.compliance @ pulled[at], pull - points.force @ pulled[at]
-        return ContactProblem(points, jumps, friction[rows], cohesion[rows], rate[rows], before[rows], pull)
+            pull = pull - points.force @ pulled[at]
+        if not isinstance(points, SparsePoints):
+            jumps = jumps - points.compliance @ pulled[at] if pulled.any() else jumps
+        else:
+            by_jumps = partial(self._by_jumps, points, trial)
+        law_of = (friction[rows], cohesion[rows], rate[rows], before[rows])
+        return ContactProblem(points, jumps, *law_of, pull, by_jumps)
+
+    def _by_jumps(self, points: SparsePoints, trial: Trial, motion: Floats, jumps: Floats) -> Floats:
+        """Tractions (2 k,) Pa of a trial's problem, by amplitudes (l,) of motions and jumps (2 k,) m of its law."""
+        at = np.flatnonzero(np.tile(trial.taken, 2))
+        return self._rock(points, trial, motion, jumps)[2] - self._pulled(trial)[at]
+
+    def _rock(self, points: SparsePoints, trial: Trial, motion: Floats, jumps: Floats) -> tuple[Floats, Floats, Floats]:
+        """Displacements (n_dofs,) m, multipliers (m,) and tractions (2 k,) Pa by the same."""
+        loose, at = self.contact.loose, np.flatnonzero(np.tile(trial.taken, 2))
+        loads = self.loads[0] + (0.0 if loose is None else loose.carrying(motion))
+        return points.with_jumps(loads, self.loads[1], jumps + self._beyond_law(trial)[at])
+
+    def _condensed(self, trial: Trial) -> ContactProblem:
+        """The problem of a trial on condensed rock. Raises NotSolvedError where its points are too many for that."""
+        self.contact.condense()
+        return self._problem(trial)
+
+    def _beyond_law(self, trial: Trial) -> Floats:
+        """What jumps (2 n,) m of displacements have beyond those of the law of a trial, and elastic contact."""
+        law = self.contact.law
+        _, risen = self.memory.dilates(law, trial.lost)
+        beyond = self.moved + np.concatenate([risen, self.memory.slip])
+        if np.isfinite(law.most).any():
+            softness = law.compliance * law.softness(trial.pressed)
+            beyond[: len(risen)] -= law.closure(trial.pressed) + softness * trial.pressed
+        return np.asarray(beyond)
 
     def _pulled(self, trial: Trial) -> Floats:
         """(2 n,) Pa: the tensile strength that taken points have in a trial, across the faces."""
@@ -358,22 +402,29 @@ class Increment:
         contact, law, (solution, active) = self.contact, self.contact.law, found
         rows, n = np.flatnonzero(trial.taken), len(trial.taken)
         p = self._pulled(trial)
-        strong = p[:n] > 0.0
-        p[np.concatenate([rows, n + rows])] += solution.traction
+        strong, rock = p[:n] > 0.0, None
+        p[np.append(rows, n + rows)] += solution.traction
         p_n, p_t = np.split(p, 2)
-        gap, slip = np.split(self.free - contact.rock @ p + contact.moving @ solution.motion, 2)
+        if isinstance(problem.points, SparsePoints):
+            rock = self._rock(problem.points, trial, solution.motion, problem.jump_of(solution))[:2]
+            gap, slip = np.split(contact.operator @ rock[0] - self.moved, 2)
+            terms = np.abs(problem.jump_of(solution)) + problem.points.scale * np.abs(solution.traction).max(
+                initial=0.0
+            )
+        else:
+            gap, slip = np.split(self.free - contact.rock @ p + contact.moving @ solution.motion, 2)
+            lying, _ = problem.settled()  # how supports hold loose pieces to be solved for does not matter
+            terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
         rate, risen = self.memory.dilates(law, trial.lost)
         dilation = rate * np.abs(slip - law.shear_compliance * p_t) + risen
         state, coheres, touching = np.full(n, OPEN), np.zeros(n, dtype=bool), np.zeros(n)
-        lying, _ = problem.settled()  # how supports hold loose pieces to be solved for does not matter
-        terms = absolute_product(lying.points.compliance, np.abs(solution.traction)) + np.abs(lying.free)
         touching[rows] = UNPRESSED * terms.reshape(2, len(rows)).max(axis=0)  # gaps that are none beside these terms
         coheres[rows] = (problem.cohesion > 0.0) | strong[rows]
         apart = gap - dilation - law.compliance * np.maximum(p_n, 0.0)
         state[rows] = np.where(strong[rows], solution.state, _states(problem, solution, apart[rows], touching[rows]))
         return PointStates(
             trial, p_n, p_t, gap - dilation, slip, dilation, state, coheres, touching, solution, active, problem,
-            problem.n_unknowns,
+            problem.n_unknowns, rock=rock,
         )  # fmt: skip
 
     def _revised(self, found: PointStates) -> Trial | None:
@@ -411,6 +462,16 @@ class Increment:
         return np.where(slips, np.minimum(lost + law.worn(lost, moved), most), found.trial.lost)
 
 
+def _solved_among_stuck(
+    problem: ContactProblem, start: Floats | None, active: ActiveSet | None = None
+) -> ContactSolution | None:
+    """What `solve_among_stuck` finds of many points; None for few, and where round-off has spoilt it."""
+    if problem.n_points > MANY or isinstance(problem.points, SparsePoints):
+        with suppress(NotSolvedError):
+            return solve_among_stuck(problem, start, active)
+    return None
+
+
 def solve_contact_problem(
     problem: ContactProblem,
     solver: Literal["newton", "lemke"],
@@ -426,11 +487,7 @@ def solve_contact_problem(
         found, other = solve_by_lemke(problem), "; numerics.contact.solver: newton may find one"
     else:
         other = "; numerics.contact.solver: lemke may find one, and takes long with many points"
-        among_stuck = None
-        if problem.n_points > MANY:
-            with suppress(NotSolvedError):  # round-off has spoilt it
-                among_stuck = solve_among_stuck(problem, start)
-        found = among_stuck or solve_by_newton(problem, start, near)
+        found = solve_by_newton(problem, start, near)
     if found.status == "solved":
         return found
     raise NotSolvedError(

@@ -1,6 +1,7 @@
 """The contact problem of many points, most of which stick, condensed once more: to the loose ones, which may not.
 
-A W^-1 = L L' is factorized once for all active sets. With C = W A^-1, symmetric, and jumps du_l of the loose points
+C = W A^-1, symmetric, serves all active sets: by a Cholesky factor of A W^-1 = L L' or, where there are very many
+points, by that of rock whose faces are tied. With jumps du_l of the loose points
 
     W p = C (free + B a - du_l),    so that    du_l = S ((C (free + B a))_l - W p_l),    S = (C_ll)^-1,
 
@@ -16,61 +17,151 @@ from typing import Final
 
 import numpy as np
 from scipy.linalg.lapack import dpotrf, dpotri, dpotrs
+from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.compiled import solve_upper
 from crackgrow.contact.coulomb import ActiveSet, active_set, shear_bound
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.newton import ROUND_OFF, residual_floor, solve_by_newton
-from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
+from crackgrow.contact.points import CondensedPoints, RockPoints
+from crackgrow.contact.problem import ContactProblem, ContactSolution
+from crackgrow.contact.sparse_points import SparsePoints
+from crackgrow.errors import SolveError
+from crackgrow.linear import mirror
 
-HELD: Final = 1e-10  # of the stiffness that all points have against a motion: stuck ones with less do not hold it
+HELD: Final = 1e-10  # of the squares of jumps that all points see of a motion: stuck ones with less do not hold it
 MANY: Final = 500  # points, from which on this takes less time than Newton's steps with all of them
 MOST_LOOSE: Final = 0.5  # of the points: with more it does not
+MOST_LOOSE_POINTS: Final = 10_000  # where faces are tied: their compliance takes 3.2 GB, and Newton's method as much
 AT_ONCE: Final = 128  # columns that are found together
+ILL_DEFINED: Final = 1e-6  # of the largest traction: what those of points with next to no length may be uncertain by
 GAIN: Final = 0.5  # corrections that leave more of what jumps miss end
 
 
 class StuckPoints:
-    """Contact points that all stick, factorized."""
+    """Contact points that all stick: C = W A^-1, by which jumps make forces."""
 
-    def __init__(self, points: CondensedPoints) -> None:
+    def __init__(self, points: RockPoints) -> None:
         self.points = points
-        self._lower, info = dpotrf((points.compliance / points.weights).T, lower=1, overwrite_a=1)
-        self.definite = info == 0
         self._last: LoosePoints | None = None
-        self._place = np.full(len(points.scale), -1)  # of each row among the columns of L^-1 that are known
-        self.columns, self.products = np.zeros((len(points.scale), 0)), np.zeros((0, 0))
-        if self.definite:
-            self._add(self.half(points.jump))
 
-    @classmethod
-    def of(cls, points: CondensedPoints) -> StuckPoints:
-        """Those of some points, which are factorized once."""
+    @staticmethod
+    def of(points: RockPoints) -> StuckPoints:
+        """Those of some points, which are factorized once. Raises SolveError where they have no factors."""
         known: StuckPoints | None = points.__dict__.get("stuck")
-        return known or points.__dict__.setdefault("stuck", cls(points))
+        if known is None:
+            known = TiedPoints(points) if isinstance(points, SparsePoints) else FactorizedPoints(points)
+            points.__dict__["stuck"] = known
+        return known
 
     def among(self, loose: Bools) -> LoosePoints:
         """The points `loose` (n,) among the others; the last ones are kept."""
         if self._last is None or not np.array_equal(self._last.loose, loose):
+            self._last = None  # it is large
             self._last = LoosePoints(self, loose)
         return self._last
 
-    def half(self, right: Floats) -> Floats:
-        """L^-1 times the columns `right` (2 n, k)."""
-        found = np.array(right, order="C")
-        solve_upper(self._lower.T, found, True)
-        return found
+    def forces(self, jumps: Floats) -> Floats:
+        """C du (2 n,) N/m, the forces that make jumps (2 n,) m."""
+        raise NotImplementedError
 
-    def tractions(self, jumps: Floats) -> Floats:
-        """Tractions (2 n,) Pa that make jumps (2 n,) m."""
-        return np.asarray(dpotrs(self._lower, jumps, lower=1)[0] / self.points.weights)
+    def floor(self, problem: ContactProblem) -> float:
+        """What tractions may miss in the end, of the largest."""
+        return residual_floor(problem)
 
-    def columns_of(self, rows: Ints) -> Ints:
-        """Which columns are those of L^-1 at some ascending rows (k,)."""
+    def exact(self, problem: ContactProblem, x: Floats, meant: Floats) -> Floats:
+        """The unknowns (2 n + l,) with all digits of the tractions that make what is `meant`."""
+        return x
+
+    def products(self, rows: Ints) -> Floats:
+        """X' C X (l + k, l + k) N/m^2 of the l motions and of units of some ascending rows (k,)."""
+        raise NotImplementedError
+
+    def begun(self, problem: ContactProblem, start: Floats | None, loose: Bools) -> tuple[Floats, Floats]:
+        """Unknowns (2 n + l,) near a `start` or from nothing on, and the jumps (2 n,) m that they are meant to have."""
+        raise NotImplementedError
+
+    def jump(self, problem: ContactProblem, x: Floats, meant: Floats) -> Floats:
+        """The jumps (2 n,) m of unknowns (2 n + l,) that are found by C for those that are `meant`."""
+        raise NotImplementedError
+
+
+class TiedPoints(StuckPoints):
+    """Points whose faces are tied."""
+
+    def __init__(self, points: SparsePoints) -> None:
+        super().__init__(points)
+        self._sparse, self._apart = points, points.weights / points.scale  # of slip that the rock does not feel
+        self._apart[points.acts] = 0.0
+        self._system = points.tied
+        self._system.factorize()
+
+    def forces(self, jumps: Floats) -> Floats:
+        """C du (2 n,) N/m, the forces that make jumps (2 n,) m, as the factors give them."""
+        tractions = self._sparse.with_jumps(None, None, -jumps, refined=False)[2]
+        return np.asarray(tractions * self.points.weights + self._apart * jumps)
+
+    def floor(self, problem: ContactProblem) -> float:
+        """What tractions may miss in the end, of the largest."""
+        return ILL_DEFINED
+
+    def exact(self, problem: ContactProblem, x: Floats, meant: Floats) -> Floats:
+        """The unknowns (2 n + l,) with all digits of the tractions that make what is `meant`."""
+        motion = x[len(meant) :]
+        assert problem.by_jumps is not None
+        return np.append(problem.by_jumps(motion, meant), motion)
+
+    def products(self, rows: Ints) -> Floats:
+        """X' C X (l + k, l + k) N/m^2 of the l motions and of units of some ascending rows (k,)."""
+        (m, n), acts = self._system.constraints.shape, self._sparse.acts
+        units = csr_array((np.ones(len(rows)), rows, np.arange(len(rows) + 1)), shape=(len(rows), len(self._apart)))
+        of_points = csr_array(vstack([csr_array(self.points.jump.T), units], format="csr"))
+        of_ties = csr_array(of_points[:, acts])
+        at = (of_ties.data, of_ties.indices + n + m - len(acts), of_ties.indptr)
+        found = self._system.compliance(csr_array(at, shape=(of_ties.shape[0], n + m)))
+        return np.asarray(((of_points * self._apart) @ of_points.T).toarray() - found)
+
+    def begun(self, problem: ContactProblem, start: Floats | None, loose: Bools) -> tuple[Floats, Floats]:
+        """Unknowns (2 n + l,) and jumps (2 n,) m where all points stick."""
+        nothing = np.zeros(2 * problem.n_points), np.zeros(problem.n_motions)
+        return self.exact(problem, np.concatenate(nothing), nothing[0]), nothing[0]
+
+    def jump(self, problem: ContactProblem, x: Floats, meant: Floats) -> Floats:
+        """Those that are meant: forces have all digits, where jumps by forces on thin pieces have few."""
+        return meant
+
+
+class FactorizedPoints(StuckPoints):
+    """Points whose compliance is factorized."""
+
+    def __init__(self, points: RockPoints) -> None:
+        super().__init__(points)
+        self._lower, info = dpotrf((points.compliance / points.weights).T, lower=1, overwrite_a=1)
+        if info:
+            raise SolveError("the compliance of the rock between contact points is not positive definite")
+        self._place = np.full(len(points.scale), -1)  # of each row among the columns of L^-1 that are known
+        self._columns, self._products = np.zeros((len(points.scale), 0)), np.zeros((0, 0))
+        self._add(self._half(points.jump))
+
+    def forces(self, jumps: Floats) -> Floats:
+        """C du (2 n,) N/m, the forces that make jumps (2 n,) m."""
+        return np.asarray(dpotrs(self._lower, jumps, lower=1)[0])
+
+    def begun(self, problem: ContactProblem, start: Floats | None, loose: Bools) -> tuple[Floats, Floats]:
+        """Unknowns (2 n + l,) near a `start` or from nothing on, and the jumps (2 n,) m that they are meant to have."""
+        x = np.zeros(problem.free.size + problem.n_motions) if start is None else start
+        return x, np.where(np.tile(loose, 2), problem.jump(x), 0.0)
+
+    def jump(self, problem: ContactProblem, x: Floats, meant: Floats) -> Floats:
+        """Those that the compliance says: C has the round-off of its factor."""
+        return problem.jump(x)
+
+    def products(self, rows: Ints) -> Floats:
+        """X' C X (l + k, l + k) N/m^2 of the l motions and of units of some ascending rows (k,)."""
         new = rows[self._place[rows] < 0]
         if len(new):
-            self._place[new] = self.columns.shape[1] + np.arange(len(new))
+            self._place[new] = self._columns.shape[1] + np.arange(len(new))
             more = np.zeros((len(self._place), len(new)))
             more[new, np.arange(len(new))] = 1.0
             for start in range(0, len(new), AT_ONCE):
@@ -78,13 +169,20 @@ class StuckPoints:
                 some = slice(start, start + AT_ONCE)
                 solve_upper(self._lower.T[from_here, from_here], more[from_here, some], True)
             self._add(more)
-        return self._place[rows]
+        wanted = np.append(np.arange(self.points.jump.shape[1]), self._place[rows])
+        return np.asarray(self._products[np.ix_(wanted, wanted)])
+
+    def _half(self, right: Floats) -> Floats:
+        """L^-1 times the columns `right` (2 n, k)."""
+        found = np.array(right, order="C")
+        solve_upper(self._lower.T, found, True)
+        return found
 
     def _add(self, more: Floats) -> None:
         """Add columns (2 n, k) to those that are known, and their products with all."""
-        across = self.columns.T @ more
-        self.products = np.block([[self.products, across], [across.T, more.T @ more]])
-        self.columns = np.hstack([self.columns, more])
+        across = self._columns.T @ more
+        self._products = np.block([[self._products, across], [across.T, more.T @ more]])
+        self._columns = np.hstack([self._columns, more])
 
 
 class LoosePoints:
@@ -92,33 +190,43 @@ class LoosePoints:
 
     def __init__(self, stuck: StuckPoints, loose: Bools) -> None:
         self.loose, self.rows = loose, np.flatnonzero(np.tile(loose, 2))
-        self._columns, n_motions = stuck.columns_of(self.rows), stuck.points.jump.shape[1]
-        self._softness = _inverse(stuck.products[np.ix_(self._columns, self._columns)])
-        self._moved = self._softness @ stuck.products[self._columns, :n_motions]
-        stiff = stuck.products[:n_motions, :n_motions]
-        scale = np.where(stiff.diagonal() > 0.0, stiff.diagonal(), 1.0) ** -0.5
-        left = scale[:, None] * (stiff - stuck.products[:n_motions, self._columns] @ self._moved) * scale
-        sizes, ways = np.linalg.eigh(left)
-        held, ways = sizes > HELD, scale[:, None] * ways
-        self._held, self._free = (ways[:, held] / sizes[held]) @ ways[:, held].T, ways[:, ~held]
+        products, n_motions = stuck.products(self.rows), stuck.points.jump.shape[1]
+        of_motions, across = products[:n_motions, :n_motions].copy(), products[n_motions:, :n_motions].copy()
+        compliance = np.ascontiguousarray(products[n_motions:, n_motions:])
+        del products
+        _invert(compliance)
+        self._moved = compliance @ across
+        left = of_motions - across.T @ self._moved
+        seen = stuck.points.jump * np.sqrt(stuck.points.weights)[:, None]
+        size = np.linalg.norm(seen, axis=0)
+        scale = 1.0 / np.where(size > 0.0, size, 1.0)
+        by_stuck = scale * np.delete(seen, self.rows, axis=0)
+        sizes, ways = np.linalg.eigh(by_stuck.T @ by_stuck)
+        ways, free = scale[:, None] * ways[:, sizes > HELD], scale[:, None] * ways[:, sizes <= HELD]
+        self._held, self._free = ways @ np.linalg.inv(ways.T @ left @ ways) @ ways.T, free
         weights, jump = stuck.points.weights[self.rows], self._moved @ self._free
-        compliance = (self._softness + self._moved @ self._held @ self._moved.T) * weights
+        if self._held.any():
+            compliance += self._moved @ self._held @ self._moved.T
+        compliance *= weights
         self.points = CondensedPoints(compliance, jump, (jump * weights[:, None]).T, weights)
 
     def improved(
         self, stuck: StuckPoints, problem: ContactProblem, x: Floats, jump: Floats, active: ActiveSet | None
-    ) -> tuple[Floats, Floats, int]:
+    ) -> tuple[Floats, Floats, float, int]:
         """Unknowns x (2 n + l,) for which the loose points fulfil the law better, with the jumps (2 n,) that they are
         meant to have, before and after; on the branches of an `active` set, or on those that Newton's method finds.
 
-        Also the iterations that it took; -1 if it has found none.
+        Also by how much tractions miss what they were meant to be, and the iterations that it took; -1 if it has found
+        none.
         """
-        rows, k, n_motions, p = self.rows, len(self.rows), problem.n_motions, x[: len(jump)]
-        miss, pull = problem.jump(x) - jump, problem.pull - problem.points.force @ p
-        half = stuck.half(miss[:, None])[:, 0]
-        known = stuck.columns.T @ half
-        pull = pull - known[:n_motions] + self._moved.T @ known[self._columns]
-        free = self._softness @ known[self._columns] + self._moved @ self._held @ pull
+        rows, k, p = self.rows, len(self.rows), x[: len(jump)]
+        miss, pull = stuck.jump(problem, x, jump) - jump, problem.pull - problem.points.force @ p
+        known = stuck.forces(miss) if miss.any() else miss
+        of_loose = self._moved.T @ known[rows]
+        pull = pull - problem.points.jump.T @ known + of_loose
+        free = self.points.compliance @ (known[rows] / self.points.weights) + self._moved @ self._held @ (
+            pull - of_loose
+        )
         law = {name: getattr(problem, name)[self.loose] for name in ("friction", "cohesion", "dilation", "slipped")}
         part = replace(
             problem,
@@ -139,9 +247,10 @@ class LoosePoints:
         motion = self._held @ (pull - self._moved.T @ change) + self._free @ there[k:]
         meant = np.zeros(len(jump))
         meant[rows] = part.jump(there)
-        p = p + stuck.tractions(miss + problem.points.jump @ motion - meant + jump)
+        p = p + (known + stuck.forces(problem.points.jump @ motion - meant + jump)) / problem.points.weights
+        off = float(np.abs(p[rows] - there[:k]).max(initial=0.0))
         p[rows] = there[:k]
-        return np.append(p, x[len(jump) :] + motion), meant, iterations
+        return np.append(p, x[len(jump) :] + motion), meant, off, iterations
 
 
 def solve_among_stuck(
@@ -156,29 +265,36 @@ def solve_among_stuck(
     if (problem.dilation * problem.slipped).any():
         return None
     (lying, unknowns), n = problem.settled(), problem.n_points
-    stuck, x, loose, iterations = StuckPoints.of(lying.points), np.zeros(2 * n + problem.n_motions), ~problem.resists, 0
+    try:
+        stuck = StuckPoints.of(lying.points)
+    except SolveError:
+        return None
+    loose, iterations = ~problem.resists, 0
     if start is not None:
-        x = np.append(start[: 2 * n], 2.0 * start[2 * n :] - unknowns(start)[2 * n :])
-        loose |= (x[:n] >= 0.0) | (np.abs(x[n : 2 * n]) >= shear_bound(problem, x[:n]))
+        start = np.append(start[: 2 * n], 2.0 * start[2 * n :] - unknowns(start)[2 * n :])
+        loose |= (start[:n] >= 0.0) | (np.abs(start[n : 2 * n]) >= shear_bound(problem, start[:n]))
     if active is not None:
         loose |= _not_stuck(active)
-    meant = np.where(np.tile(loose, 2), lying.jump(x), 0.0)
+    x, meant = stuck.begun(lying, start, loose)
     last = np.inf
-    while stuck.definite and loose.mean() <= MOST_LOOSE:
-        x, meant, more = stuck.among(loose).improved(stuck, lying, x, meant, active)
-        iterations, jump = iterations + abs(more), lying.jump(x)
+    while loose.mean() <= MOST_LOOSE or (isinstance(stuck, TiedPoints) and loose.sum() <= MOST_LOOSE_POINTS):
+        x, meant, off, more = stuck.among(loose).improved(stuck, lying, x, meant, active)
+        iterations, jump = iterations + abs(more), stuck.jump(lying, x, meant)
         now = active or active_set(lying, x[: 2 * n], jump)
         leaving = _not_stuck(now) & ~loose
         if leaving.any():
             loose = loose | leaving | np.append(leaving[1:], False) | np.append(False, leaving[:-1])
             last = np.inf
             continue
-        left = float(np.abs((jump - meant) / lying.points.scale).max()) / float(np.abs(x[: 2 * n]).max() or 1.0)
-        if more >= 0 and (left <= ROUND_OFF or GAIN * last < left <= residual_floor(lying)):
-            return ContactSolution(x[: 2 * n], "solved", iterations, now.states(), unknowns(x)[2 * n :])
+        found = stuck.exact(lying, x, meant)
+        off = max(off, float(np.abs((jump - meant) / lying.points.scale).max()), float(np.abs(found - x).max()))
+        left = off / float(np.abs(x[: 2 * n]).max() or 1.0)
+        if more >= 0 and (left <= ROUND_OFF or GAIN * last < left <= stuck.floor(lying)):
+            motion = unknowns(x)[2 * n :]
+            return ContactSolution(x[: 2 * n], "solved", iterations, now.states(), motion, jump=jump)
         if more < 0 or not left <= GAIN * last:  # nan is not
             break
-        last = left
+        last, x = left, found
     return None
 
 
@@ -187,9 +303,8 @@ def _not_stuck(active: ActiveSet) -> Bools:
     return np.asarray(~active.closed | (active.slip != 0))
 
 
-def _inverse(matrix: Floats) -> Floats:
-    """The inverse of a symmetric matrix (k, k) that is positive definite."""
-    if not len(matrix):
-        return matrix
-    lower = np.tril(dpotri(dpotrf(matrix, lower=1)[0], lower=1)[0])
-    return np.asarray(lower + np.tril(lower, -1).T)
+def _invert(matrix: Floats) -> None:
+    """Replace a symmetric matrix (k, k) that is positive definite by its inverse; it is large."""
+    if len(matrix):
+        dpotri(dpotrf(matrix.T, lower=1, overwrite_a=1)[0], lower=1, overwrite_c=1)
+        mirror(matrix)

@@ -1,4 +1,4 @@
-"""The rock as its contact points see it: condensed to the compliance between all of them.
+"""The rock as its contact points see it: condensed to the compliance between all of them, unless they are many.
 
 Gap and slip are free - A p + B a, with A = G K0^-1 G' W between all points and B the jumps in the rigid motions a of
 pieces that contact alone holds (traction form of paper eqs. (15), (16): no penalty enters K, and k = infinity is
@@ -17,7 +17,8 @@ from scipy.sparse import csr_array, vstack
 
 from crackgrow.arrays import Bools, Floats, Ints, key_of
 from crackgrow.contact.coulomb import ContactLaw
-from crackgrow.contact.problem import CondensedPoints
+from crackgrow.contact.points import CondensedPoints, RockPoints
+from crackgrow.contact.sparse_points import SparsePoints
 from crackgrow.errors import NotSolvedError
 from crackgrow.linear import ConstrainedSystem
 from crackgrow.solid.rigid_modes import RigidMotions
@@ -40,6 +41,12 @@ DOUBTFUL = 0.1
 
 MANY = 0.25
 """Of all loads: where more of them are to be solved for, all are."""
+
+MOST_CONDENSED = 1500
+"""Points. Measured with one load: of 1,500 both take a second, of 2,800 the compliance 7 and the factors 3."""
+
+MOST_ROWS = 20_000
+"""Of a compliance: it takes 3.2 GB, and its factors as much."""
 
 AT_HAND = 2
 """Sets of points of which the compliance is kept: increments try the same ones, with those that overlap and without."""
@@ -161,7 +168,7 @@ class ContactSystem:
         """The same rock behind another law; what is known of it stays known where the same points resist slip."""
         other, known = replace(self, law=law), {"operator", "operator_sizes", "moving", "force"}
         if np.array_equal(law.resists, self.law.resists):
-            known |= {"rock", "_at_once", "_per_traction"}
+            known |= {"rock", "_at_once", "_per_traction", "sparse"}
         other.__dict__.update({name: self.__dict__[name] for name in known if name in self.__dict__})
         return other
 
@@ -190,24 +197,57 @@ class ContactSystem:
         """F (l, 2 n), N/m per Pa: what tractions do on each of these motions."""
         return (self.moving * np.tile(self.weights, 2)[:, None]).T
 
-    def condensed(self, points: Ints, resists: Bools) -> CondensedPoints:
-        """The rock as some points (k,) see it, elastic contact included.
+    @cached_property
+    def sparse(self) -> bool:
+        """Whether the rock is kept as its factors, and not condensed."""
+        return self.solver == "newton" and len(self.weights) > MOST_CONDENSED
+
+    def condense(self) -> None:
+        """Condense the rock after all. Raises NotSolvedError where its points are too many."""
+        if self.operator.shape[0] > MOST_ROWS:
+            raise NotSolvedError(
+                f"{len(self.weights)} contact points are too many to be condensed, as they are where faces that have "
+                "slipped dilate, or slip is not found otherwise: use a larger numerics.contact.spacing"
+            )
+        self.release()
+        self.__dict__.pop("scale", None)
+        self.__dict__["sparse"] = False
+
+    @cached_property
+    def scale(self) -> Floats:
+        """(2 n,) m/Pa: the diagonal of G K0^-1 G' W; of many points as if each function moved by itself."""
+        if not self.sparse:
+            return self.rock.diagonal()
+        each = self.operator.multiply(self.operator) @ (1.0 / self.system.stiffness.diagonal())
+        return np.asarray(each * np.tile(self.weights, 2))
+
+    def condensed(self, points: Ints, resists: Bools, softer: Floats | None = None) -> RockPoints:
+        """The rock as some points (k,) see it, elastic contact included, which may be `softer` (2 k,) m/Pa by so much.
 
         Slip that nothing `resists` (k,) has a row of its own that no other knows of: the rock may hold it altogether.
         Raises NotSolvedError where round-off has spoilt the compliance of the rock, which resists.
         """
-        known: dict[bytes, CondensedPoints] = self.__dict__.setdefault("_condensed", {})
-        key = key_of((points, resists))
+        known: dict[bytes, RockPoints] = self.__dict__.setdefault("_condensed", {})
+        key = key_of((points, resists) if softer is None else (points, resists, softer))
         if key not in known:
             while len(known) >= AT_HAND:
-                del known[next(iter(known))]
+                known.pop(next(iter(known))).release()
             at, counts = (
                 np.append(points, len(self.weights) + points),
                 np.append(np.ones(len(points), dtype=bool), resists),
             )
             jump, force = self.moving[at] * counts[:, None], self.force[:, at] * counts
             weights = np.tile(self.weights[points], 2)
-            known[key] = CondensedPoints(self._compliance(points, resists), jump, force, weights)
+            if self.sparse:
+                normal = np.tile(self.scale[points], 2)
+                softness = np.where(counts, self.law.compliances[at], normal)
+                scale = np.where(counts, self.scale[at] + softness, normal)
+                rows = csr_array(self.operator[at].multiply(counts[:, None]))
+                rows.eliminate_zeros()
+                found: RockPoints = SparsePoints(self.system, rows, jump, force, weights, softness, scale)
+            else:
+                found = CondensedPoints(self._compliance(points, resists), jump, force, weights)
+            known[key] = found if softer is None else found.softer(softer)
         return known[key]
 
     def _compliance(self, points: Ints, resists: Bools) -> Floats:

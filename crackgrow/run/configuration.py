@@ -201,8 +201,9 @@ class Configuration:
         along, size = units.conjugates[:2] @ share, float(np.abs(self.loads(level)).sum())
         length = abs(float(along @ share[:2])) / size if size > 0.0 else 0.0
         tolerance = OVERLAP * max(length, self.farthest(level))
+        loads = (self.loads(level), self.given(level))
         return Increment(
-            self.contact, memory, units.jumps @ share, units.pull @ share, tolerance, share[2] * self._moved
+            self.contact, memory, units.jumps @ share, units.pull @ share, tolerance, share[2] * self._moved, loads
         )
 
     def states(self, level: LoadLevel, memory: ContactMemory, near: PointStates | None = None) -> PointStates:
@@ -242,6 +243,10 @@ class Configuration:
         """(3,): displacement under the loads per load factor, m N/m; under held loads; support force."""
         units, share = self._units, self.shares(level)
         forces = np.tile(self.contact.weights, 2) * states.tractions
+        if states.rock is not None:
+            u, multipliers = states.rock
+            of_supports = -(self.held.given @ multipliers) - self._moved @ forces
+            return np.append(self.contact.loads[:, :2].T @ u, of_supports)
         found = units.conjugates @ share - SIGNS * (units.jumps.T @ forces)
         motion = np.zeros(len(units.pull)) if states.solution is None else states.solution.motion
         return np.asarray(found + units.pull.T @ motion)
@@ -257,6 +262,12 @@ class Configuration:
 
         Those of `equilibrium` but for its corrections.
         """
+        left = [end for end in ends if end[1].rock is None]
+        found = iter(self._by_tractions(left) if left else ())
+        return [states.rock or next(found) for _, states in ends]
+
+    def _by_tractions(self, ends: Sequence[tuple[LoadLevel, PointStates]]) -> list[tuple[Floats, Floats]]:
+        """The same of states whose displacements are not known."""
         level, solved = zip(*ends, strict=True)
         shares = np.stack([self.shares(each) for each in level], axis=1)
         loads = np.stack([self.loads(each) for each in level], axis=1)
@@ -373,6 +384,7 @@ def assemble(scene: Scene, growing: tuple[GrowingCrack, ...]) -> Configuration:
         loose = free.held_once(matrix) if free.pieces else None
         held_once = matrix if loose is None else matrix.with_diagonal(loose.dofs, loose.stiffness)
         system = ConstrainedSystem(held_once, held.matrix, boxes_of_functions(cover), held.compliance)
+        system.factorize()
         SPENT.n_factorizations += 1
     weights = faces.weights * scene.lattice.spacing
     law = laws_at_points(scene.laws, cover, faces, growing, scene.debonds)

@@ -108,7 +108,7 @@ def _growth(scene: Scene, growth: Growth, begun: RunState) -> Steps:
         known = replace(known, doubts=begun.doubts, errors=begun.errors)
     while True:
         if before is not None:
-            before.configuration.contact.system.release()  # memory holds the factors of one step
+            before.configuration.contact.release()  # memory holds the factors of one step
         try:
             solution = known or load(scene, state.cracks, before)
         except (GeometryError, SolveError) as error:

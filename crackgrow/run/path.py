@@ -176,7 +176,7 @@ def _parted_piece(path: _LoadPath, states: PointStates) -> Piece | None:
     are some on the way. Tractions are round-off that give way by little beside the jumps of these.
     """
     length = max(float(np.abs(states.gap).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
-    small = ON_PATH * length / float(path.configuration.contact.rock.diagonal().max())
+    small = ON_PATH * length / float(path.configuration.contact.scale.max())
     if np.abs(path.was.tractions).max(initial=0.0) > small:
         return None
     low, high, parted = 0.0, 2.0, None  # so that the end of the way is looked at first
@@ -237,7 +237,7 @@ def _leads_back(path: _LoadPath, begin: PointStates, states: PointStates) -> boo
     """Whether the branches of `states` lead back to what was; `begin` are on these branches at the first load."""
     tractions = path.was.tractions
     size = max(float(np.abs(some).max(initial=0.0)) for some in (tractions, states.tractions, begin.tractions))
-    length = size * float(path.configuration.contact.rock.diagonal().max()) if size > 0.0 else 0.0
+    length = size * float(path.configuration.contact.scale.max()) if size > 0.0 else 0.0
     length = max(length, float(np.abs(path.was.slip).max(initial=0.0)), float(np.abs(states.slip).max(initial=0.0)))
     moved = np.where(states.trial.taken, path.moved(begin), 0.0)
     off = float(np.abs(begin.tractions - tractions).max(initial=0.0))

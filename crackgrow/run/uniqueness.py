@@ -40,7 +40,7 @@ from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.solve import OVERLAP, ContactOutcome, PointStates
-from crackgrow.contact.system import ContactSystem
+from crackgrow.contact.system import MOST_CONDENSED, ContactSystem
 from crackgrow.errors import NotSolvedError
 from crackgrow.run.checkpoint import beginning
 from crackgrow.run.evaluation import StepSolution
@@ -154,6 +154,8 @@ def why_not_examined(contact: ContactSystem, points: PointStates) -> str:
     """Why nothing is examined; empty otherwise. The bound takes supports of all rock, and a symmetric compliance."""
     if points.problem is None:
         return "no faces touch: there is exactly one solution"
+    if contact.sparse:
+        return f"not known: more than {MOST_CONDENSED:,} contact points are not examined"
     if points.problem.n_motions:
         return "not known: contact alone holds a piece of rock, which is not examined"
     if contact.law.dilation.any():

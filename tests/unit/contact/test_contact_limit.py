@@ -11,7 +11,8 @@ from crackgrow.contact.coulomb import STICK, active_set, complementarity_residua
 from crackgrow.contact.hold import alone, least_unbalanced
 from crackgrow.contact.lemke import solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import CondensedPoints, ContactProblem
+from crackgrow.contact.points import CondensedPoints
+from crackgrow.contact.problem import ContactProblem
 from crackgrow.contact.stuck import solve_among_stuck
 from crackgrow.solid.rigid_modes import FreePiece
 
@@ -105,7 +106,7 @@ def test_how_supports_hold_a_block_once_does_not_matter(
     points, known = problem.points, solve_by_newton(problem)
     turned = np.random.default_rng(4).normal(size=(3, 3))
     moved = softness * points.jump @ (turned @ turned.T)
-    points = replace(points, compliance=points.compliance + moved @ points.force)
+    points = replace(points, matrix=points.compliance + moved @ points.force)
     held = replace(problem, points=points, free=problem.free + moved @ problem.pull)
     lying, unknowns = held.settled()
     found = solve_by_newton(lying)
@@ -137,13 +138,6 @@ def test_a_motion_that_nothing_sees_stays_where_it_is() -> None:
     assert abs(found.motion[1]) < 1e-12
 
 
-def rocking(friction: float, pull: tuple[float, float, float], free: list[float]) -> ContactProblem:
-    """A block on two points, one at each end of its base; motions: up, along, and rotation about the middle."""
-    jump = np.array([[1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])
-    points = CondensedPoints(np.eye(4), jump, jump.T)
-    return ContactProblem(points, np.array(free), np.full(2, friction), pull=np.array(pull))
-
-
 @pytest.mark.parametrize(
     ("friction", "pull", "free"),
     [
@@ -153,7 +147,9 @@ def rocking(friction: float, pull: tuple[float, float, float], free: list[float]
 )
 def test_a_block_turns_about_a_corner_until_it_lies_on_the_other(friction: float, pull: tuple, free: list) -> None:
     """Off both its points, or on one alone, it is free to move; where nothing presses it it lies somewhere."""
-    problem = rocking(friction, pull, free)
+    jump = np.array([[1.0, 0.0, -1.0], [1.0, 0.0, 1.0], [0.0, 1.0, 0.0], [0.0, 1.0, 0.0]])  # up, along, rotation
+    points = CondensedPoints(np.eye(4), jump, jump.T)
+    problem = ContactProblem(points, np.array(free), np.full(2, friction), pull=np.array(pull))
     found = solve_by_newton(problem)
     assert found.status == "solved"
     assert complementarity_residual(problem, found.unknowns) < 1e-12

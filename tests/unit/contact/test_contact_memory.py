@@ -23,7 +23,7 @@ KN = np.array([40.0, 55.0, 30.0])
 KT = np.array([20.0, 10.0, 35.0])
 PRESSURE = np.array([2.0, 1.5, 3.0])
 WEIGHTS = np.array([1.0, 0.5, 2.0])
-FRICTION, COHESION, RESIDUAL = 0.5, 0.4, 0.3
+FRICTION, COHESION = 0.5, 0.4
 
 pytestmark = pytest.mark.parametrize("solver", ["newton", "lemke"])
 

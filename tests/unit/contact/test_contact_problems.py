@@ -10,7 +10,8 @@ from crackgrow.contact.coulomb import OPEN, SLIP, STICK, ActiveSet, active_set, 
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.lemke import LcpResult, lemke, solve_by_lemke
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import CondensedPoints, ContactProblem, ContactSolution
+from crackgrow.contact.points import CondensedPoints
+from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.errors import NotSolvedError
 from tests.contact_problems import crack_problem, dilating, drawn, random_problem
 

@@ -9,7 +9,8 @@ import pytest
 
 from crackgrow.contact.coulomb import STICK
 from crackgrow.contact.newton import solve_by_newton
-from crackgrow.contact.problem import CondensedPoints, ContactProblem
+from crackgrow.contact.points import CondensedPoints
+from crackgrow.contact.problem import ContactProblem
 from crackgrow.contact.solve import solve_contact_problem
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import SolveError
