@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.sparse import bsr_array, csc_array, csr_array, tril
 
+from crackgrow.arrays import Floats, Ints
 from crackgrow.case.model import Body, EdgeRegion, EdgeSupport, EdgeTraction, Material, PointSupport, Ring
 from crackgrow.case.surface import crack_name
 from crackgrow.cover.cover import Cover, build_cover
@@ -28,7 +29,6 @@ from crackgrow.solid.rigid_modes import check_held, free_motions
 from crackgrow.solid.stiffness import stiffness
 from crackgrow.solid.supports import constraints
 
-Floats = NDArray[np.float64]
 Support = PointSupport | EdgeSupport
 EDGES = ("bottom", "right", "top", "left")
 
@@ -65,7 +65,7 @@ class Sample:
         """The body in lattice coordinates."""
         return shapely.Polygon(self.lattice.to_lattice(self.body.outline))
 
-    def stiffness(self, quadrature: int = 3) -> NDArray[np.float64]:
+    def stiffness(self, quadrature: int = 3) -> csc_array:
         return whole(stiffness(self.cover, [self.material], quadrature))
 
     def system(self, supports: Sequence[Support], quadrature: int = 3) -> tuple[ConstrainedSystem, Floats]:
@@ -172,9 +172,6 @@ def build() -> type[Build]:
     return Build
 
 
-Ints = NDArray[np.int64]
-
-
 def symmetric(matrix: Any) -> SymmetricMatrix:
     """A symmetric matrix (2 n, 2 n), dense or sparse, by its lower blocks."""
     dense = matrix.toarray() if hasattr(matrix, "toarray") else np.asarray(matrix)
@@ -186,7 +183,6 @@ def symmetric(matrix: Any) -> SymmetricMatrix:
 
 
 def whole(matrix: SymmetricMatrix) -> csc_array:
-    """All of a matrix."""
     lower = bsr_array((matrix.block, matrix.column, matrix.start), shape=matrix.shape).tocsr()
     total = csc_array(tril(lower) + tril(lower, -1).T)
     total.eliminate_zeros()

@@ -12,20 +12,18 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
-from crackgrow.arrays import Bools
+from crackgrow.arrays import Floats
 from crackgrow.contact.coulomb import ActiveSet, ContactLaw, complementarity_residual
 from crackgrow.contact.equations import solve_active
 from crackgrow.contact.hold import UNBALANCED, least_unbalanced
-from crackgrow.contact.problem import CondensedPoints, ContactProblem
+from crackgrow.contact.points import CondensedPoints
+from crackgrow.contact.problem import ContactProblem
 from crackgrow.contact.solve import solve_contact_problem
 from crackgrow.contact.system import ContactSystem
 from crackgrow.errors import NotSolvedError
 from tests.conftest import dense_system
-
-Floats = NDArray[np.float64]
 
 
 def contact_law(friction: Floats, cohesion: Floats, compliance: Floats, **more: Any) -> ContactLaw:
@@ -162,7 +160,8 @@ def drawn(seed: int) -> Drawn:
         share = rng.uniform(0.0, 1.3) * (friction * -carried[:n] + cohesion)
         carried[n:] = np.clip(tractions[n:], -share, share)
         pull = (jump * np.tile(weights, 2)[:, None]).T @ carried
-        seen = np.where(_seen(friction, cohesion, dilation)[:, None], jump, 0.0)
+        seen_along = (friction > 0.0) | (cohesion > 0.0) | (dilation > 0.0)  # else nothing depends on the slip
+        seen = np.where(np.append(np.ones(n, dtype=bool), seen_along)[:, None], jump, 0.0)
         motions = seen, (seen * np.tile(weights, 2)[:, None]).T
         if rng.random() < 0.5:  # supports let them turn far
             A = A + 10.0 ** rng.uniform(0.0, 3.0) * jump @ motions[1]
@@ -201,11 +200,6 @@ def _waves(rng: np.random.Generator, n: int) -> Floats:
     return (
         np.asarray(rng.normal(size=6) @ np.cos(np.pi * np.arange(6)[:, None] * x + rng.uniform(0.0, 6.0, (6, 1)))) / 2.0
     )
-
-
-def _seen(friction: Floats, cohesion: Floats, dilation: Floats) -> Bools:
-    """Of which gaps and slips (2 n,) something depends on."""
-    return np.append(np.ones(len(friction), dtype=bool), (friction > 0.0) | (cohesion > 0.0) | (dilation > 0.0))
 
 
 def _block_motions(weights: Floats, n_blocks: int) -> Floats:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import json
 from collections.abc import Generator, Iterable, Sequence
 from itertools import islice
 from pathlib import Path
@@ -23,7 +25,6 @@ MPA = 1e6
 
 
 def shipped_case(name: str, settings: Iterable[str] = ()) -> Case:
-    """A shipped case with settings."""
     return load_case(CASES / f"{name}.yaml", list(settings))
 
 
@@ -88,11 +89,15 @@ def winged(half: float, angle: float, wing: float, turn: float) -> list[list[flo
     return [[float(z.real), float(z.imag)] for z in (-outer, -inner, inner, outer)]
 
 
-def fault_of(file: Path, *settings: str) -> Fault:
-    """The only fault of a case file with settings."""
+def faults_of(file: Path, *settings: str) -> tuple[Fault, ...]:
     with pytest.raises(CaseError) as caught:
         load_case(file, settings)
-    (fault,) = caught.value.faults
+    return caught.value.faults
+
+
+def fault_of(file: Path, *settings: str) -> Fault:
+    """The only fault of a case file with settings."""
+    (fault,) = faults_of(file, *settings)
     return fault
 
 
@@ -186,6 +191,15 @@ def make_run(folder: Path, overrides: Sequence[str] = (), failing: str = "", cas
     except SolveError as error:
         writer.break_off(error)
     return folder
+
+
+def rows_of(path: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+
+
+def summary_of(folder: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+    return found
 
 
 def broken_off(steps: Generator[StepResult, None, RunEnd], reason: str) -> Generator[StepResult, None, RunEnd]:

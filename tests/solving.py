@@ -73,16 +73,6 @@ def displacement_in(solution: StepSolution, metres: Floats, body: int | None = 0
     return displacement_at(cover, solution.outcome.u, points, elements)
 
 
-def displacement_size(loads: Floats, u: Floats, given: Floats) -> float:
-    """Size of a displacement field, m: the mean displacement along the loads, or the largest prescribed one.
-
-    The coefficients u themselves can be far larger where tip functions nearly depend on each other.
-    """
-    total = np.abs(loads).sum()
-    along_loads = float(abs(loads @ u) / total) if total > 0.0 else 0.0
-    return max(along_loads, float(np.abs(given).max(initial=0.0)))
-
-
 def solve_contact(
     contact: ContactSystem, loads: Floats, given: Floats, memory: ContactMemory | None = None
 ) -> ContactOutcome:
@@ -92,11 +82,14 @@ def solve_contact(
     no solution.
     """
     without = contact.system.solve(loads, given)
+    # the mean displacement along the loads: coefficients are far larger where tip functions nearly depend on each other
+    along_loads = abs(loads @ without[0]) / max(np.abs(loads).sum(), np.finfo(float).tiny)
+    overlap = OVERLAP * max(float(along_loads), float(np.abs(given).max(initial=0.0)))
     memory = memory or ContactMemory.fresh(len(contact.weights))
     pull = np.zeros(0) if contact.loose is None else contact.loose.along(loads)
     still = np.zeros(2 * len(contact.weights))
     free = contact.operator @ without[0]
-    increment = Increment(contact, memory, free, pull, OVERLAP * displacement_size(loads, without[0], given), still)
+    increment = Increment(contact, memory, free, pull, overlap, still, (loads, given))
     return increment.formed(increment.solved(), (loads, given), without)
 
 

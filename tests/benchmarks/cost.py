@@ -65,7 +65,6 @@ ROUNDS = 2  # the quicker one counts: the first of a program compiles its kernel
 
 
 def case_of(scene: Scene) -> Case:
-    """The case of a scene."""
     name, settings = scene
     return load_case(ROOT / "cases" / f"{name}.yaml", settings)
 

@@ -101,7 +101,6 @@ def wings(seed: int, count: int = 40) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def all_scenes(seeds: Sequence[int]) -> Iterator[tuple[str, Callable[[], Known]]]:
-    """All scenes by name."""
     yield from SCENES.items()
     yield from ((name, partial(Known, name)) for name in SHIPPED)
     yield from ((name, partial(Known, scene)) for seed in seeds for name, scene in wings(seed))

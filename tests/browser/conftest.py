@@ -84,7 +84,6 @@ class Chromium:
         return [entry["message"] for entry in self._post("/se/log", {"type": "browser"})]
 
     def close(self) -> None:
-        """End the browser."""
         urllib.request.urlopen(urllib.request.Request(self._root, method="DELETE"), timeout=60).close()
         self._process.terminate()
         self._process.wait(timeout=60)

@@ -5,7 +5,6 @@ Kernels that an earlier run has left give the same bits, too.
 
 from __future__ import annotations
 
-import json
 import re
 import resource
 import shlex
@@ -13,7 +12,6 @@ import signal
 import sys
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -27,6 +25,7 @@ from tests.properties.broken_off import (
     started,
     wait_for,
 )
+from tests.scenes import summary_of
 
 COARSE = ("numerics.spacing=3", "growth.steps=4", "cracks.flaw.contact.friction=0.3", "output.figures=false")
 MIB = 2**20
@@ -39,11 +38,6 @@ def unbroken(tmp_path_factory: pytest.TempPathFactory) -> Path:
     done = finished(command("compression30", COARSE, folder))
     assert (done.returncode, done.stderr) == (0, "")
     return folder
-
-
-def summary_of(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
-    return found
 
 
 def assert_goes_on(words: Sequence[str], folder: Path, whole: dict[str, object]) -> str:

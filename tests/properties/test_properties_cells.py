@@ -6,8 +6,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case.model import Case
 from crackgrow.contact.coulomb import OPEN, SLIP, STICK
 from crackgrow.contact.jump import gap_and_slip
@@ -19,7 +19,6 @@ from tests.scenes import specimen
 from tests.solving import face_vertices, solve_case
 from tests.unit.exact_fields import solved_under, true_error
 
-Floats = NDArray[np.float64]
 SIZE = (8, 7)
 KINKED = [(2.2, 2.3), (4.1, 2.9), (4.6, 4.4)]
 SHORT = [(6.1, 5.2), (6.4, 5.35)]

@@ -32,16 +32,12 @@ NO_K = 1e-3
 """Of the stress times the root of a spacing: smaller K are those of cracks that stick, and round-off."""
 
 
-def _as_it_is() -> Floats:
-    return np.eye(2)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Change:
     """x -> size turn x + shift, loads and strengths times `stress`, moduli times `young`; or one that is `written`."""
 
     name: str
-    turn: Floats = field(default_factory=_as_it_is)
+    turn: Floats = field(default_factory=lambda: np.eye(2))
     shift: tuple[float, float] = (0.0, 0.0)  # m
     size: float = 1.0
     stress: float = 1.0

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 import shapely
-import yaml
 from shapely import LineString, Point, Polygon
 
 from crackgrow.case.units import UNITS
@@ -369,8 +368,3 @@ def point_inside(rng: Rng, polygon: Polygon) -> tuple[float, float]:
             return float(point[0]), float(point[1])
     point = polygon.representative_point()
     return float(point.x), float(point.y)
-
-
-def text_of(scene: Scene) -> str:
-    """A case document as YAML."""
-    return yaml.safe_dump(scene, sort_keys=False)

@@ -23,9 +23,10 @@ from crackgrow.geometry.tolerance import ON_LINE
 from crackgrow.run.result import StepResult
 from tests.scenes import plate, shipped_case, specimen
 from tests.stability.changed import CHANGES, Change, Scene, deviations, outcome
-from tests.stability.growing_scenes import growing_scene, text_of
+from tests.stability.growing_scenes import growing_scene
 from tests.stability.judge.balance import judge_contact, judge_energies, judge_forces, judge_tips
 from tests.stability.judge.written import Court, WrittenRun, run_case
+from tests.unit.case.scenes import text_of
 
 SAME = 1e-8
 """Relative, where nothing but the scales of numbers changes."""

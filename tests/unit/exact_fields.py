@@ -8,11 +8,10 @@ from itertools import pairwise
 
 import numpy as np
 import shapely
-from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from crackgrow.approximation.basis import at_point, values_at, workspace
-from crackgrow.arrays import Ints
+from crackgrow.arrays import Bools, Floats, Ints
 from crackgrow.case.model import PointSupport
 from crackgrow.cover.cover import Cover
 from crackgrow.cover.elements import Elements
@@ -24,7 +23,6 @@ from crackgrow.solid.elasticity import energy_components
 from crackgrow.solid.recovery import stress_at
 from tests.conftest import Sample
 
-Floats = NDArray[np.float64]
 Field = Callable[[Floats], Floats]
 """Stress (n, 3): xx, yy, xy at points (n, 2) in metres."""
 
@@ -117,3 +115,18 @@ def gradient_rows(cover: Cover, points: Floats, elements: Ints) -> tuple[csr_arr
         values[:, first:last] = work[4][1:, : last - first]
     by_x, by_y = (csr_array((each, on.values, on.start), shape=(on.n, cover.n_functions)) for each in values)
     return by_x, by_y
+
+
+def on_their_sides(elements: Elements, line: int) -> Bools:
+    """Whether the plus element lies just left of each edge's middle, and the minus element just right: (2, n)."""
+    edges = elements.lines[line]
+    start, along = edges.points[:, 0], edges.points[:, 1] - edges.points[:, 0]
+    length = np.hypot(*along.T)
+    left = np.stack([-along[:, 1], along[:, 0]], axis=1) / length[:, None]
+    height = 1e-10  # thinner than the thinnest sliver, one step of the grid
+    inside = []
+    for side, sign in ((edges.plus, 1.0), (edges.minus, -1.0)):
+        middle = start + 0.5 * along + sign * height * left
+        polygons = elements.polygons[side - elements.n_whole]
+        inside.append(shapely.distance(polygons, shapely.points(middle)) == 0.0)
+    return np.stack(inside)

@@ -22,6 +22,7 @@ from crackgrow.errors import GeometryError, SolveError
 from crackgrow.results import writer
 from crackgrow.run.result import RunEnd, StepResult
 from crackgrow.run.warning_causes import StepWarning
+from tests.scenes import summary_of
 from tests.unit.results.synthetic import make_case, make_end, make_result
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -55,18 +56,13 @@ def scene(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def summary(folder: Path) -> dict[str, object]:
-    loaded: dict[str, object] = json.loads((folder / "summary.json").read_text())
-    return loaded
-
-
 def n_rows(path: Path) -> int:
     return len(path.read_text().splitlines()) - 1
 
 
 def test_run_writes_into_outputs_and_tells_of_every_step(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", "block.yaml"]) == 0
-    assert summary(scene / "outputs" / "block")["status"] == "completed"
+    assert summary_of(scene / "outputs" / "block")["status"] == "completed"
     out, err = capsys.readouterr()
     assert err == ""
     lines = out.splitlines()
@@ -135,7 +131,7 @@ def test_a_run_that_breaks_off_keeps_its_results_and_says_why(
     err = capsys.readouterr().err
     assert told in err
     assert ("Traceback" in err) == ("internal error" in err) == (code == 1)
-    written = summary(scene / "my results")
+    written = summary_of(scene / "my results")
     assert (written["status"], written["stop_reason"], written["n_solves"]) == (status, reason, 2)
     assert n_rows(scene / "my results" / "steps.csv") == 2
 
@@ -155,7 +151,7 @@ def test_an_interrupt_waits_for_what_is_being_written(
     monkeypatch.setattr(writer.RunWriter, method, pressed)
     assert cli.main(["run", "block.yaml"]) == code
     assert ("go on with" in capsys.readouterr().err) == (code == 130)
-    written, n = summary(scene / "outputs" / "block"), 1 if code else 3
+    written, n = summary_of(scene / "outputs" / "block"), 1 if code else 3
     assert (written["status"], written["n_solves"], n_rows(scene / "outputs" / "block" / "steps.csv")) == (status, n, n)
 
 
@@ -186,7 +182,7 @@ def test_a_second_interrupt_ends_what_a_library_is_doing(tmp_path: Path) -> None
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=60) == 130
         assert process.stderr.read() == ""
-    assert summary(tmp_path / "outputs" / "block_rigid")["status"] == "running"  # as that of a run that was killed
+    assert summary_of(tmp_path / "outputs" / "block_rigid")["status"] == "running"  # as that of a run that was killed
 
 
 def test_case_file_in_the_folder_of_the_results_is_not_replaced(

@@ -13,14 +13,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from crackgrow.arrays import Floats
 from crackgrow.case import load_case
 from crackgrow.case.load import read_case
 from crackgrow.case.model import Case
 from crackgrow.contact.faces import points_at
 from crackgrow.contact.jump import gap_and_slip
-from crackgrow.cover.elements import locate
-from crackgrow.fracture.advance import GrowingCrack
-from crackgrow.run.checkpoint import RunState
+from crackgrow.run.checkpoint import RunState, beginning
 from crackgrow.run.configuration import Configuration
 from crackgrow.run.evaluation import StepSolution
 from crackgrow.run.growth import Advances
@@ -28,16 +27,13 @@ from crackgrow.run.loop import solved_steps
 from crackgrow.run.report import step_result
 from crackgrow.run.result import StepResult
 from crackgrow.run.scene import Scene, make_scene
-from crackgrow.solid.recovery import displacement_at
-from tests.solving import last_factor, solve_step
+from tests.solving import displacement_in, last_factor, solve_step
 
 ROOT = Path(__file__).parents[2]
 CASES = ROOT / "cases"
 REFERENCES = Path(__file__).parent / "references"
 
 QUIET = ("output.frames=none", "output.figures=false", "output.report=false")
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,9 +52,7 @@ class Solved:
 
     def displacement(self, points: Floats) -> Floats:
         """Displacement (n, 2) m at points (n, 2) m of a body in one piece."""
-        lattice, cover = self.scene.lattice, self.solution.cover
-        places = lattice.to_lattice(points)
-        return displacement_at(cover, self.solution.outcome.u, places, locate(lattice, cover.elements, places))
+        return displacement_in(self.solution, points)
 
     def jump(self, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:
         """Opening and slip (n,) m at arc lengths s (n,) m of a surface."""
@@ -90,7 +84,6 @@ def case_of(scene: str | Mapping[str, Any], *settings: str, **words: object) -> 
 
 @cache
 def solved_text(text: str, *settings: str) -> Solved:
-    """A case given as text."""
     return solve_case(case_of(text, *settings))
 
 
@@ -101,15 +94,10 @@ def solve_case(case: Case) -> Solved:
         result, solution = next(steps) if case.growth is not None else [*steps][-1]
         return Solved(case, solution.scene, solution, result)
     scene = make_scene(case)
-    growing = before_growth(case)
+    growing = beginning(case).cracks
     solution = solve_step(scene, growing, last_factor(case))
     result = step_result(RunState(0, growing), solution, Advances(growing), True)
     return Solved(case, scene, solution, result)
-
-
-def before_growth(case: Case) -> tuple[GrowingCrack, ...]:
-    """The cracks of a case before growth."""
-    return tuple(map(GrowingCrack.given, case.cracks))
 
 
 def jump_of(configuration: Configuration, u: Floats, s: Floats, surface: int = 0) -> tuple[Floats, Floats]:

@@ -19,8 +19,6 @@ from tests.scenes import shipped_case
 from tests.solving import seen, whole_run
 from tests.verification.solutions import case_of
 
-SIGMA_H, SIGMA_V = -10e6, -20e6
-
 TUNNEL = """
 title: a tunnel, radius 2 m
 plane: strain

@@ -74,7 +74,6 @@ class WrittenRun:
         return rows[["x", "y"]].to_numpy(), rows["step"].to_numpy()
 
     def region(self, body: str) -> shapely.Polygon:
-        """The rock of a body."""
         return region(self.case["bodies"][body]["shape"])
 
 

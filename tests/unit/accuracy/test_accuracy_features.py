@@ -54,11 +54,6 @@ def test_tips_kinks_corners_and_junctions_get_the_cells_that_they_ask_for() -> N
     assert np.all(laid_out(case("compression30", "numerics.refine.rings=3")).elements.size == 1.0)
 
 
-def halved_to(size: float, lattice: float) -> float:
-    """Side, in those of the largest of a step, of the largest that is no larger than `size` (m)."""
-    return float(2.0 ** -max(0, np.ceil(np.log2(0.5 * lattice / size))))
-
-
 LONG, SHORT = 0.008, 0.001
 CORNERED = f"cracks.flaw.path={{points: [[-8, 0], [0, 0], [0, {1e3 * SHORT}]]}}"
 BESIDE = ("cracks.other={path: {points: [[5.5, -3], [5.5, 3]]}, contact: {friction: 0.3, cohesion: 0}}", FLAW)
@@ -79,7 +74,7 @@ FEATURES = {
 def test_automatic_cells_follow_lengths_growth_room_kinks_and_holes(name: str) -> None:
     settings, places, wanted = FEATURES[name]
     cover = automatic(*settings)
-    expected = halved_to(wanted, cover.lattice.spacing)
+    expected = 2.0 ** -max(0, np.ceil(np.log2(0.5 * cover.lattice.spacing / wanted)))  # of the largest of the step
     assert [size_at(cover, place) for place in places] == [expected] * len(places)
     assert size_at(cover, (0.0, -0.025)) == 1.0
 

@@ -6,16 +6,13 @@ import copy
 import dataclasses
 import json
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pytest
 import yaml
 
 from crackgrow.case import Case, dump_case, load_case
-from crackgrow.errors import CaseError, Fault
 from tests.scenes import fault_of
 
 FILE = Path(__file__).parent / "compression30.yaml"
@@ -76,14 +73,12 @@ def text_of(scene: dict[str, Any]) -> str:
 
 
 def load(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> Case:
-    """Write a scene and load it."""
     path = tmp_path / "scene.yaml"
     path.write_text(text_of(scene), encoding="utf-8")
     return load_case(path, overrides)
 
 
 def compression(*overrides: str) -> Case:
-    """The case compression30 with overrides."""
     return load_case(FILE, overrides)
 
 
@@ -96,13 +91,6 @@ def edited(folder: Path, *edits: tuple[str, str]) -> Path:
     path = folder / "scene.yaml"
     path.write_text(text, encoding="utf-8")
     return path
-
-
-def faults_of(path: Path, overrides: Sequence[str] = ()) -> tuple[Fault, ...]:
-    """The faults of a file."""
-    with pytest.raises(CaseError) as caught:
-        load_case(path, overrides)
-    return caught.value.faults
 
 
 def fault(tmp_path: Path, scene: dict[str, Any], *overrides: str) -> tuple[str, str]:

@@ -36,15 +36,6 @@ from tests.unit.case.scenes import (
     with_body,
 )
 
-
-def test_displacements_by_formulas(tmp_path: Path):
-    """In mm; 0.09 * (-10) - 0.1 = -1 mm."""
-    points = np.array([[-0.01, 0.005], [0.004, 0.02]])
-    x, y = (component(points) for component in load(tmp_path, EVERYTHING).supports[1].displacement)
-    np.testing.assert_allclose(x, [-1e-3, 0.26e-3], rtol=1e-14)
-    np.testing.assert_allclose(y, [(100 + np.sqrt(0.5)) * 1e-3, 4e-3], rtol=1e-14)
-
-
 # --- what is written and read again ----------------------------------------------------------------------------------
 
 

@@ -14,7 +14,8 @@ import yaml
 from crackgrow.case import load_case
 from crackgrow.case.segments import meeting_places
 from crackgrow.errors import CaseError
-from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, faults_of, reread, same, text_of
+from tests.scenes import faults_of
+from tests.unit.case.scenes import COMPRESSION, EVERYTHING, edited, reread, same, text_of
 
 ROOT = Path(__file__).parents[3]
 HERE = Path(__file__).parent

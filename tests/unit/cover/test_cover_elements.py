@@ -9,35 +9,20 @@ import pytest
 import shapely
 
 from crackgrow.case.surface import crack_name
-from crackgrow.cover.elements import Elements, cut_elements, locate
+from crackgrow.cover.elements import cut_elements, locate
 from crackgrow.cover.lattice import Lattice, place_lattice
 from crackgrow.cover.refinement import MOST_LEVELS, SizeField, balanced, refined
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.cover.squares import QUANTA, Squares, quarters_of, squares_of
 from crackgrow.errors import GeometryError
 from crackgrow.geometry.tolerance import GRID
-from tests.unit.exact_fields import areas, tile_boxes
+from tests.unit.exact_fields import areas, on_their_sides, tile_boxes
 
 SUPPORTS = (1.5, 1.75, 2.0, 2.5)
 KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 BOX = np.array([(0.5, 0.5), (7.5, 0.5), (7.5, 6.5), (0.5, 6.5)])
 AREA = 1e-7
 """Relative: vertices move by 1e-9 spacings, along rims of about 40 spacings."""
-
-
-def on_their_sides(elements: Elements, crack: int = 0) -> np.ndarray:
-    """Whether the plus element lies just left of each edge's middle, and the minus element just right: (2, n)."""
-    edges = elements.lines[crack]
-    start, along = edges.points[:, 0], edges.points[:, 1] - edges.points[:, 0]
-    length = np.hypot(*along.T)
-    left = np.stack([-along[:, 1], along[:, 0]], axis=1) / length[:, None]
-    height = 1e-10  # thinner than the thinnest sliver, one step of the grid
-    inside = []
-    for side, sign in ((edges.plus, 1.0), (edges.minus, -1.0)):
-        middle = start + 0.5 * along + sign * height * left
-        polygons = elements.polygons[side - elements.n_whole]
-        inside.append(shapely.distance(polygons, shapely.points(middle)) == 0.0)
-    return np.stack(inside)
 
 
 @pytest.mark.parametrize("support", SUPPORTS)
@@ -101,7 +86,7 @@ def fault(build, points: np.ndarray, support: float, levels: int = 0) -> str:
         "length": abs(lengths.sum() - corners[-1]) > 1e-8,  # rounding moves each end by 1e-9
         "arc": abs(edges.s[-1, 1] - corners[-1]) > 1e-8 or np.abs(np.diff(edges.s)[:, 0] - lengths).max() > 1e-8,
         "segment": (edges.segment != segment).any(),
-        "side": not on_their_sides(elements).all() or np.intersect1d(edges.plus, edges.minus).size,
+        "side": not on_their_sides(elements, 0).all() or np.intersect1d(edges.plus, edges.minus).size,
         "gap": (edges.points[1:, 0] != edges.points[:-1, 1]).any(),
         "count": elements.is_crack.sum() != len(edges.s),
     }

@@ -13,7 +13,7 @@ from crackgrow.cover.junctions import with_junctions
 from crackgrow.cover.lattice import place_lattice
 from crackgrow.cover.shapes import BodyGeometry, CrackGeometry
 from crackgrow.geometry.tolerance import GRID, TOUCH
-from tests.unit.exact_fields import areas, function_table
+from tests.unit.exact_fields import areas, function_table, on_their_sides
 
 SUPPORTS = (1.5, 2.0, 2.5)
 P = (3.5, 2.875)  # on the grid of the arrangement
@@ -141,15 +141,12 @@ def test_edges_lead_along_every_line_with_plus_on_its_left(build, name: str, sup
     sample = sample_of(build, name, support)
     elements = sample.cover.elements
     assert areas(sample.lattice, elements).sum() == pytest.approx(30.0, rel=1e-7)
-    for line, edges, path in zip(sample.cover.cracks, elements.lines, LAYOUTS[name], strict=True):
+    for number, (line, path) in enumerate(zip(sample.cover.cracks, LAYOUTS[name], strict=True)):
+        edges = elements.lines[number]
         np.testing.assert_array_equal(edges.points[1:, 0], edges.points[:-1, 1])
         np.testing.assert_array_equal(edges.points[[0, -1], [0, 1]], line.points[[0, -1]])
         assert edges.s[-1, 1] == pytest.approx(np.hypot(*np.diff(path, axis=0).T).sum(), abs=1e-8)
-        step = np.diff(edges.points, axis=1)[:, 0]
-        left = np.stack([-step[:, 1], step[:, 0]], axis=1) / np.hypot(*step.T)[:, None]
-        for side, sign in ((edges.plus, 1e-10), (edges.minus, -1e-10)):
-            beside = shapely.points(edges.points.mean(axis=1) + sign * left)
-            assert shapely.distance(elements.polygons[side - elements.n_whole], beside).max() == 0.0
+        assert on_their_sides(elements, number).all()
         assert not np.any(edges.plus == edges.minus)
 
 

@@ -22,7 +22,7 @@ from crackgrow.fracture.advance import (
     started,
     without_tip,
 )
-from crackgrow.fracture.meeting import CORNER, Meeting
+from crackgrow.fracture.meeting import CORNER
 from crackgrow.fracture.sites import BESIDE, Site, StartRegions, start_sites
 
 PLATE = shapely.box(-10.0, -10.0, 10.0, 10.0)
@@ -122,15 +122,6 @@ FLAW = [(0.0, 0.0), (4.0, 0.0)]
 """Its end advances by 1 to (5, 0) unless it meets something."""
 
 
-def advance_flaw(*others: list[tuple[float, float]], kink_deg: float = 0.0) -> tuple[np.ndarray, Meeting | None]:
-    cracks = [growing(points) for points in others]
-    after, met = advanced(growing(FLAW), True, Segment(np.deg2rad(kink_deg), 1.0), 7, PLATE, cracks)
-    assert after.can_grow(True) == (met is None)
-    assert after.can_grow(False)
-    assert [crack.can_grow(end) for crack in cracks for end in (False, True)] == [True] * 2 * len(cracks)
-    return after.crack.points[-1], met
-
-
 def across(x: float, low: float = -3.0, high: float = 3.0) -> list[tuple[float, float]]:
     return [(x, low), (x, high)]
 
@@ -164,7 +155,11 @@ MEETINGS = {
 @pytest.mark.parametrize("name", MEETINGS)
 def test_a_segment_ends_on_what_it_crosses_or_comes_close_to_and_grows_on_along_it_or_away(name: str) -> None:
     others, kink, at, number, which = MEETINGS[name]
-    end, met = advance_flaw(*others, kink_deg=float(np.rad2deg(np.arcsin(kink))))
+    cracks = [growing(points) for points in others]
+    after, met = advanced(growing(FLAW), True, Segment(np.arcsin(kink), 1.0), 7, PLATE, cracks)
+    assert (after.can_grow(False), after.can_grow(True)) == (True, met is None)
+    assert all(crack.can_grow(end) for crack in cracks for end in (False, True))
+    end = after.crack.points[-1]
     found = None if met is None else (met.kind, met.number, met.end)
     assert found == (None if number is None else ("crack", number, which))
     np.testing.assert_allclose(end[1:] if at is None else end, [-0.05] if at is None else at, atol=1e-15)

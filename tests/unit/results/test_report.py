@@ -18,7 +18,7 @@ from crackgrow.errors import SolveError
 from crackgrow.results.atomic import FolderError
 from crackgrow.results.report.page import write_report
 from crackgrow.results.writer import RunWriter
-from tests.scenes import HOSTILE, SLOWLY, make_run, shipped_case
+from tests.scenes import HOSTILE, SLOWLY, make_run, rows_of, shipped_case
 
 VOID = ("meta", "input", "img")
 ROUNDING = 1e-5  # six digits are shown
@@ -71,11 +71,6 @@ def read(folder: Path) -> Page:
     return Page((folder / "report.html").read_text(encoding="utf-8"))
 
 
-def rows(folder: Path, name: str) -> list[dict[str, str]]:
-    with (folder / name).open(newline="") as file:
-        return list(csv.DictReader(file))
-
-
 def numbers(table: list[dict[str, str]], name: str) -> list[float]:
     return [float(row[name]) for row in table]
 
@@ -96,7 +91,7 @@ def told_of(folder: Path, target: Path, summary: dict[str, Any], steps: dict[int
     copy = copied(folder, target)
     told = json.loads((copy / "summary.json").read_text())
     (copy / "summary.json").write_text(json.dumps(told | summary))
-    table = rows(copy, "steps.csv")
+    table = rows_of(copy / "steps.csv")
     for number, cells in steps.items():
         table[number] |= cells
     with (copy / "steps.csv").open("w", newline="") as out:
@@ -126,7 +121,7 @@ def test_everything_from_the_case_is_escaped(page: Page, folder: Path) -> None:
 
 
 def test_tips_and_contact_points_are_those_of_the_tables(page: Page, folder: Path) -> None:
-    tips, table = page.data["tips"], rows(folder, "tips.csv")
+    tips, table = page.data["tips"], rows_of(folder / "tips.csv")
     shown = [row for step in sorted(tips["steps"], key=int) for row in tips["steps"][step]]
     assert [(*row[:2], row[8]) for row in shown] == [(row["crack"], row["tip"], row["criterion"]) for row in table]
     for column, name in enumerate(("K_I", "K_II", "K_growth", "sigma_1", "sigma_3"), start=2):
@@ -134,7 +129,7 @@ def test_tips_and_contact_points_are_those_of_the_tables(page: Page, folder: Pat
         np.testing.assert_allclose(values, numbers(table, name), rtol=ROUNDING)
     for column, name in ((7, "criticality"), (9, "kink_deg")):
         np.testing.assert_allclose([row[column] for row in shown], numbers(table, name), rtol=ROUNDING)
-    contact, table = page.data["contact"], rows(folder, "contact.csv")
+    contact, table = page.data["contact"], rows_of(folder / "contact.csv")
     assert not contact["left_out"]
     steps = [step for _, step in sorted(contact["surfaces"]["flaw"].items(), key=lambda item: int(item[0]))]
     for name, unit in contact["units"].items():
@@ -153,7 +148,7 @@ def test_loads_that_vary_and_growth_that_takes_time_have_their_curves(
 ) -> None:
     make_run(tmp_path, settings, case=case)
     chart = next(chart for chart in read(tmp_path).data["charts"] if chart["title"] == title)
-    table = rows(tmp_path, "steps.csv")
+    table = rows_of(tmp_path / "steps.csv")
     (series,) = chart["series"]
     for name, shown, label in ((x, series["x"], chart["xlabel"]), (y, series["y"], chart["ylabel"])):
         values = shown if name in ("time", "load_factor") else [in_si(value, label) for value in shown]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Sequence
 from dataclasses import replace
@@ -20,6 +19,7 @@ from crackgrow.results.folder import SUMMARY_KEYS
 from crackgrow.results.lock import LOCK
 from crackgrow.results.writer import RunWriter
 from crackgrow.run.result import RunEnd, StepResult
+from tests.scenes import rows_of, summary_of
 from tests.unit.results.synthetic import make_case, make_end, make_event, make_paths, make_result
 
 TABLES = {
@@ -44,18 +44,12 @@ def a_run(folder: Path, results: Sequence[StepResult] = (), **output: Any) -> Pa
 
 
 def column(path: Path, name: str) -> list[str]:
-    with path.open(newline="") as file:
-        return [row[name] for row in csv.DictReader(file)]
+    return [row[name] for row in rows_of(path)]
 
 
 def files(folder: Path) -> set[str]:
     """All but the lock of a run that goes on."""
     return {str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file() and path.name != LOCK}
-
-
-def summary(folder: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((folder / "summary.json").read_text())
-    return found
 
 
 def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:
@@ -73,12 +67,12 @@ def test_everything_is_on_disk_after_every_step(tmp_path: Path) -> None:
         for series in ("block.pvd", "block_cracks.pvd"):
             assert pyvista.get_reader(out / series).time_values == list(range(step + 1))
         assert pyvista.read(out / "frames" / f"step_{step:04d}.vtu").n_points > 0
-        told = summary(out)
+        told = summary_of(out)
         assert (told["status"], told["steps_done"], told["n_solves"]) == ("running", step, step + 1)
         assert f"step {step}/2" in (out / "run.log").read_text()
     writer.finish(make_end(3))
     assert len(column(out / "paths.csv", "x")) == 5
-    assert summary(out)["status"] == "completed"
+    assert summary_of(out)["status"] == "completed"
     frames = {f"{kind}/step_000{k}.{end}" for k in range(3) for kind, end in (("frames", "vtu"), ("cracks", "vtp"))}
     assert files(out) == TABLES | frames | {"block.pvd", "block_cracks.pvd"}
 
@@ -93,14 +87,13 @@ def test_events_are_in_the_table_the_log_and_the_summary_as_they_come(tmp_path: 
     last = make_event(2, kind="break_through", met="the outline of body 'rock'")
     writer.finish(RunEnd("broke_through", "a piece came loose", make_paths(2), (last,)))
     assert "step 2, break_through: crack 'flaw' (end) reached the outline" in (tmp_path / "run.log").read_text()
-    first, *_, third = summary(tmp_path)["events"]
+    first, *_, third = summary_of(tmp_path)["events"]
     x, y = make_event(1).point
     assert first == {
         "step": 1, "kind": "coalescence", "crack": "flaw", "tip": "end", "x": x, "y": y, "met": "crack 'b, the second'",
         "words": line.partition(": ")[2],
     }  # fmt: skip
-    with (tmp_path / "events.csv").open(newline="") as file:
-        rows = list(csv.DictReader(file))
+    rows = rows_of(tmp_path / "events.csv")
     assert [row["step"] for row in rows] == ["1", "1", "2", "2"]
     assert (rows[3]["kind"], rows[3]["met"]) == ("parted", "a piece came loose")
     told = {name: str(value) for name, value in third.items() if name != "words"}
@@ -114,7 +107,7 @@ def test_figures_are_those_that_show_something(tmp_path: Path, factors: list[flo
     a_run(tmp_path, [make_result(k, load_factor=f) for k, f in enumerate(factors)], frames="none", figures=True)
     assert ("figures/load_curve.png" in files(tmp_path)) == curve
     assert ("figures/stress_strain.png" in files(tmp_path)) == (len(factors) > 1)
-    assert summary(tmp_path)["peak_load"] == {"load_factor": 1.0, "step": 0}
+    assert summary_of(tmp_path)["peak_load"] == {"load_factor": 1.0, "step": 0}
     first, last = ((tmp_path / "figures" / f"sigma_1_{name}.png").read_bytes() for name in ("first", "last"))
     assert (first == last) == (len(factors) == 1)
 
@@ -133,7 +126,7 @@ def test_frames_policy(tmp_path: Path, policy: str, n_steps: int, kept: list[int
 @pytest.mark.physics
 def test_a_run_that_fails_keeps_what_was_solved(tmp_path: Path) -> None:
     begun(tmp_path, [make_result(0), make_result(1)], frames="none", figures=True).break_off(SolveError("no solution"))
-    told = summary(tmp_path)
+    told = summary_of(tmp_path)
     assert (told["status"], told["stop_reason"]) == ("failed", "no solution")
     assert (told["steps_done"], told["n_solves"]) == (1, 2)
     assert column(tmp_path / "steps.csv", "step") == ["0", "1"]

@@ -69,16 +69,6 @@ def edges(frame: Frame | OutputMesh) -> tuple[np.ndarray, np.ndarray]:
     return np.unique(np.sort(np.concatenate(both), axis=1), axis=0, return_counts=True)
 
 
-def nodes_at(frame: Frame, point: np.ndarray) -> np.ndarray:
-    return np.flatnonzero(np.hypot(*(frame.points - point).T) < NEAR)
-
-
-def from_tips(solution: StepSolution, points: np.ndarray) -> np.ndarray:
-    """Distance (n,) in spacings of points (n, 2) m from the nearest tip."""
-    local = solution.cover.lattice.to_lattice(points)
-    return np.min([np.hypot(*(local - tip.point).T) for tip in solution.cover.tips], axis=0)
-
-
 @pytest.mark.parametrize("name", [*SCENES, *CUT])
 def test_cells_fill_the_specimen_once_and_no_corner_lies_in_a_side_of_another(name: str) -> None:
     """Sides of one cell alone are those of the elements on outlines, and of both faces of cracks and interfaces."""
@@ -106,7 +96,8 @@ def test_the_stress_of_a_node_is_that_of_each_element_that_meets_there(name: str
     mesh = output_mesh(solution.cover.elements, solution.cover.tips)
     node, element = mesh.place_node, mesh.place_element
     stress = stress_at(solution.cover, solution.materials, solution.outcome.u, mesh.points[node], element)
-    off_tips = from_tips(solution, frame.points[node]) > 1e-6
+    places = solution.cover.lattice.to_lattice(frame.points[node])
+    off_tips = np.min([np.hypot(*(places - tip.point).T) for tip in solution.cover.tips], axis=0) > 1e-6  # spacings
     size = np.abs(stress[off_tips]).max()
     np.testing.assert_allclose(frame.point_stress[node[off_tips]], stress[off_tips], rtol=0, atol=1e-9 * size)
     np.testing.assert_allclose(frame.point_stress_zz, 0.25 * frame.point_stress[:, :2].sum(axis=1), atol=1e-9 * size)
@@ -123,7 +114,7 @@ def test_the_displacement_jumps_by_gap_and_slip_from_node_to_node(name: str) -> 
     tolerance = AT_TIP * np.abs(jump).max()
     n_pairs = 0
     for k, place in enumerate(cover.lattice.to_metres(vertices.points)):
-        nodes = nodes_at(frame, place)
+        nodes = np.flatnonzero(np.hypot(*(frame.points - place).T) < NEAR)
         found = frame.displacement[nodes[-1]] - frame.displacement[nodes[0]]  # zero at a tip
         assert min(np.abs(found - jump[k]).max(), np.abs(found + jump[k]).max()) < tolerance
         n_pairs += len(nodes) == 2

@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 
 import numpy as np
 import pytest
 
 from crackgrow.case.formula import CoordinateFormula, parse_formula
-from crackgrow.case.model import EdgePressure, EdgeRegion, EdgeSupport, EdgeTraction, ElasticBedding, PointSupport
-from crackgrow.cover.cover import Cover
+from crackgrow.case.model import EdgePressure, EdgeSupport, EdgeTraction, ElasticBedding, PointSupport
 from crackgrow.cover.elements import locate
 from crackgrow.errors import FreePieceError, GeometryError
 from crackgrow.solid.elasticity import energy_components, plane_elasticity
@@ -18,7 +16,7 @@ from crackgrow.solid.in_situ import InSitu
 from crackgrow.solid.loads import load_vector
 from crackgrow.solid.recovery import displacement_at
 from crackgrow.solid.rigid_modes import free_motions
-from crackgrow.solid.supports import EdgePoints, constraints, points_along
+from crackgrow.solid.supports import constraints, points_along
 from tests.conftest import Build, Sample
 from tests.solving import steps_of
 
@@ -80,10 +78,6 @@ KINKED = [(1.7, 2.2), (3.3, 2.6), (3.9, 3.8)]
 MOUTH = [(0.5, 2.2), (3.1, 2.7)]
 
 
-def edge_points(cover: Cover, regions: Sequence[EdgeRegion]) -> list[EdgePoints]:
-    return points_along(cover, [cover.edges_on(region) for region in regions])
-
-
 def resultant(sample, f: np.ndarray) -> np.ndarray:
     """Force (2,) and moment about the origin of a load vector: its work on the rigid motions."""
     nodes = sample.lattice.to_metres(sample.cover.patches.nodes)
@@ -130,7 +124,7 @@ def test_loads_on_edges_have_their_resultant_force_and_moment(build, name: str, 
 def test_an_edge_is_held_cell_by_cell_where_cells_are_small(build) -> None:
     """Held on average over a spacing the edge moves between small cells, and larger cells elsewhere do not tell it."""
     sample = build.block((8, 8), support=2.0, levels=3, places=[(8.5, 4.5)])
-    (found,) = edge_points(sample.cover, [build.edge("right")])
+    (found,) = points_along(sample.cover, [sample.cover.edges_on(build.edge("right"))])
     held = constraints(sample.cover, [EdgeSupport(build.edge("right"), (0.0, None))])
     sides = sample.cover.elements.size[found.elements]
     assert sides.min() == 0.125

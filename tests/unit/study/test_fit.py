@@ -18,7 +18,7 @@ from crackgrow.study.sweep_file import FitFile, Measured, Range, SweepFile, read
 from tests.scenes import make_run
 
 CASES = Path(__file__).parents[3] / "cases"
-JOINT, FLAW = CASES / "fits" / "rough_joint_measured.csv", CASES / "compression30.yaml"
+FLAW = CASES / "compression30.yaml"
 LENGTHS = ("crack_length", "load_factor")
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 import os
 import signal
@@ -29,6 +28,7 @@ from crackgrow.study.runs import Table, Values, found_in
 from crackgrow.study.sweep import plan_sweep, sweep
 from crackgrow.study.workers import ClusterError, Workers, run_process
 from tests.properties.broken_off import CASES, ENVIRONMENT, ROOT
+from tests.scenes import rows_of
 
 FLAW = CASES / "compression30.yaml"
 PATIENCE = 60.0  # s, for what happens at last
@@ -61,10 +61,6 @@ def is_there(process: int) -> bool:
     """Whether a process goes on; one that has ended may wait to be asked for its exit code."""
     done = subprocess.run(["ps", "-o", "stat=", "-p", str(process)], capture_output=True, text=True, check=False)
     return done.stdout.strip()[:1] not in ("", "Z")
-
-
-def rows_of(path: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
 
 
 def statuses(folder: Path) -> list[str]:

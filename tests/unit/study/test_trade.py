@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
@@ -15,12 +14,12 @@ from crackgrow.study.findings import Findings, findings
 from crackgrow.study.runs import Table, Values
 from crackgrow.study.trade import trade_text
 from crackgrow.study.trade_plan import OWN, TradePlan, plan_trade
+from tests.scenes import rows_of
 
 pytestmark = pytest.mark.physics
 
 CASES = Path(__file__).parents[3] / "cases"
 HALF = "half increment"
-THREE = ("draft", "standard", "fine")
 SIZES = {"draft": 4e-3, "standard": 2e-3, "fine": 1e-3, "own": 1.5e-3, HALF: 1.5e-3}
 COST: Values = {"status": "completed", "reason": "done", "n_dofs": 100, "cpu_seconds": 1.0, "peak_memory_mb": 300.0}
 STEPS = "step,n_dofs,load_factor,load_displacement\n"
@@ -88,11 +87,8 @@ def study(
 
 
 def told(found: Findings) -> str:
-    return trade_text(found, table_of(found))
-
-
-def table_of(found: Findings) -> Table:
-    return Table(found.plan.study, {run.number: dict(COST) for run in found.plan.study.runs})
+    study = found.plan.study
+    return trade_text(found, Table(study, {run.number: dict(COST) for run in study.runs}))
 
 
 def test_K_tends_to_its_limit_and_every_setting_has_its_error(tmp_path: Path) -> None:
@@ -209,6 +205,6 @@ def test_an_edge_crack_converges_to_its_K(tmp_path: Path, capsys: pytest.Capture
     assert {path.name for path in out.iterdir()} == {
         "convergence.csv", "draft", "fine", "standard", "trade.csv", "trade.png"
     }  # fmt: skip
-    rows = list(csv.DictReader((out / "trade.csv").read_text().splitlines()))
+    rows = rows_of(out / "trade.csv")
     assert [float(row["error"]) for row in rows] == [row["error"] for row in record["runs"]]
     assert all(float(row["cpu_seconds"]) > 0.0 and float(row["peak_memory_mb"]) > 50.0 for row in rows)

@@ -14,10 +14,11 @@ import pytest
 
 from crackgrow.case import load_case
 from crackgrow.quadrature.rules import gauss
+from crackgrow.run.checkpoint import beginning
 from crackgrow.run.increments import LoadState
 from crackgrow.run.loading import LoadsInTurn
 from crackgrow.run.scene import make_scene
-from tests.verification.solutions import CASES, Floats, Solved, before_growth, jump_of, rate, relative_L2, solved, table
+from tests.verification.solutions import CASES, Floats, Solved, jump_of, rate, relative_L2, solved, table
 from tests.verification.table import Record, Row, parameters
 
 
@@ -172,7 +173,7 @@ def cycle(*factors: float) -> tuple[list[LoadState], Floats]:
     """cyclic_friction under factors, its own if none are given: its states, and K_II (n,) Pa sqrt(m) at the end."""
     settings = [f"loading.history={list(factors)}"] if factors else []
     scene = make_scene(load_case(CASES / "cyclic_friction.yaml", settings))
-    in_turn = LoadsInTurn(scene, before_growth(scene.case))
+    in_turn = LoadsInTurn(scene, beginning(scene.case).cracks)
     found = [in_turn.solution(number) for number in range(scene.case.n_loads)]
     if not factors:
         np.testing.assert_allclose(AMPLITUDE * np.array([each.factor for each in found]), HISTORY, atol=1.0)
