@@ -126,6 +126,7 @@ def least_unbalanced(
     strength (n,) Pa. Raises NotSolvedError where linear programming fails.
     """
     from scipy.optimize import linprog  # here: loading it takes a tenth of a second, and few scenes need it
+    from scipy.sparse import block_array, csr_array, diags_array, eye_array
 
     n, (force, pull) = len(friction), motions
     k = len(pull)
@@ -134,12 +135,12 @@ def least_unbalanced(
     pressure = size / length  # Pa, as a measure
     cohesion = np.minimum(cohesion, AMPLE * pressure)
     forces = force * (pressure / size)
-    law = [np.concatenate([np.diag(friction), sign * np.eye(n), np.zeros((n, 2 * k))], axis=1) for sign in (1.0, -1.0)]
+    law = [[diags_array(friction), sign * eye_array(n), csr_array((n, 2 * k))] for sign in (1.0, -1.0)]
     found = linprog(
         np.repeat([0.0, 1.0], [2 * n, 2 * k]),
-        A_ub=np.concatenate(law),
+        A_ub=block_array(law, format="csc"),
         b_ub=np.tile(cohesion / pressure, 2),
-        A_eq=np.concatenate([forces, np.eye(k), -np.eye(k)], axis=1),
+        A_eq=block_array([[csr_array(forces), eye_array(k), -eye_array(k)]], format="csc"),
         b_eq=pull / size,
         bounds=[(None, most) for most in np.minimum(tension / pressure, AMPLE).tolist()]
         + [(None, None)] * n
