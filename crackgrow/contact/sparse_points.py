@@ -2,7 +2,7 @@
 
 A tie is a multiplier that holds the faces together at a point, or apart by a jump, and is the traction times the length
 there: jumps make tractions by one solution. The other way, from tractions to jumps with the faces apart, loses digits
-where cracks leave thin pieces of rock, and is not gone. Of 16,600 points the factors are 3.6 GB, the compliance 8.8.
+where cracks leave thin pieces of rock, and is not taken. Of 16,600 points the factors are 3.6 GB, the compliance 8.8.
 """
 
 from __future__ import annotations

@@ -27,7 +27,7 @@ from crackgrow.contact.newton import ROUND_OFF, residual_floor, solve_by_newton
 from crackgrow.contact.points import CondensedPoints, RockPoints
 from crackgrow.contact.problem import ContactProblem, ContactSolution
 from crackgrow.contact.sparse_points import SparsePoints
-from crackgrow.errors import SolveError
+from crackgrow.errors import NotSolvedError, SolveError
 from crackgrow.linear import mirror
 
 HELD: Final = 1e-10  # of the squares of jumps that all points see of a motion: stuck ones with less do not hold it
@@ -304,7 +304,10 @@ def _not_stuck(active: ActiveSet) -> Bools:
 
 
 def _invert(matrix: Floats) -> None:
-    """Replace a symmetric matrix (k, k) that is positive definite by its inverse; it is large."""
+    """Replace a large symmetric matrix (k, k) by its inverse. Raises NotSolvedError where it is not definite."""
     if len(matrix):
-        dpotri(dpotrf(matrix.T, lower=1, overwrite_a=1)[0], lower=1, overwrite_c=1)
+        lower, info = dpotrf(matrix.T, lower=1, overwrite_a=1)
+        if info:
+            raise NotSolvedError("the stiffness between contact points that may slip is not positive definite")
+        dpotri(lower, lower=1, overwrite_c=1)
         mirror(matrix)
