@@ -90,7 +90,7 @@ def solve_contact(
     still = np.zeros(2 * len(contact.weights))
     free = contact.operator @ without[0]
     increment = Increment(contact, memory, free, pull, overlap, still, (loads, given))
-    return increment.formed(increment.solved(), (loads, given), without)
+    return increment.formed(increment.solved(), without)
 
 
 def whole_run(case: Case, checkpoint: Checkpoint | None = None) -> tuple[list[StepResult], RunEnd]:

@@ -92,6 +92,11 @@ class Trial:
     pressed: Floats  # (n,) Pa: normal tractions that closure and friction of rough faces are taken at
     wears: int = 0  # how often slip has taken some of what can be lost, or these have been taken anew
 
+    @property
+    def places(self) -> Ints:
+        """Normal, then tangential tractions (2 k,) of the points that are taken, among those of all points."""
+        return np.flatnonzero(np.tile(self.taken, 2))
+
 
 class TrialNotSolvedError(NotSolvedError):
     """An increment whose contact was not solved in a trial: what broke up to there has broken."""
@@ -205,22 +210,20 @@ class Increment:
     def formed(
         self,
         state: PointStates,
-        loads: tuple[Floats, Floats],
         without: tuple[Floats, Floats],
         known: tuple[Floats, Floats] | None = None,
     ) -> ContactOutcome:
         """The outcome of states with their displacements, and both corrected until their jumps are the same.
 
-        `loads` are those of the rock (n_dofs,) N/m and what supports are given (m,) m, `without` the displacements and
-        multipliers without tractions; `known` those of the states, if they are. Raises NotSolvedError where the
-        compliance is wrong altogether.
+        `without` are the displacements and multipliers without tractions, `known` those of the states, if they are.
+        Raises NotSolvedError where the compliance is wrong altogether.
         """
         here, best, rock, off, last_off = self, state, without, 0.0, np.inf
         while state.solution is not None:
             there = (
                 known
                 or state.rock
-                or self.contact.displacements(loads, without, state.tractions, state.solution.motion)
+                or self.contact.displacements(self.loads, without, state.tractions, state.solution.motion)
             )
             known = None
             more, now_off = here._missing(state, there[0])
@@ -301,8 +304,8 @@ class Increment:
         """Tractions and jumps of a trial, looked for from those of another one on."""
         problem, known, near = self._problem(trial), None, None
         if start.solution is not None:
-            rows, near = np.flatnonzero(np.tile(trial.taken, 2)), start.solution.equations
-            known = np.concatenate([start.tractions[rows] - self._pulled(trial)[rows], start.solution.motion])
+            near = start.solution.equations
+            known = np.append((start.tractions - self._pulled(trial))[trial.places], start.solution.motion)
         solution = _solved_among_stuck(problem, known)
         if solution is None and isinstance(problem.points, SparsePoints):
             problem = self._condensed(trial)
@@ -341,19 +344,18 @@ class Increment:
 
     def _problem(self, trial: Trial) -> ContactProblem:
         """The problem of a trial."""
-        contact, law, before = self.contact, self.contact.law, self.memory.slip
+        contact, law = self.contact, self.contact.law
         friction, cohesion = law.bound_of(trial.lost, trial.pressed)
         cohesion[trial.opened] = 0.0
-        rate, risen = self.memory.dilates(law, trial.lost)
-        rows, n = np.flatnonzero(trial.taken), len(friction)
-        at, resists = np.concatenate([rows, n + rows]), (friction > 0.0) | (cohesion > 0.0) | (rate > 0.0)
+        rate, _ = self.memory.dilates(law, trial.lost)
+        rows, at, n = np.flatnonzero(trial.taken), trial.places, len(friction)
+        resists = (friction > 0.0) | (cohesion > 0.0) | (rate > 0.0)
         counts = np.concatenate([np.ones(len(rows), dtype=bool), resists[rows]])
-        jumps = np.where(counts, self.free[at] - np.concatenate([risen[rows], before[rows]]), 0.0)
+        jumps = np.where(counts, (self.free - self._beyond_law(trial))[at], 0.0)
         softer, pull, by_jumps = None, self.pull, None
         if np.isfinite(law.most).any():
             softness = law.compliance * law.softness(trial.pressed)
             softer = np.append(softness - law.compliance, np.zeros(n))[at]
-            jumps[: len(rows)] += (law.closure(trial.pressed) + softness * trial.pressed)[rows]
         points = contact.condensed(rows, resists[rows], softer)
         pulled = self._pulled(trial)
         if pulled.any():  # unknown are tractions less the tensile strength
@@ -363,19 +365,18 @@ class Increment:
             jumps = jumps - points.compliance @ pulled[at] if pulled.any() else jumps
         else:
             by_jumps = partial(self._by_jumps, points, trial)
-        law_of = (friction[rows], cohesion[rows], rate[rows], before[rows])
+        law_of = (friction[rows], cohesion[rows], rate[rows], self.memory.slip[rows])
         return ContactProblem(points, jumps, *law_of, pull, by_jumps)
 
     def _by_jumps(self, points: SparsePoints, trial: Trial, motion: Floats, jumps: Floats) -> Floats:
         """Tractions (2 k,) Pa of a trial's problem, by amplitudes (l,) of motions and jumps (2 k,) m of its law."""
-        at = np.flatnonzero(np.tile(trial.taken, 2))
-        return self._rock(points, trial, motion, jumps)[2] - self._pulled(trial)[at]
+        return self._rock(points, trial, motion, jumps)[2] - self._pulled(trial)[trial.places]
 
     def _rock(self, points: SparsePoints, trial: Trial, motion: Floats, jumps: Floats) -> tuple[Floats, Floats, Floats]:
         """Displacements (n_dofs,) m, multipliers (m,) and tractions (2 k,) Pa by the same."""
-        loose, at = self.contact.loose, np.flatnonzero(np.tile(trial.taken, 2))
+        loose, beyond = self.contact.loose, self.moved + self._beyond_law(trial)
         loads = self.loads[0] + (0.0 if loose is None else loose.carrying(motion))
-        return points.with_jumps(loads, self.loads[1], jumps + self._beyond_law(trial)[at])
+        return points.with_jumps(loads, self.loads[1], jumps + beyond[trial.places])
 
     def _condensed(self, trial: Trial) -> ContactProblem:
         """The problem of a trial on condensed rock. Raises NotSolvedError where its points are too many for that."""
@@ -383,10 +384,10 @@ class Increment:
         return self._problem(trial)
 
     def _beyond_law(self, trial: Trial) -> Floats:
-        """What jumps (2 n,) m of displacements have beyond those of the law of a trial, and elastic contact."""
+        """What jumps (2 n,) m have beyond those of the law of a trial, and elastic contact."""
         law = self.contact.law
         _, risen = self.memory.dilates(law, trial.lost)
-        beyond = self.moved + np.concatenate([risen, self.memory.slip])
+        beyond = np.concatenate([risen, self.memory.slip])
         if np.isfinite(law.most).any():
             softness = law.compliance * law.softness(trial.pressed)
             beyond[: len(risen)] -= law.closure(trial.pressed) + softness * trial.pressed
@@ -403,14 +404,13 @@ class Increment:
         rows, n = np.flatnonzero(trial.taken), len(trial.taken)
         p = self._pulled(trial)
         strong, rock = p[:n] > 0.0, None
-        p[np.append(rows, n + rows)] += solution.traction
+        p[trial.places] += solution.traction
         p_n, p_t = np.split(p, 2)
         if isinstance(problem.points, SparsePoints):
-            rock = self._rock(problem.points, trial, solution.motion, problem.jump_of(solution))[:2]
+            jumps, most = problem.jump_of(solution), np.abs(solution.traction).max(initial=0.0)
+            rock = self._rock(problem.points, trial, solution.motion, jumps)[:2]
             gap, slip = np.split(contact.operator @ rock[0] - self.moved, 2)
-            terms = np.abs(problem.jump_of(solution)) + problem.points.scale * np.abs(solution.traction).max(
-                initial=0.0
-            )
+            terms = np.abs(jumps) + problem.points.scale * most
         else:
             gap, slip = np.split(self.free - contact.rock @ p + contact.moving @ solution.motion, 2)
             lying, _ = problem.settled()  # how supports hold loose pieces to be solved for does not matter

@@ -292,7 +292,7 @@ class Configuration:
         """
         loads, share = self.loads(level), self.shares(level)
         without = self._without_tractions(share)
-        outcome = self.increment(level, memory).formed(states, (loads, self.given(level)), without, known)
+        outcome = self.increment(level, memory).formed(states, without, known)
         check_magnitude("displacements", outcome.u, self._farthest, "m")
         if self.contact.loose is not None:
             outcome = replace(outcome, notes=(*outcome.notes, *_unheld(self.cover, self.contact, outcome)))

@@ -118,9 +118,8 @@ def quantities(solution: StepSolution, own_factor: float) -> Quantities:
     """What a solution says of all that errors are stated of."""
     tips = solution.tips
     intensities = [tip.intensity for tip in tips]
-    of_volumes = -solution.outcome.multipliers[
-        solution.configuration.held.load >= 0
-    ]  # pressure times the length wetted
+    wetted = solution.configuration.held.load >= 0
+    of_volumes = -solution.outcome.multipliers[wetted]  # pressure times the length
     forces = np.array([*(reaction.force for reaction in reactions(solution)), *((f, 0.0) for f in of_volumes)])
     forces = forces.reshape(-1, 2)
     loads = solution.configuration.loads(solution.level)
